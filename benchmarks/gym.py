@@ -20,7 +20,7 @@ import numpy as np
 import libgz.gym
 from libgz.gym import WorldEnv
 
-ROUNDS, SHARE = 21, 0.1  # interleaved rounds, and how long each one runs [s]
+ROUNDS, SHARE = 101, 0.02  # interleaved rounds, and how long each one runs [s]
 
 
 def bare(env: WorldEnv) -> Callable[[list[float]], object]:

@@ -17,6 +17,7 @@ from PIL import Image
 
 from libgz.cxx.camera import CxxCamera
 from libgz.cxx.objects import current, enter, forget, running
+from libgz.cxx.ray import CxxRay
 from libgz.cxx.stereo_camera import CxxStereoCamera
 from libgz.errors import GazeboError, NotFoundError, ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzQuatern
@@ -25,6 +26,7 @@ from libgz.legacy.world import LegacyWorld
 from libgz.ode.lib import ode
 from libgz.ode.types import Mass
 from libgz.physics import geoms, surfaces
+from libgz.physics.appearance import RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.joint import BallJoint, HingeJoint, Joint, JointGroup, SliderJoint
@@ -201,7 +203,7 @@ SphereGeom_new = _new_geom(geoms.SphereGeom)
 CylinderGeom_new = _new_geom(geoms.CylinderGeom)
 WheelGeom_new = _new_geom(geoms.WheelGeom)
 PlaneGeom_new = _new_geom(geoms.PlaneGeom)
-RayGeom_new = _new_geom(geoms.RayGeom)
+RayGeom_new = _new_geom(CxxRay)
 LightGeom_new = _new_geom(geoms.LightGeom)
 FrustrumGeom_new = _new_geom(geoms.FrustrumGeom)
 DomeGeom_new = _new_geom(lambda body, space, resolution: geoms.DomeGeom(body, space))
@@ -281,6 +283,12 @@ def Geom_GetTransparency(geom: Geom) -> float:
 
 def Geom_GetRenderOrder(geom: Geom) -> int:
     return geom.appearance.render_order
+
+
+def Geom_SetRenderOrder(geom: Geom, order: int) -> None:
+    if order not in (RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT):
+        raise ParameterError(f"a renderOrder is {RENDER_LIGHT}, {RENDER_OPAQUE} or {RENDER_TRANSPARENT}, not {order}")
+    geom.appearance.change(render_order=order)
 
 
 def RayGeom_Get(geom: geoms.RayGeom) -> tuple[float, ...]:
@@ -417,6 +425,18 @@ def Model_new(pointer: int, fields: int, world: World | None) -> int:
     if model.pointer:
         raise ParameterError("a model cannot create another one with new; World::LoadModel does")
     return model.constructed(pointer, fields)
+
+
+def Model_SetId(model: Model, id: str | None) -> None:
+    if id is None:
+        raise ParameterError("SetId needs a text, not NULL")
+    model.SetId(id)
+
+
+def Model_SetName(model: Model, name: str | None) -> None:
+    if name is None:
+        raise ParameterError("SetName needs a text, not NULL")
+    model.SetName(name)
 
 
 def Model_GetBody(model: Model, name: str | None) -> Body | None:

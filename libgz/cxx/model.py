@@ -253,7 +253,8 @@ class CxxModel(Model):
         return handle
 
     def _relabel(self) -> None:
-        self.label = f"model {self._id!r}, plugin {self.plugin.path}".encode(errors="replace")
+        who = f"model {self._id!r}" if self._id else f"a model of class {type(self).__name__!r}"
+        self.label = f"{who}, plugin {self.plugin.path}".encode(errors="replace")
 
     def SetId(self, id: str) -> None:
         """Set the name of the model and of its interfaces."""

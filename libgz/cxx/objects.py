@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from libgz.errors import ClosedError, PluginError
 from libgz.legacy.model import Model
+from libgz.ode.lib import ode
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.joint import HingeJoint
@@ -203,20 +204,25 @@ class Session:
         return pointer
 
     def space(self, address: int | None) -> Space | None:
-        """The space of an address of ODE's; None for None.
+        """The space of an address of ODE's, which may be one that the plugin made itself; None for None.
 
         Raises:
-            PluginError: it is none of this world.
+            PluginError: it is a geom.
         """
         if not address:
             return None
+        engine = self.world.engine
         found = self._spaces.get(address)
-        if found is None or found.engine is not self.world.engine:
-            spaces = [self.world.engine.top, *self.world.engine.spaces]
+        if found is None or found.engine is not engine:
+            spaces = [engine.top, *engine.spaces]
             found = next((space for space in spaces if space.id == address), None)
             if found is None:
-                raise PluginError(f"{address:#x} is no space of this world; models pass their modelSpaceId")
+                if not ode().dGeomIsSpace(address):
+                    raise PluginError(f"{address:#x} is no space; models pass their modelSpaceId")
+                found = Space(engine, address)
             self._spaces[address] = found
+        if found not in engine.spaces and found is not engine.top:
+            ode().dSpaceSetCleanup(address, 0)  # bodies destroy their geoms, also after the plugin destroyed its space
         return found
 
     def folder(self) -> Path:

@@ -93,7 +93,7 @@ class CxxPlugin:
         model = c_void_p()
         text = ctypes.create_string_buffer(LONGEST)
         status = self._create(function, world, label, ctypes.byref(model), text, LONGEST)
-        self.check(status, "the constructor", 0, text)
+        self.check(status, "the constructor", 0, text, label.decode(errors="replace").partition(", plugin ")[0])
         return model.value or 0
 
     def call(self, model: int, method: int, file: int, node: int, label: bytes) -> tuple[int, int, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 from ctypes import CFUNCTYPE, c_char_p, c_double, c_int, c_long, c_uint, c_void_p
 from functools import cache
 from typing import Any
@@ -15,6 +16,8 @@ from libgz.errors import ClosedError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = ["table"]
+
+log = logging.getLogger("libgz.plugin")
 
 CTYPES: dict[str, Any] = {
     "int": c_int,
@@ -50,6 +53,7 @@ RETURNS = {
     "GzColor": "NUMBERS4(out)[:] = tuple({call})",
     "GzTwoVectors": "NUMBERS6(out)[:] = {call}",
 }
+MADE_ANYWHERE = ("WorldFile_new", "JointGroup_new")  # also at file scope, before there is a model
 SOURCE = """
 def call({parameters}):
     try:
@@ -74,10 +78,13 @@ def _pointer(thing: Any) -> int | None:
 def _failed(error: BaseException) -> None:
     """Keep what was raised for the end of the plugin's method, which ends now."""
     running.failure = ClosedError("this object was deleted") if isinstance(error, KeyError) else error
+    if running.model is None:
+        log.error("a call of a plugin's own thread failed: %s", running.failure)
     fail()
 
 
 _NAMES: dict[str, Any] = {
+    "current": current,
     "GzColor": GzColor,
     "GzPose": GzPose,
     "GzQuatern": GzQuatern,
@@ -138,6 +145,8 @@ def _thunk(function: Function) -> Any:
             "OBJECTS[self]" if name == "self" else value for name, value in zip(_own(function), values, strict=True)
         ]
         call = f"forward({', '.join(values)})"
+    if function.name.endswith("_new") and function.name not in MADE_ANYWHERE:
+        call = f"current() and {call}"  # before it waits for the world, which another thread may hold
     statement = RETURNS.get(function.result, "{call}").format(call=call)
     if not struct and function.result != "void":
         statement = f"return {statement}"

@@ -225,6 +225,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             raise ParameterError("actions is empty; name at least one command, such as {'robot1::joint': ['effort']}")
         self._commands = commands
         self._writers = [one.write for one in commands]
+        self._all_seen = {one.label: one.value for one in self._readings}
         self._lasting = all(one.lasts for one in commands)
 
     def _space(self) -> spaces.Space[Any]:
@@ -240,12 +241,10 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if "" in self._made:
             seen = self._made[""][0](self.world)
         else:
-            seen = {one.label: one.value() for one in self._readings}
+            seen = {label: value() for label, value in self._all_seen.items()}
             for name, (function, _) in self._made.items():
                 seen[name] = function(self.world)
-        if self._flat:
-            return spaces.flatten(self._whole_space, seen)
-        return seen
+        return spaces.flatten(self._whole_space, seen) if self._flat else seen
 
     # Gymnasium -------------------------------------------------------------------------------------------------------
 
@@ -327,14 +326,13 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             raise ParameterError(f"action is {action!r}; it must be {len(self._bounds)} numbers") from None
         if not isinstance(values, list) or len(values) != len(self._bounds):
             raise ParameterError(f"action is {action!r}; it must have {len(self._bounds)} numbers")
-        for index, (low, high, whole) in enumerate(self._bounds):
-            value = values[index]
+        for index, (value, (low, high, whole)) in enumerate(zip(values, self._bounds, strict=True)):
             if not low <= value <= high:
                 if not math.isfinite(value):
                     raise ParameterError(f"action is {values}; it must be finite")
-                values[index] = value = min(max(value, low), high)
+                values[index] = min(max(value, low), high)
             if whole:
-                values[index] = round(value)
+                values[index] = round(values[index])
         return values
 
     def _information(self) -> dict[str, Any]:

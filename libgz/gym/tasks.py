@@ -121,12 +121,13 @@ class FollowWall(WorldEnv):
     space = _box(*[(0.0, REACH)] * RAYS, (-3.0, 3.0), (-10.0, 10.0))
 
     def __init__(self, **options: Any) -> None:
+        self._nearest = math.inf  # smallest range at the last reward [m]
         super().__init__(
             WORLDS / "follow_wall.world",
             {"position.robot1": {"cmd_vel_pos[0]": (0.0, 0.5), "cmd_vel_rot[2]": (-1.0, 1.0)}},
             (self.observe, self.space),
             self.score,
-            lambda world, seen: self._touches(seen),
+            lambda world, seen: self._nearest < self.TOUCH,
             start=self.begin,
             **{"time_limit": 40.0, **options},
         )
@@ -146,15 +147,15 @@ class FollowWall(WorldEnv):
         seen[self.RAYS :] = data.vel_pos[0], data.vel_rot[2]
         return _clipped(seen, self.space)
 
-    def _touches(self, seen: Array) -> bool:
-        return bool(seen[: self.RAYS].min() < self.TOUCH)
-
     def score(self, world: World, seen: Array, action: Any) -> float:
         """The reward."""
-        if self._touches(seen):
+        values: list[float] = seen.tolist()
+        right = min(values[: self.RAYS // 2])
+        self._nearest = min(right, min(values[self.RAYS // 2 : self.RAYS]))
+        if self._nearest < self.TOUCH:
             return -5.0
-        wrong = abs(float(seen[: self.RAYS // 2].min()) - self.DISTANCE)
-        return float(seen[self.RAYS]) * self.period * max(0.0, 1.0 - wrong / self.TOLERANCE)
+        wrong = abs(right - self.DISTANCE)
+        return values[self.RAYS] * self.period * max(0.0, 1.0 - wrong / self.TOLERANCE)
 
 
 class Balance(WorldEnv):
@@ -169,6 +170,7 @@ class Balance(WorldEnv):
     space = _box((-math.pi, math.pi), (-20.0, 20.0), (-10.0, 10.0), (-10.0, 10.0))
 
     def __init__(self, **options: Any) -> None:
+        self._pitch = self._travel = 0.0  # to either side, when scored [rad], [m]
         super().__init__(
             WORLDS / "balance.world",
             {
@@ -177,7 +179,7 @@ class Balance(WorldEnv):
             },
             (self.observe, self.space),
             self.score,
-            lambda world, seen: abs(seen[0]) > self.LARGEST_PITCH or abs(seen[2]) > self.FARTHEST,
+            lambda world, seen: self._pitch > self.LARGEST_PITCH or self._travel > self.FARTHEST,
             start=self.begin,
             **{"period": 0.05, "settle": 0.0, "time_limit": 10.0, **options},
         )
@@ -202,7 +204,9 @@ class Balance(WorldEnv):
     def score(self, world: World, seen: Array, action: Any) -> float:
         """The reward."""
         pitch, _, travel, _ = seen.tolist()
-        effort = sum(min(abs(float(one)), self.TORQUE) ** 2 for one in action) / self.TORQUE**2
+        self._pitch, self._travel = abs(pitch), abs(travel)
+        left, right = (min(abs(float(one)), self.TORQUE) for one in action)
+        effort = (left**2 + right**2) / self.TORQUE**2
         return float(1.0 - (pitch / self.LARGEST_PITCH) ** 2 - 0.1 * (travel / self.FARTHEST) ** 2 - 0.01 * effort)
 
 
@@ -293,8 +297,9 @@ class PendulumSwingUp(WorldEnv):
 
     def score(self, world: World, seen: Array, action: Any) -> float:
         """The reward."""
-        angle, torque = math.atan2(seen[1], seen[0]), min(abs(float(action[0])), 2.0)
-        return -(angle**2 + 0.1 * float(seen[2]) ** 2 + 0.001 * torque**2)
+        cosine, sine, rate = seen.tolist()
+        angle, torque = math.atan2(sine, cosine), min(abs(float(action[0])), 2.0)
+        return float(-(angle**2 + 0.1 * rate**2 + 0.001 * torque**2))
 
 
 class DoublePendulum(WorldEnv):
@@ -311,12 +316,13 @@ class DoublePendulum(WorldEnv):
     space = _box((-3.0, 3.0), *[(-1.0, 1.0)] * 4, (-20.0, 20.0), (-50.0, 50.0), (-50.0, 50.0))
 
     def __init__(self, **options: Any) -> None:
+        self._sunk = self._away = 0.0  # tip below its highest place, cart from the middle, when scored [m]
         super().__init__(
             WORLDS / "double_pendulum.world",
             {"robot::rail": ["effort"]},
             (self.observe, self.space),
             self.score,
-            lambda world, seen: self._sunk(seen) > self.SUNK or abs(seen[0]) > self.END,
+            lambda world, seen: self._sunk > self.SUNK or self._away > self.END,
             start=self.begin,
             **{"period": 0.02, "time_limit": 10.0, **options},
         )
@@ -336,14 +342,12 @@ class DoublePendulum(WorldEnv):
         rates = (rail.velocity(), shoulder.velocity(), elbow.velocity())
         return _clipped((rail.position(), *angles, *rates), self.space)
 
-    def _sunk(self, seen: Array) -> float:
-        """How far the tip is below its highest place [m]."""
-        _, sine, cosine, sine2, cosine2, *_ = seen.tolist()
-        return float(self.ROD * (2.0 - cosine - (cosine * cosine2 - sine * sine2)))
-
     def score(self, world: World, seen: Array, action: Any) -> float:
         """The reward."""
-        return 1.0 - self._sunk(seen) / self.SUNK - 0.1 * (float(seen[0]) / self.END) ** 2
+        place, sine, cosine, sine2, cosine2, *_ = seen.tolist()
+        self._sunk = self.ROD * (2.0 - cosine - (cosine * cosine2 - sine * sine2))
+        self._away = abs(place)
+        return float(1.0 - self._sunk / self.SUNK - 0.1 * (place / self.END) ** 2)
 
 
 def _joints(world: World, model: str) -> dict[str, SdfJoint]:

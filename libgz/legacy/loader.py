@@ -142,16 +142,20 @@ class ModelLoader:
 
     def _new_model(self, node: WorldFileNode) -> Model | None:
         """The model object of an element, its plugin loaded; None for an unknown class."""
-        plugin = node.GetString("plugin")
+        plugin, registered = node.GetString("plugin"), ""
         if plugin is not None:
             filename = node.file.filename
             path = find_plugin(plugin, filename)
             log.info("loading %s...", path)
             note_threads_of(path)
-            self.factory.register_plugin(load(path))
+            loaded = load(path)
+            self.factory.register_plugin(loaded)
+            registered = ", ".join(name for name, _ in loaded.registered)
         model = self._made(node)
         if model is None:
             hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
+            if registered:
+                hint = f"; its plugin has {registered}{hint}"
             hint = hint or "; `libgz models` lists those there are"
             node.warn(f"unknown model class, skipped with all that is in it{hint}")
         return model

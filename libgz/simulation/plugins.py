@@ -266,13 +266,16 @@ def own_place(error: BaseException) -> str:
 
 
 def own_traceback(error: BaseException, path: Path | None = None) -> str:
-    """The traceback of an error in the user's own code: without the frames of libgz and importlib above it."""
-    if isinstance(error, SyntaxError):  # its message names the place
-        return "".join(traceback.format_exception_only(error)).rstrip()
+    """The traceback of an error in the user's own code: without the frames of libgz and importlib above it.
+
+    An error of a plugin without such code is one in C++, and its message says all.
+    """
     frames = traceback.extract_tb(error.__traceback__)
     package = Path(__file__).parent.parent
     above = (str(package), str(package.resolve()), "<frozen importlib")
     own = [i for i, f in enumerate(frames) if f.filename == str(path) or not f.filename.startswith(above)]
     first = own[0] if own else 0
-    lines = traceback.format_list(frames[first:]) + traceback.format_exception_only(error)
+    # The message of a syntax error names the place.
+    alone = isinstance(error, SyntaxError) or (isinstance(error, PluginError) and not own)
+    lines = ([] if alone else traceback.format_list(frames[first:])) + traceback.format_exception_only(error)
     return "".join(lines).rstrip()

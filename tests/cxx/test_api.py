@@ -344,7 +344,7 @@ def kinds(self, a, b, file, node):
     for g in made:
         P(g.placeableGeom)
         P(g.GetGeomId() != 0)
-        P(1)  # the C++ objects' own default
+        P(g.appearance.render_order)
     made[0].SetMass(1)
     P(made[0].GetBodyMassMatrix().I[0])
     P(1)

@@ -102,6 +102,26 @@ enum
 };
 
 #define dInfinity HUGE_VAL
+#define REAL( x ) ( x )
+#define dSqrt( x ) ( sqrt( x ) )
+#define dRecip( x ) ( 1.0 / ( x ) )
+#define dSin( x ) ( sin( x ) )
+#define dCos( x ) ( cos( x ) )
+#define dFabs( x ) ( fabs( x ) )
+#define dAtan2( y, x ) ( atan2( y, x ) )
+#define dDOT( a, b ) ( ( a )[0] * ( b )[0] + ( a )[1] * ( b )[1] + ( a )[2] * ( b )[2] )
+#define dLENGTH( a ) ( sqrt( dDOT( a, a ) ) )
+#define dCROSS( a, op, b, c ) \
+  do \
+  { \
+    ( a )[0] op( b )[1] * ( c )[2] - ( b )[2] * ( c )[1]; \
+    ( a )[1] op( b )[2] * ( c )[0] - ( b )[0] * ( c )[2]; \
+    ( a )[2] op( b )[0] * ( c )[1] - ( b )[1] * ( c )[0]; \
+  } while ( 0 )
+#define dRtoQ( rotation, result ) dQfromR( result, rotation )
+#define dQtoR( rotation, result ) dRfromQ( result, rotation )
+#define dCreateCCylinder dCreateCapsule
+#define dMassSetCappedCylinder dMassSetCapsule
 
 enum
 {
@@ -147,6 +167,24 @@ enum
   dJointTypeAMotor = 9,
   dJointTypePiston = 14,
   dJointTypeDBall = 15,
+};
+
+enum
+{
+  dSphereClass = 0,
+  dBoxClass = 1,
+  dCapsuleClass = 2,
+  dCylinderClass = 3,
+  dPlaneClass = 4,
+  dRayClass = 5,
+  dConvexClass = 6,
+  dGeomTransformClass = 7,
+  dTriMeshClass = 8,
+  dHeightfieldClass = 9,
+  dSimpleSpaceClass = 10,
+  dHashSpaceClass = 11,
+  dSweepAndPruneSpaceClass = 12,
+  dQuadTreeSpaceClass = 13,
 };
 
 #ifdef __cplusplus
@@ -288,7 +326,6 @@ unsigned long dGeomGetCollideBits( void * );
 void dGeomEnable( void * );
 void dGeomDisable( void * );
 dGeomID dCreateSphere( void *, dReal );
-void dGeomSphereSetRadius( void *, dReal );
 dGeomID dCreateBox( void *, dReal, dReal, dReal );
 void dGeomBoxSetLengths( void *, dReal, dReal, dReal );
 dGeomID dCreateCylinder( void *, dReal, dReal );
@@ -418,6 +455,56 @@ void dBodyVectorToWorld( dBodyID body, dReal x, dReal y, dReal z, dVector3 resul
 void dBodyVectorFromWorld( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
 void dBodyGetRelPointPos( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
 void dBodyGetPointVel( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyGetRelPointVel( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyGetPosRelPoint( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodySetRotation( dBodyID body, const dMatrix3 rotation );
+void dBodyAddRelForceAtPos( dBodyID body, dReal fx, dReal fy, dReal fz, dReal x, dReal y, dReal z );
+void dBodyAddRelForceAtRelPos( dBodyID body, dReal fx, dReal fy, dReal fz, dReal x, dReal y, dReal z );
+int dBodyGetNumJoints( dBodyID body );
+dJointID dBodyGetJoint( dBodyID body, int index );
+void dMassSetSphereTotal( dMass *mass, dReal total, dReal radius );
+void dMassSetBoxTotal( dMass *mass, dReal total, dReal x, dReal y, dReal z );
+void dMassSetCylinderTotal( dMass *mass, dReal total, int direction, dReal radius, dReal length );
+void dMassSetCapsuleTotal( dMass *mass, dReal total, int direction, dReal radius, dReal length );
+int dSpaceQuery( dSpaceID space, dGeomID geom );
+int dSpaceGetCleanup( dSpaceID space );
+void dGeomSphereSetRadius( dGeomID sphere, dReal radius );
+dGeomID dGeomTransformGetGeom( dGeomID transform );
+void dGeomTransformSetCleanup( dGeomID transform, int enable );
+int dGeomTransformGetCleanup( dGeomID transform );
+void dGeomTransformSetInfo( dGeomID transform, int enable );
+int dGeomTransformGetInfo( dGeomID transform );
+void dJointSetData( dJointID joint, void *data );
+void *dJointGetData( dJointID joint );
+dJointFeedback *dJointGetFeedback( dJointID joint );
+void dJointSetHinge2Axis1( dJointID joint, dReal x, dReal y, dReal z );
+void dJointSetHinge2Axis2( dJointID joint, dReal x, dReal y, dReal z );
+int dJointGetAMotorNumAxes( dJointID joint );
+int dJointGetAMotorMode( dJointID joint );
+void dJointGetAMotorAxis( dJointID joint, int number, dVector3 result );
+dReal dJointGetAMotorAngle( dJointID joint, int number );
+dReal dJointGetAMotorAngleRate( dJointID joint, int number );
+void dJointAddAMotorTorques( dJointID joint, dReal torque1, dReal torque2, dReal torque3 );
+void dWorldImpulseToForce( dWorldID world, dReal step, dReal x, dReal y, dReal z, dVector3 force );
+void dRSetIdentity( dMatrix3 rotation );
+void dRFromAxisAndAngle( dMatrix3 rotation, dReal x, dReal y, dReal z, dReal angle );
+void dRFromEulerAngles( dMatrix3 rotation, dReal phi, dReal theta, dReal psi );
+void dRFrom2Axes( dMatrix3 rotation, dReal ax, dReal ay, dReal az, dReal bx, dReal by, dReal bz );
+void dRFromZAxis( dMatrix3 rotation, dReal x, dReal y, dReal z );
+void dQSetIdentity( dQuaternion rotation );
+void dQFromAxisAndAngle( dQuaternion rotation, dReal x, dReal y, dReal z, dReal angle );
+void dQMultiply0( dQuaternion result, const dQuaternion one, const dQuaternion two );
+void dQMultiply1( dQuaternion result, const dQuaternion one, const dQuaternion two );
+void dQMultiply2( dQuaternion result, const dQuaternion one, const dQuaternion two );
+void dQMultiply3( dQuaternion result, const dQuaternion one, const dQuaternion two );
+void dRfromQ( dMatrix3 result, const dQuaternion rotation );
+void dQfromR( dQuaternion result, const dMatrix3 rotation );
+void dMultiply0( dReal *result, const dReal *one, const dReal *two, int p, int q, int r );
+void dNormalize3( dVector3 vector );
+void dNormalize4( dVector4 vector );
+unsigned long dRand( void );
+int dRandInt( int count );
+dReal dRandReal( void );
 
 #ifdef __cplusplus
 }

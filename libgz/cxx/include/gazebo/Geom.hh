@@ -12,13 +12,12 @@ class GzImage;
 /// The appearance of a geom, and how sensors see it.
 class Geom : public BaseGeom
 {
-  public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ) { this->libgz_look(); }
-  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL )
+  public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( this ) { this->libgz_look(); }
+  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL ), renderOrder( this )
     {
       this->libgz_look();
       this->libgz_wrap( handle );
       this->body = (Body *) libgz_bound->BaseGeom_GetBody( handle );
-      this->renderOrder = libgz_bound->Geom_GetRenderOrder( handle );
       this->libgz_made();
     }
 
@@ -36,7 +35,32 @@ class Geom : public BaseGeom
   public: virtual void PostRender( RenderOptions * ) {}
   public: void RenderSkin( RenderOptions * ) {}
 
-  public: int renderOrder;
+  /// A pass of rendering: a number, whose changes reach the geom once SetGeom was called.
+  public: class LibgzRenderOrder
+  {
+    public: explicit LibgzRenderOrder( Geom *geom ) : owner( geom ) {}
+    public: operator int() const
+      {
+        if ( this->owner->libgz_handle == 0 )
+          return GZ_RENDER_OPAQUE;
+        int result = libgz_bound->Geom_GetRenderOrder( this->owner->libgz_handle );
+        libgz_check();
+        return result;
+      }
+    public: LibgzRenderOrder &operator=( int order )
+      {
+        if ( this->owner->libgz_handle != 0 )
+        {
+          libgz_bound->Geom_SetRenderOrder( this->owner->libgz_handle, order );
+          libgz_check();
+        }
+        return *this;
+      }
+    public: LibgzRenderOrder &operator=( const LibgzRenderOrder &other ) { return *this = (int) other; }
+    private: LibgzRenderOrder( const LibgzRenderOrder & );
+    private: Geom *owner;
+  };
+  public: LibgzRenderOrder renderOrder;
 
   /// The whole material from one colour.
   public: void SetColor( const GzColor &color )

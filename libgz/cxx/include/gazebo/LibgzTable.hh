@@ -3,7 +3,7 @@
 #ifndef LIBGZ_TABLE_HH
 #define LIBGZ_TABLE_HH
 
-#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 958b593f;"
+#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 3fa17373;"
 
 #include "LibgzFrame.h"
 
@@ -108,6 +108,7 @@ struct libgz_table
   void ( *BaseGeom_SetMass )( long self, double mass );
   int ( *Geom_SetTexture2D )( long self, int width, int height, const void *data );
   int ( *Geom_GetRenderOrder )( long self );
+  void ( *Geom_SetRenderOrder )( long self, int order );
   void ( *Geom_SetColor )( long self, double color_r, double color_g, double color_b, double color_a );
   void ( *Geom_SetAmbientColor )( long self, double color_r, double color_g, double color_b, double color_a );
   void ( *Geom_SetDiffuseColor )( long self, double color_r, double color_g, double color_b, double color_a );

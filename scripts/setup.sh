@@ -43,7 +43,7 @@ fi
 .venv/bin/python -c "import pip" 2>/dev/null || python3 -m venv --clear .venv
 
 # Reinstall when a file was added or removed, a build input changed, or a compiler came; the installed tree links to this one.
-state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.py setup.cfg pyproject.toml libgz/ode/step.c libgz/ode/updates.c libgz/recording/changes.c libgz/rendering/frame.c libgz/rendering/pixels.c libgz/transport/truncation.c libgz/clib/*.[ch] libgz/cxx/host.c; has_compiler && echo compiler; } | cksum)
+state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.py setup.cfg pyproject.toml libgz/ode/step.c libgz/ode/updates.c libgz/ode/blocks.c libgz/recording/changes.c libgz/rendering/frame.c libgz/rendering/pixels.c libgz/transport/truncation.c libgz/clib/*.[ch] libgz/cxx/host.c; has_compiler && echo compiler; } | cksum)
 if [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
     echo "installing the package into .venv"
     rm -rf build

@@ -90,15 +90,15 @@ static void drop(void *block, size_t size)
 static void *grow(void *block, size_t size, size_t wanted)
 {
     void *grown;
-    size_t room;
+    size_t usable;
     if (!is_own(block))
         return other_grow ? other_grow(block, size, wanted) : realloc(block, wanted);
-    room = (size_t)classes[((char *)block - begin) / SLAB] * GRAIN;
-    if (wanted <= room)
+    usable = (size_t)classes[((char *)block - begin) / SLAB] * GRAIN;
+    if (wanted <= usable)
         return block;
     grown = get(wanted);
     if (grown) {
-        memcpy(grown, block, room);
+        memcpy(grown, block, usable);
         drop(block, size);
     }
     return grown;

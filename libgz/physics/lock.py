@@ -144,15 +144,16 @@ def exclusive(method: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[T,
 
     In a step, whose thread holds it already, that costs 0.1 us a call.
     """
-    code = method.__code__  # type: ignore[attr-defined]
+    code = method.__code__
     count, names = code.co_argcount, code.co_varnames
     if code.co_kwonlyargcount or code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS):
         return _exclusive_with_keywords(method)
     call: Any = _wrapper(count)(method)
     # Arguments can be given by their names. To compile a wrapper for each method would take 0.2 ms.
     call.__code__ = call.__code__.replace(co_varnames=(*names[:count], *call.__code__.co_varnames[count:]))
-    call.__defaults__ = method.__defaults__  # type: ignore[attr-defined]
-    return functools.wraps(method)(call)  # type: ignore[no-any-return]
+    call.__defaults__ = method.__defaults__
+    wrapped: Callable[Concatenate[T, P], R] = functools.wraps(method)(call)
+    return wrapped
 
 
 def _exclusive_with_keywords(method: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[T, P], R]:
@@ -163,7 +164,8 @@ def _exclusive_with_keywords(method: Callable[Concatenate[T, P], R]) -> Callable
         with self.engine.lock:
             return method(self, *args, **kwargs)
 
-    return call
+    wrapped: Any = call
+    return wrapped  # type: ignore[no-any-return]
 
 
 def built(constructor: Callable[P, None]) -> Callable[P, None]:

@@ -170,10 +170,12 @@ def legs() -> Iterator[Figure]:
 
 def start() -> Iterator[Figure]:
     """Processor time of commands over that of Python with numpy."""
+    as_installed = "import sys; from libgz.apps.launch import gazebo; sys.exit(gazebo())"
+    gazebo = ["-c", as_installed, "--steps", "1"]
     commands = {
         "numpy": ["-c", "import numpy"],
-        "gazebo --steps 1": ["-m", "libgz.apps.gazebo", "--steps", "1", "pioneer2at"],
-        "gazebo --steps 1, camera": ["-m", "libgz.apps.gazebo", "--steps", "1", "ptz"],
+        "gazebo --steps 1": [*gazebo, "pioneer2at"],
+        "gazebo --steps 1, camera": [*gazebo, "ptz"],
     }
 
     with tempfile.TemporaryDirectory() as folder:
@@ -259,13 +261,16 @@ def camera() -> Iterator[Figure]:
     """A frame of other renderers over that of libgz."""
     import camera as frames
 
-    times = frames.measure(320, 240)
+    found = frames.measure(320, 240)
+    times = Times([{name: Spent(*spent[number]) for name, spent in found.items()} for number in range(frames.ROUNDS)])
     aims = {"MuJoCo, default meshes": 10.0, "MuJoCo, coarse meshes": 4.0, "PyBullet TinyRenderer": 12.0}
-    yield Figure("camera 320x240, 20 robots: a frame [ms]", times["libgz"] * 1e3)
+    frame = (times.median("libgz", kind) * 1e3 for kind in ("cpu", "wall"))
+    yield Figure("camera 320x240, 20 robots: a frame [ms]", *frame)
     for name, aim in aims.items():
-        if name in times:
-            note = f"{times[name] * 1e3:.3g} ms"
-            yield Figure(f"camera 320x240: {name} / libgz", times[name] / times["libgz"], None, aim, True, note)
+        if name in found:
+            ratios = (times.ratio(name, "libgz", kind) for kind in ("cpu", "wall"))
+            note = f"{times.median(name) * 1e3:.3g} ms"
+            yield Figure(f"camera 320x240: {name} / libgz", *ratios, aim, True, note)
 
 
 def learning() -> Iterator[Figure]:

@@ -377,9 +377,9 @@ class PostRecord(ctypes.Structure):
 
 
 class UpdatesRecord(ctypes.Structure):
-    """All rows, and what they share."""
+    """All rows, what they share, and whether another thread waits for the world."""
 
-    _fields_ = [("tables", c_void_p), ("clock", c_void_p), ("rows", c_void_p)]
+    _fields_ = [("tables", c_void_p), ("clock", c_void_p), ("rows", c_void_p), ("wanted", c_void_p)]
 
 
 _MIRRORS: tuple[Any, ...] = (

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from libgz.apps.view import add_view_options
+from libgz.apps.view_process import add_view_options
 from libgz.errors import GazeboError, ServerError
 from libgz.files import installed_worlds
 from libgz.interfaces.client import Client

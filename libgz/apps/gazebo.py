@@ -27,8 +27,8 @@ from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
-from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
+from libgz.apps.view_process import add_view_options, view_process
 from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
 from libgz.files import exists, is_file
 from libgz.front import World
@@ -49,6 +49,7 @@ __all__ = ["main"]
 log = logging.getLogger("libgz.gazebo")
 
 STATUS_PERIOD = 0.2  # [s] of real time
+MOST_STEPS = 1000  # at a time; World.step_on ends earlier, but for worlds at rest
 
 
 def _seconds(text: str) -> float | None:
@@ -181,8 +182,7 @@ class Run:
             self.deadline = time.monotonic() + options.seconds
         pacer = Pacer(0.0 if options.free else world.simSpeed if options.rate is None else options.rate)
         while not self.over(done):
-            world.Step()
-            done += 1
+            done += world.step_on(1 if pacer.speed > 0.0 else self._most(done))
             for recorder in self.recorders:
                 recorder.take()
             if self.capture is not None:
@@ -198,6 +198,12 @@ class Run:
         if sys.stdout.isatty():
             self.print_status(world)
             print()
+
+    def _most(self, done: int) -> int:
+        """How many steps may follow each other, after a number of steps, without anything to do between them."""
+        if self.recorders or self.capture is not None or (self.control is not None and self.control.requests.follows):
+            return 1
+        return MOST_STEPS if self.steps is None else self.steps - done
 
     def over(self, done: int) -> bool:
         """Whether to stop, after a number of steps."""

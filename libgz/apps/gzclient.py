@@ -12,8 +12,9 @@ from typing import Any
 
 from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, open_log, read_command_line
 from libgz.apps.console import as_command, number_above_zero
-from libgz.apps.view import add_view_options, make_viewer, observed_server
+from libgz.apps.view import make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
+from libgz.apps.view_process import add_view_options
 from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
 from libgz.classic.transport import TopicManager, connect

@@ -18,8 +18,8 @@ from libgz.apps.progress import show_loading
 from libgz.apps.record import VideoRecorder, record_videos
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
-from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
+from libgz.apps.view_process import add_view_options, view_process
 from libgz.classic.common import gzlog
 from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.apps.console import number_above_zero, number_from_zero, whole_number
 from libgz.apps.server_option import add_server_options
-from libgz.apps.view import add_view_options, make_viewer, view_process
+from libgz.apps.view import make_viewer
+from libgz.apps.view_process import add_view_options, view_process
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.files import write_whole

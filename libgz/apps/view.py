@@ -6,37 +6,19 @@ import argparse
 import contextlib
 import logging
 import os
-import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import number_above_zero, whole_number
+from libgz.apps.view_process import add_view_options
 from libgz.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.transport.observer import Observer
 from libgz.transport.paths import server_directory
 
-__all__ = ["add_view_options", "configure", "make_viewer", "observed_server", "run", "running_servers", "view_process"]
+__all__ = ["configure", "make_viewer", "observed_server", "run", "running_servers"]
 
 log = logging.getLogger("libgz.view")
-
-HOST, PORT = "127.0.0.1", 8080
-PATIENCE = 0.5  # [s] for the viewer of --view to end
-
-
-def add_view_options(parser: Any, optional: bool) -> None:
-    """Add the viewer's options; `optional`: with --view, for a server."""
-    add = parser.add_argument
-    if optional:
-        add("--view", action="store_true", help="show the world in a browser; needs the extra `view`")
-    add("--view-port", type=whole_number("port"), default=PORT, metavar="PORT", help="first port to try (default 8080)")
-    add(
-        "--view-host",
-        default=HOST,
-        metavar="ADDRESS",
-        help="address to bind (default 127.0.0.1: only this machine can connect)",
-    )
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -159,22 +141,3 @@ def run(options: argparse.Namespace) -> int:
             except KeyboardInterrupt:
                 print()
     return 0
-
-
-@contextlib.contextmanager
-def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator[None]:
-    """With --view, run the viewer of a server in a process of its own, which prints its address, and end it."""
-    if not options.view or server_id is None:
-        yield
-        return
-    words = ["view", "-s", str(server_id), "--view-port", str(options.view_port), "--view-host", options.view_host]
-    command = [sys.executable, "-m", "libgz", *words, "--parent", str(os.getpid())]
-    import subprocess  # servers without a viewer do without it
-
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
-    try:
-        yield
-    finally:
-        process.terminate()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(PATIENCE)  # else it ends a little later than this process

@@ -87,6 +87,11 @@ class WorldControl:
         answer = verb(request.argument, content)
         return b"" if answer is None else json.dumps(answer).encode()
 
+    @property
+    def follows(self) -> bool:
+        """Whether `stepped` has something to do after each step."""
+        return self._servos is not None or self._steps > 0
+
     def stepped(self) -> None:
         """Pause again after the steps that were asked for, and set joints' motors; called after each step."""
         if self._servos is not None:

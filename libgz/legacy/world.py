@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 from collections.abc import Sequence
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
+from libgz.digest import blake2b
 from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
 from libgz.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
@@ -183,7 +183,7 @@ class LegacyWorld(Era):
         """
         if self.file is None:
             self._text = file.source
-            self.digest = hashlib.blake2b(file.source, digest_size=16).digest()
+            self.digest = blake2b(file.source, digest_size=16).digest()
             self._sources[file] = Source(BUILDER, 0, file.label, b"")
         self.file = file
         values, fog = read_global(file)

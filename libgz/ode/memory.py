@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
 import struct
 import threading
 from collections.abc import Callable, Iterator
@@ -18,6 +17,7 @@ from contextlib import contextmanager
 from ctypes import c_int64
 from typing import NamedTuple
 
+from libgz.digest import sha256
 from libgz.errors import LibraryError
 from libgz.ode.lib import ADVICE, OdeLibrary, ode
 from libgz.ode.types import Mass
@@ -64,7 +64,7 @@ class Layout(ctypes.Structure):
     @functools.cached_property
     def digest(self) -> str:
         """A short text that differs for another layout."""
-        return hashlib.sha256(bytes(self)).hexdigest()[:16]
+        return sha256(bytes(self)).hexdigest()[:16]
 
 
 class _Allocator:

@@ -6,7 +6,7 @@ import ctypes
 import functools
 import threading
 from collections.abc import Callable
-from ctypes import c_int64, c_void_p
+from ctypes import c_double, c_int64, c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ from libgz.records import check_sizes
 __all__ = ["NativeStep", "native_path"]
 
 
+LONGEST = 0.005  # [s] of real time without Python, if there is more than one step; then signals are noticed
+_ALLOCATORS = tuple(f"d{verb}{what}Handler" for what in ("Alloc", "Realloc", "Free") for verb in ("Get", "Set"))
 _loading = threading.Lock()
 
 
@@ -70,7 +72,7 @@ class NativeStep:
         library.gz_free_contacts.restype = None
         library.gz_read.argtypes = [c_void_p]
         library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
-        library.gz_overlap.restype = ctypes.c_double
+        library.gz_overlap.restype = c_double
         library.gz_parts_size.restype = ctypes.c_size_t
         library.gz_get_state.restype = c_int64
         library.gz_get_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
@@ -88,6 +90,8 @@ class NativeStep:
             names.append(name.decode())
         addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
         library.gz_step_bind(addresses)
+        library.gz_use_blocks.argtypes = [c_void_p]
+        library.gz_use_blocks((c_void_p * len(_ALLOCATORS))(*(ode().address(name) for name in _ALLOCATORS)))
         return library
 
     def step(self) -> int:
@@ -143,15 +147,19 @@ class NativeStep:
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c caches no geoms."""
 
-    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int], Callable[[], int]]]:
-        """The function that does rows, see `libgz.records`; and one that prepares a call of it for the first rows."""
-        checked, quick = self._shared["gz_updates_run"], self._shared["gz_updates_run"]
-        checked.argtypes, checked.restype, quick.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
+    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[], int]]]:
+        """The function that does rows, see `libgz.records`; and one that prepares a call for whole steps.
 
-        def prepare(record: Any, count: int) -> Callable[[], int]:
-            return functools.partial(quick, record, c_int64(0), c_int64(count))
+        Such a call makes as many steps as the number that it is prepared with says, and leaves there how many it did
+        not make.
+        """
+        run, repeat = self._shared["gz_updates_run"], self._shared["gz_updates_repeat"]
+        run.argtypes, run.restype, repeat.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
 
-        return checked, prepare
+        def prepare(record: Any, count: int, steps: c_int64) -> Callable[[], int]:
+            return functools.partial(repeat, record, c_int64(count), ctypes.byref(steps), c_double(LONGEST))
+
+        return run, prepare
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A prepared scan whose arguments were converted to C once; they keep the arrays alive."""

@@ -662,6 +662,7 @@ typedef struct {
     tables *tables;
     clock_record *clock;
     const row *rows;
+    const int64_t *wanted; /* not 0: another thread waits for the world */
 } updates;
 
 union semun {
@@ -770,6 +771,21 @@ int64_t gz_updates_run(const updates *u, int64_t i, int64_t end)
         i++;
     }
     return i;
+}
+
+/* Do all rows, of which there are `count`, step after step, and return as gz_updates_run() does. It ends with the row that
+ * Python has to do, after *steps steps, after some seconds, or if another thread wants the world. *steps: those that are
+ * left. */
+int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, double seconds)
+{
+    double end = now_monotonic() + seconds;
+    int64_t i;
+    do {
+        i = gz_updates_run(u, 0, count);
+        if (i < count)
+            return i;
+    } while (--*steps > 0 && !*(const volatile int64_t *)u->wanted && now_monotonic() < end);
+    return count;
 }
 
 /* The sizes of the structs that records.py mirrors, in its order; ends with 0. */

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from ctypes import c_int64
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 __all__ = ["WorldLock", "built", "exclusive"]
@@ -32,6 +33,7 @@ class WorldLock:
 
     Attributes:
         waiting: threads that wait for it, by their numbers, and since when [s]; a step lets them pass first.
+        wanted: not 0 if one has begun to wait since it was last set to 0; for native code.
         report: called once by a thread that has waited for 5 s, with the number of the thread that holds the lock.
         owned: whether the calling thread holds it.
         release: end what `try_acquire` or `acquire` began.
@@ -44,6 +46,7 @@ class WorldLock:
         self.release: Callable[[], None] = lock.release
         self.owned: Callable[[], bool] = lock._is_owned  # type: ignore[attr-defined]
         self.waiting: dict[int, float] = {}
+        self.wanted = c_int64(0)
         self.report: Callable[[int], object] | None = None
 
     def acquire(self) -> None:
@@ -55,6 +58,7 @@ class WorldLock:
         """Hold the lock, which another thread holds, as soon as it is released."""
         me = threading.get_ident()
         self.waiting[me] = time.monotonic()
+        self.wanted.value = 1
         try:
             if not self._lock.acquire(timeout=LONG):
                 if self.report is not None:
@@ -107,17 +111,32 @@ T = TypeVar("T", bound=_HasEngine)
 
 _LINE = sys._getframe().f_lineno  # tracebacks show the lines of this text
 _EXCLUSIVE = """
-def call({declared}):
-    lock = self.engine.lock
-    if lock.owned():
-        return method({passed})
-    if not lock.try_acquire():
-        lock.wait()
-    try:
-        return method({passed})
-    finally:
-        lock.release()
+def made(method):
+    def call({passed}):
+        lock = self.engine.lock
+        if lock.owned():
+            return method({passed})
+        if not lock.try_acquire():
+            lock.wait()
+        try:
+            return method({passed})
+        finally:
+            lock.release()
+    return call
 """
+
+
+@functools.cache
+def _wrapper(count: int) -> Callable[[Any], Any]:
+    """What makes a method with so many parameters one that holds the lock.
+
+    To pack and unpack any arguments would cost three times as much in each call.
+    """
+    values: dict[str, Any] = {"__name__": __name__}
+    passed = ", ".join(["self", *(f"argument{number}" for number in range(1, count))])
+    exec(compile("\n" * _LINE + _EXCLUSIVE.format(passed=passed), __file__, "exec"), values)
+    made: Callable[[Any], Any] = values["made"]
+    return made
 
 
 def exclusive(method: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[T, P], R]:
@@ -125,21 +144,28 @@ def exclusive(method: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[T,
 
     In a step, whose thread holds it already, that costs 0.1 us a call.
     """
-    # Compiled with the method's own parameters: to pack and unpack any arguments would cost three times as much.
-    declared, passed = ["self"], ["self"]
-    values: dict[str, Any] = {"method": method, "__name__": __name__}
-    keyword_only = False
-    for name, parameter in list(inspect.signature(method).parameters.items())[1:]:
-        if parameter.kind is parameter.KEYWORD_ONLY and not keyword_only:
-            keyword_only = True
-            declared.append("*")
-        values[f"default_{name}"] = parameter.default
-        declared.append(name if parameter.default is parameter.empty else f"{name}=default_{name}")
-        passed.append(f"{name}={name}" if keyword_only else name)
-    source = "\n" * _LINE + _EXCLUSIVE.format(declared=", ".join(declared), passed=", ".join(passed))
-    exec(compile(source, __file__, "exec"), values)
-    call: Callable[Concatenate[T, P], R] = functools.wraps(method)(values["call"])
-    return call
+    code = method.__code__
+    count, names = code.co_argcount, code.co_varnames
+    if code.co_kwonlyargcount or code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS):
+        return _exclusive_with_keywords(method)
+    call: Any = _wrapper(count)(method)
+    # Arguments can be given by their names. To compile a wrapper for each method would take 0.2 ms.
+    call.__code__ = call.__code__.replace(co_varnames=(*names[:count], *call.__code__.co_varnames[count:]))
+    call.__defaults__ = method.__defaults__
+    wrapped: Callable[Concatenate[T, P], R] = functools.wraps(method)(call)
+    return wrapped
+
+
+def _exclusive_with_keywords(method: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[T, P], R]:
+    """The same for any parameters."""
+
+    @functools.wraps(method)
+    def call(self: T, *args: P.args, **kwargs: P.kwargs) -> R:
+        with self.engine.lock:
+            return method(self, *args, **kwargs)
+
+    wrapped: Any = call
+    return wrapped  # type: ignore[no-any-return]
 
 
 def built(constructor: Callable[P, None]) -> Callable[P, None]:

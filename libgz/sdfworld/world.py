@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import struct
 import zlib
@@ -11,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from libgz.digest import blake2b
 from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
 from libgz.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
@@ -120,7 +120,7 @@ class SdfWorld(Era):
         world.engine.exact_rest = world.engine.record_motion = True
         world.engine.count_turns = world.engine.check_divergence = True
         if self.file is None:
-            self.digest = hashlib.blake2b(file.root.ToString().encode(), digest_size=16).digest()
+            self.digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()
         self.file = file
         named = next(file.root.named("world"), None)
         world.name = named.Get(str, "name") if named is not None else world.name

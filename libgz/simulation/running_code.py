@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import logging
 import sys
-import sysconfig
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -21,11 +21,18 @@ __all__ = ["describe", "describe_thread", "names", "report_wait"]
 log = logging.getLogger("libgz.simulation")
 
 _PACKAGE = (str(Path(__file__).parent.parent), str(Path(__file__).resolve().parent.parent))
-_LIBRARIES = tuple({sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")})
-_OURS = (*_PACKAGE, *_LIBRARIES, "<frozen ")
 
 _named: dict[CodeType, Callable[[Mapping[str, Any]], str]] = {}
 _outermost: set[CodeType] = set()
+
+
+@functools.cache
+def _libraries() -> tuple[str, ...]:
+    """How the names of files begin that are of no user."""
+    import sysconfig  # loads all variables of Python's build
+
+    paths = {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
+    return (*_PACKAGE, *paths, "<frozen ")
 
 
 def names(function: Callable[..., Any], name: Callable[[Mapping[str, Any]], str], *, outermost: bool = False) -> None:
@@ -50,7 +57,7 @@ def describe(frame: FrameType | None) -> str:
         code = frame.f_code
         if not what and code in _named:
             what = _named[code](frame.f_locals)
-        if not place and not code.co_filename.startswith(_OURS):
+        if not place and not code.co_filename.startswith(_libraries()):
             place = f"{code.co_filename}:{frame.f_lineno}"
         frame = None if code in _outermost else frame.f_back
     if not (what or place) and innermost is not None:

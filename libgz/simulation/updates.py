@@ -286,7 +286,9 @@ class UpdateRows:
         updating: the entities that have something to do in a step, in order.
         begin, end: where the rows of the entities are.
         tail: where the rows begin that report the step.
-        run_all: does all rows natively; the number of the one that Python has to do, or `count`.
+        run_all: does all rows natively, for so many `steps` as Python has nothing to do in; the number of the row that
+            Python has to do, or `count`.
+        steps: how many steps `run_all` makes at most, and then how many of them are left; a ctypes number.
         count: of all rows.
         native: whether native code does the rows.
     """
@@ -299,7 +301,8 @@ class UpdateRows:
         self.begin = self.end = self.tail = self.count = 0
         form = world.engine.step_form
         self._run: Callable[..., int] | None = None
-        self._prepare: Callable[[Any, int], Callable[[], int]] | None = None
+        self._prepare: Callable[[Any, int, ctypes.c_int64], Callable[[], int]] | None = None
+        self.steps = ctypes.c_int64(1)
         if isinstance(form, NativeStep):
             self._run, self._prepare = form.updates()
         self.native = self._run is not None
@@ -495,11 +498,12 @@ class UpdateRows:
         self.count = len(self._rows)
         rows = (Row * self.count)(*self._rows)
         tables, clock = self.world.engine.tables.record, self.world.clock
-        record = UpdatesRecord(address_of(tables), address_of(clock), address_of(rows))
-        self._kept.append((rows, record, tables, clock))
+        wanted = self.world.engine.lock.wanted
+        record = UpdatesRecord(address_of(tables), address_of(clock), address_of(rows), address_of(wanted))
+        self._kept.append((rows, record, tables, clock, wanted))
         self._record = ctypes.byref(record)
         if self._prepare is not None:
-            self.run_all = self._prepare(self._record, self.count)
+            self.run_all = self._prepare(self._record, self.count, self.steps)
 
     def begin_step(self, period: int, at_start: bool) -> None:
         """Count the step.

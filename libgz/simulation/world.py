@@ -604,10 +604,21 @@ class World(Closing):
         """Run `count` steps, as fast as possible. Threads that wait for the world have it between two of them."""
         lock = self.lock
         with lock:  # taken once: that costs 1,000 instructions more than to see that it is held
-            for _ in range(count):
+            while count > 0:
                 if lock.waiting:
                     lock.pass_on()
-                self.Step()
+                count -= self._steps_alone(count)
+
+    def step_on(self, most: int) -> int:
+        """Run one step, and more of them, `most` at most, for some milliseconds of real time; how many.
+
+        For loops that have something to do now and then, but not in each step. Raises what `Step` does.
+        """
+        lock = self.lock
+        if lock.waiting:
+            lock.give_way()
+        with lock:
+            return self._steps_alone(most)
 
     def batch(self, commands: Iterable[Columns] = (), readings: Iterable[Columns] = ()) -> Batch:
         """Commands and readings of many interfaces as two arrays, for loops that learn::
@@ -653,31 +664,32 @@ class World(Closing):
         """
         lock = self.lock
         if lock.owned():
-            self._step_alone()
+            self._steps_alone(1)
             return 0
         if lock.waiting:
             lock.give_way()
         if not lock.try_acquire():
             lock.wait()
         try:
-            self._step_alone()
+            self._steps_alone(1)
         finally:
             lock.release()
         return 0
 
-    def _step_alone(self) -> None:
-        """One step, in the thread that holds the lock."""
+    def _steps_alone(self, most: int) -> int:
+        """One step or more, in the thread that holds the lock; how many."""
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("stepped")
         self._inside = True
         try:
-            self._step()
+            made = self._steps(most if self._rewind is None else 1)
         finally:
             self._inside = self.agenda.stepping = False
         if self.problems.failure is not None:
             self.problems.check()
         if self._rewind is not None and self._rewind.due(self.clock.sim_time):
             self._rewind.keep(self.clock.sim_time, self.snapshots.save())
+        return made
 
     @property
     def present_step(self) -> tuple[int, float] | None:
@@ -696,14 +708,20 @@ class World(Closing):
         if self.agenda.holding:
             raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
 
-    def _step(self) -> None:
-        rows = self.rows
+    def _steps(self, most: int) -> int:
+        """One step, and more as long as native code does them alone; how many."""
+        rows, made = self.rows, 1
         if not rows.valid:
             self._build_rows()
         if rows.native and not self._has_listeners():
             self.engine.enter()
+            self.lock.wanted.value = 0
+            steps = rows.steps
+            steps.value = most
             number = rows.run_all()
+            made = most - steps.value
             if number < rows.count:
+                made += 1
                 self._continue_natively(number)
         elif self._read_buttons():
             self._pause()
@@ -713,6 +731,7 @@ class World(Closing):
             self._advance()
             self._act()
             self._end_step(paused=False)
+        return made
 
     def _has_listeners(self) -> bool:
         """Whether a step is more than what rows do."""
@@ -1297,4 +1316,4 @@ def _of_kind(found: E, kind: type[Any], what: str) -> E:
 
 
 names(World._call, lambda values: f"Update of model {values['entity'].GetId()!r}")
-names(World.Step, lambda _: "", outermost=True)
+names(World._steps_alone, lambda _: "", outermost=True)

@@ -7,7 +7,6 @@ server writes them, and reads nothing back; docs/observer.md describes them for 
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import logging
 import os
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.digest import sha256
 from libgz.errors import NotFoundError
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.paths import DATA_FILE, SCENE_FILE, TABLES_FILE
@@ -315,7 +315,7 @@ def _data_file(arrays: dict[str, NDArray[Any]]) -> tuple[str, bytes, dict[str, A
         parts.append(part.tobytes())
         offset += part.nbytes
     content = b"".join(parts)
-    return DATA_FILE + hashlib.sha256(content).hexdigest()[:20], content, places
+    return DATA_FILE + sha256(content).hexdigest()[:20], content, places
 
 
 def start_time(pid: int) -> int:

@@ -123,6 +123,28 @@ def test_threads_have_the_world_between_the_steps_of_one_call():
         assert world.lock.holder == 0
 
 
+def test_native_steps_end_when_a_thread_waits(monkeypatch):
+    monkeypatch.setattr("libgz.ode.native_step.LONGEST", 60.0)
+    with libgz.World.from_string(LEGACY.replace("Pioneer2AT", "SimpleSolid")) as world:
+        world.step(2)
+        seen = []
+
+        def look():
+            while world.iterations < 100:
+                time.sleep(0.001)
+            with world.lock:
+                seen.append(world.iterations)
+
+        thread = threading.Thread(target=look)
+        thread.start()
+        world.step(100)
+        while not seen:
+            made = world.step_on(100_000_000)
+            assert made < 100_000_000
+        thread.join()
+        assert 100 <= seen[0] < 1_000_000
+
+
 def test_several_changes_are_one():
     with libgz.World.from_string(LEGACY) as world:
         end, seen = threading.Event(), set()
@@ -209,6 +231,11 @@ class Counter:
         return self.lock.holder, first, second, third, fourth
 
     @exclusive
+    def place(self, first, second=2):
+        """Which thread holds the lock, and the arguments."""
+        return self.lock.holder, (lambda: first)(), second
+
+    @exclusive
     def fail(self):
         raise ValueError("no")
 
@@ -224,6 +251,12 @@ def test_an_exclusive_method_holds_the_lock_and_keeps_its_parameters():
     assert str(inspect.signature(part.hold)) == "(first, second=2, *, third=3, fourth)"
     with pytest.raises(TypeError, match="missing 1 required keyword-only argument: 'fourth'"):
         part.hold(1)
+    assert part.place(1) == (me, 1, 2)
+    assert part.place(second=3, first=4) == (me, 4, 3)
+    with part.lock:
+        assert part.place(1, second=5) == (me, 1, 5)
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'first'"):
+        part.place()
 
 
 def test_an_exclusive_method_that_raises_releases_the_lock():

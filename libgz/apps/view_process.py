@@ -1,0 +1,50 @@
+"""Shared by the commands with --view: its options, and the process of the viewer."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from libgz.apps.console import whole_number
+
+__all__ = ["add_view_options", "view_process"]
+
+HOST, PORT = "127.0.0.1", 8080
+PATIENCE = 0.5  # [s] for the viewer of --view to end
+
+
+def add_view_options(parser: Any, optional: bool) -> None:
+    """Add the viewer's options; `optional`: with --view, for a server."""
+    add = parser.add_argument
+    if optional:
+        add("--view", action="store_true", help="show the world in a browser; needs the extra `view`")
+    add("--view-port", type=whole_number("port"), default=PORT, metavar="PORT", help="first port to try (default 8080)")
+    add(
+        "--view-host",
+        default=HOST,
+        metavar="ADDRESS",
+        help="address to bind (default 127.0.0.1: only this machine can connect)",
+    )
+
+
+@contextlib.contextmanager
+def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator[None]:
+    """With --view, run the viewer of a server in a process of its own, which prints its address, and end it."""
+    if not options.view or server_id is None:
+        yield
+        return
+    words = ["view", "-s", str(server_id), "--view-port", str(options.view_port), "--view-host", options.view_host]
+    command = [sys.executable, "-m", "libgz", *words, "--parent", str(os.getpid())]
+    import subprocess  # servers without a viewer do without it
+
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
+    try:
+        yield
+    finally:
+        process.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)  # else it ends a little later than this process

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from libgz.classic import msgs
-from libgz.classic.looks import collision_visual, fill_geometry, fill_scene, visual_messages
+from libgz.classic.looks import collision_visual, entity_visual, fill_geometry, fill_scene, visual_messages
 from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
@@ -16,7 +16,7 @@ from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
-from libgz.classic.physics.shape import BoxShape, CylinderShape, HeightmapShape, PlaneShape, SphereShape
+from libgz.classic.physics.shape import BoxShape, CylinderShape, HeightmapShape, SphereShape
 from libgz.classic.physics.world import World
 from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.physics.geoms import LightGeom
@@ -134,6 +134,7 @@ def model_message(model: Model) -> Any:
     )
     msgs.Set(message.pose, model.RelativePose())
     msgs.Set(message.scale, model.Scale())
+    message.visual.append(entity_visual("MODEL", message, *_parent(model)))
     for link in model.GetLinks():
         message.link.append(_link_message(link))
     for joint in model.GetJoints():
@@ -158,6 +159,7 @@ def _link_message(link: Link) -> Any:
         enable_wind=link.WindMode(),
     )
     msgs.Set(message.pose, link.RelativePose())
+    message.visual.append(entity_visual("LINK", message, *_parent(link)))
     inertial, part = link.GetInertial(), message.inertial
     part.mass = inertial.Mass()
     part.ixx, part.ixy, part.ixz = inertial.IXX(), inertial.IXY(), inertial.IXZ()
@@ -171,7 +173,7 @@ def _link_message(link: Link) -> Any:
         sensor.FillMsg(message.sensor.add())
     sdf = link.GetSDF()
     if sdf is not None:
-        message.visual.extend(visual_messages(sdf, link.GetScopedName(), link.GetId()))
+        message.visual.extend(visual_messages(sdf, link.GetScopedName(), link.GetId(), link.IsStatic()))
         geoms = [geom for geom in link.body.geoms if isinstance(geom, LightGeom)]
         for geom, element in zip(geoms, sdf.named("light"), strict=False):
             light = message.light.add(name=f"{link.GetScopedName()}::{element.Get(str, 'name')}")
@@ -199,16 +201,22 @@ def _collision_message(collision: Collision) -> Any:
     elif isinstance(shape, CylinderShape):
         geometry.type = kinds.CYLINDER
         geometry.cylinder.radius, geometry.cylinder.length = shape.GetRadius(), shape.GetLength()
-    elif isinstance(shape, PlaneShape):
-        geometry.type = kinds.PLANE
-        msgs.Set(geometry.plane.normal, shape.Normal())
     elif (sdf := collision.GetSDF()) is not None:
         for element in sdf.named("geometry"):
             fill_geometry(geometry, element)
     _fill_surface(message.surface, collision)
-    link = collision.GetLink()
-    message.visual.append(collision_visual(message, link.GetScopedName(), link.GetId()))
+    at = _parent(collision)
+    message.visual.extend((entity_visual("COLLISION", message, *at), collision_visual(message, *at)))
     return message
+
+
+def _parent(entity: Entity) -> tuple[str, int]:
+    """The name and the id of what an entity belongs to: a model, a link, or the world."""
+    parent = entity.GetParent()
+    if parent is None:
+        world = entity.GetWorld()
+        return world.Name(), world.GetId()
+    return parent.GetScopedName(), parent.GetId()
 
 
 def _fill_surface(message: Any, collision: Collision) -> None:
@@ -245,6 +253,7 @@ def joint_message(joint: Joint) -> Any:
         axis.limit_lower, axis.limit_upper = joint.LowerLimit(index), joint.UpperLimit(index)
         axis.limit_effort, axis.limit_velocity = joint.GetEffortLimit(index), joint.GetVelocityLimit(index)
         axis.damping, axis.friction = joint.GetDamping(index), joint.GetParam("friction", index)
+        axis.use_parent_model_frame, axis.xyz_expressed_in = False, ""  # LocalAxis is in the joint's frame
     if message.type == message.SCREW:
         message.screw.thread_pitch = joint.GetParam("thread_pitch", 0)
     elif message.type == message.GEARBOX:
@@ -297,6 +306,7 @@ def scene_message(world: World) -> Any:
     message = surroundings_message(world)
     for model in world.Models():
         message.model.append(model_message(model))
+        message.joint.extend(message.model[-1].joint)
     for light in world.Lights():
         message.light.append(light_message(light))
     return message

@@ -10,18 +10,27 @@ from libgz.classic import msgs
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.sdf.element import Element
 
-__all__ = ["collision_visual", "fill_geometry", "fill_scene", "gui_message", "road_messages", "visual_messages"]
+__all__ = [
+    "collision_visual",
+    "entity_visual",
+    "fill_geometry",
+    "fill_scene",
+    "gui_message",
+    "road_messages",
+    "visual_messages",
+]
 
 _KINDS = ("box", "cylinder", "sphere", "plane", "image", "heightmap", "mesh", "polyline")
 
 
-def visual_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
+def visual_messages(link: Element, name: str, parent: int, static: bool) -> Iterator[Any]:
     """The visuals of a link's element.
 
     Args:
         link: the element.
         name: the link's scoped name.
         parent: the link's id.
+        static: whether the model does not move.
     """
     for element in link.named("visual"):
         own = f"{name}::{element.Get(str, 'name')}"
@@ -30,12 +39,13 @@ def visual_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
             id=_number(own),
             parent_name=name,
             parent_id=parent,
+            is_static=static,
+            scale=msgs.Vector3d(x=1.0, y=1.0, z=1.0),
             type="VISUAL",
-            cast_shadows=element.Get(bool, "cast_shadows"),
-            transparency=element.Get(float, "transparency"),
-            laser_retro=element.Get(float, "laser_retro"),
-            visible=True,
         )
+        for key, kind in (("cast_shadows", bool), ("transparency", float), ("laser_retro", float)):
+            if element.HasElement(key):
+                setattr(message, key, element.Get(kind, key))
         msgs.Set(message.pose, element.Get(GzPose, "pose"))
         for geometry in element.named("geometry"):
             fill_geometry(message.geometry, geometry)
@@ -49,6 +59,24 @@ def visual_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
 def _number(name: str) -> int:
     """An id for what the engine has no number of: always the same, and not one of others."""
     return 1 << 31 | zlib.crc32(name.encode()) & 0x7FFFFFFF
+
+
+def entity_visual(kind: str, message: Any, parent_name: str, parent_id: int) -> Any:
+    """What clients hang the visuals of an entity on; they move it by the entity's id.
+
+    Args:
+        kind: `MODEL`, `LINK` or `COLLISION`.
+        message: the entity's own message.
+        parent_name, parent_id: of the entity that it belongs to.
+    """
+    return msgs.Visual(
+        name=message.name,
+        id=message.id,
+        parent_name=parent_name,
+        parent_id=parent_id,
+        pose=message.pose,
+        type=kind,
+    )
 
 
 def collision_visual(collision: Any, name: str, parent: int) -> Any:
@@ -160,10 +188,7 @@ def fill_scene(message: Any, scene: Element) -> None:
     msgs.Set(message.ambient, scene.Get(GzColor, "ambient"))
     msgs.Set(message.background, scene.Get(GzColor, "background"))
     message.shadows = scene.Get(bool, "shadows")
-    if scene.HasElement("grid"):
-        message.grid = scene.Get(bool, "grid")
-    if scene.HasElement("origin_visual"):
-        message.origin_visual = scene.Get(bool, "origin_visual")
+    message.grid, message.origin_visual = scene.Get(bool, "grid"), scene.Get(bool, "origin_visual")
     for sky in scene.named("sky"):
         message.sky.time = sky.Get(float, "time")
         message.sky.sunrise, message.sky.sunset = sky.Get(float, "sunrise"), sky.Get(float, "sunset")

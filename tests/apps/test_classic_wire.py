@@ -169,6 +169,20 @@ def test_a_client_is_given_the_scene(master):
     assert visual.geometry.type == types()["Geometry"].BOX
     assert (visual.geometry.box.size.y, visual.pose.position.z) == (10.0, 0.25)
     assert (visual.material.diffuse.r, visual.material.diffuse.g) == (0.5, 0.25)
+    # gzclient hangs visuals on those of the entities, by their ids, and shows nothing without these.
+    kinds, link = types()["Visual"], wall.link[0]
+    for part, kind, parent in (
+        (wall, kinds.MODEL, (scene.name, wall.visual[0].parent_id)),
+        (link, kinds.LINK, (wall.name, wall.id)),
+        (link.collision[0], kinds.COLLISION, (link.name, link.id)),
+    ):
+        own = part.visual[0]
+        assert (own.name, own.id, own.type) == (part.name, part.id, kind)
+        assert (own.parent_name, own.parent_id, own.pose) == (*parent, part.pose)
+    shown = link.collision[0].visual[1]
+    assert (shown.name, shown.geometry) == (f"{link.collision[0].name}__COLLISION_VISUAL__", link.collision[0].geometry)
+    assert scene.grid
+    assert scene.origin_visual
     responses.close()
     requests.close()
 

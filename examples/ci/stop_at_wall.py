@@ -9,7 +9,7 @@ import libgz
 
 with libgz.Client(int(sys.argv[1]), timeout=10.0) as client:
     robot, laser = client.position("robot1"), client.laser("laser1")
-    robot.command(vx=0.3)  # [m/s]
+    robot.command(vx=0.1)  # [m/s]
     while client.wait(timeout=5.0):
         ahead = laser.ranges[80:101]  # [m], the middle of 181 beams
         if laser.time > 0.0 and len(ahead) and ahead.min() < 1.0:

@@ -43,12 +43,12 @@ class _Build:
         self._built = threading.Event()
         self._abandoned = False
         # A daemon, for nobody waits for it after an interrupt. It keeps the arrays until ODE has read them.
-        thread = threading.Thread(target=self._run, args=(vertices, triangles), name="libgz mesh", daemon=True)
-        thread.start()
+        self._thread = threading.Thread(target=self._run, args=(vertices, triangles), name="libgz mesh", daemon=True)
 
     def wait(self) -> int:
         """The handle, as soon as the tree is built."""
         try:
+            self._thread.start()
             self._built.wait()
         except BaseException:
             with self._lock:

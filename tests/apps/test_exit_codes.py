@@ -195,7 +195,7 @@ def test_a_model_to_add_that_is_no_text(tmp_path):
     path = tmp_path / "model.sdf"
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ParameterError, match=r"cannot be read from .*model\.sdf"):
-        model._factory(argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name=""), None)
+        model._factory(None, argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name=""), None)
 
 
 def test_stepping_a_world_that_does_not_run_raises():

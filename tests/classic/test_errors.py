@@ -65,7 +65,6 @@ RUNAWAYS = {
     "overflow": lambda view, link: [link.AddForce((1e308, 0, 0)) for _ in range(3)],
     "joint": lambda view, link: view.ModelByName("arm").GetJoint("hinge").SetForce(0, 1e300),
     "spring": lambda view, link: view.ModelByName("arm").GetJoint("hinge").SetStiffnessDamping(0, 1e300, 0, 1),
-    "gravity": lambda view, link: view.SetGravity((0, 0, -1e30)),
     "moments": lambda view, link: [link.GetInertial().SetIZZ(1e-300), link.UpdateMass(), link.AddTorque((0, 0, 1e20))],
 }
 

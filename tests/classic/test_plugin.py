@@ -392,13 +392,13 @@ def test_what_raises_at_the_end_of_an_animation_or_in_a_battery_stops_its_plugin
 def test_animations_keep_time_when_others_begin(run):
     from libgz.classic.common import PoseAnimation
 
-    world = run(*(BOX.format(name=name, pose="0 0 9 0 0 0", inside="") for name in ("a", "b")))
+    world = run(*(BOX.format(name=name, pose=f"0 {y} 9 0 0 0", inside="") for name, y in (("a", 0), ("b", 5))))
     view = physics.get_world()
 
     def start(name):
         animation = PoseAnimation(name, 1.0, False)
         for time in (0.0, 1.0):
-            animation.CreateKeyFrame(time).Translation((time, 0.0, 9.0))
+            animation.CreateKeyFrame(time).Translation((time, 5.0 * (name == "b"), 9.0))
         view.ModelByName(name).SetAnimation(animation)
 
     start("a")

@@ -37,6 +37,10 @@ class RaySensorNoisePlugin(SensorPlugin):
             )
         noise.SetCustomNoiseCallback(self.OnApplyNoise)
 
+    def Reset(self) -> None:
+        """Begin with a range that becomes shorter, as at the start."""
+        self.sign = 1.0
+
     def OnApplyNoise(self, value: float) -> float:
         """The noisy value of a range [m]."""
         self.sign = -self.sign

@@ -110,7 +110,8 @@ def test_links_collisions_and_joints_are_described_whole(core, node):
     surface = link.collision[0].surface
     assert (surface.friction.mu, surface.friction.mu2, surface.friction.slip1) == (0.4, 0.5, 0.1)
     assert surface.kp == 5e5
-    shown = link.collision[0].visual[0]
+    own, shown = link.collision[0].visual
+    assert (own.name, own.id) == (link.collision[0].name, link.collision[0].id)
     assert (shown.type, shown.geometry.box.size.z, shown.parent_id) == (msgs.Visual.COLLISION, 3.0, link.id)
     joint = msgs.Model.FromString(ask(core, node, "entity_info", "arm").serialized_data).joint[0]
     assert (joint.screw.thread_pitch, joint.pose.position.z) == (0.25, pytest.approx(0.3))

@@ -149,7 +149,12 @@ async def _measured(server, viewer, page, observer, robots, rate):
 
 def shows_robot(page):
     """Whether the middle of a page shows a Pioneer's red body."""
-    image = Image.open(io.BytesIO(page.screenshot(timeout=1000.0 * LONGEST))).convert("RGB")
+    from playwright.sync_api import Error
+
+    try:
+        image = Image.open(io.BytesIO(page.screenshot(timeout=1000.0 * LONGEST))).convert("RGB")
+    except Error:  # a page that has not rendered anything yet
+        return False
     red, green, blue = np.moveaxis(np.asarray(image)[150:450, 150:510].astype(int), -1, 0)
     return np.count_nonzero((red > 90) & (green < 45) & (blue < 45)) > 15
 

@@ -375,15 +375,14 @@ class Commands:
 
     def _modify_link(self, link: Link, message: Any) -> None:
         _check_number(link, message)
-        for field, setter in (
-            ("gravity", link.SetGravityMode),
-            ("kinematic", link.SetKinematic),
-            ("self_collide", link.SetSelfCollide),
-            ("enabled", link.SetEnabled),
-            ("enable_wind", link.SetWindMode),
-        ):
-            if message.HasField(field):
-                setter(getattr(message, field))
+        _apply(
+            message,
+            gravity=link.SetGravityMode,
+            kinematic=link.SetKinematic,
+            self_collide=link.SetSelfCollide,
+            enabled=link.SetEnabled,
+            enable_wind=link.SetWindMode,
+        )
         if message.HasField("inertial"):
             _set_inertial(link, message.inertial)
         if message.HasField("pose"):
@@ -650,21 +649,23 @@ def _modify_collision(collision: Collision, message: Any) -> None:
     for name in ("slip1", "slip2"):
         if friction.HasField(name):
             setattr(surface, name, getattr(friction, name))
-    if friction.HasField("mu"):
-        pyramid.SetMuPrimary(friction.mu)
-    if friction.HasField("mu2"):
-        pyramid.SetMuSecondary(friction.mu2)
+    _apply(friction, mu=pyramid.SetMuPrimary, mu2=pyramid.SetMuSecondary)
     if friction.HasField("fdir1"):
         pyramid.direction1 = msgs.ConvertIgn(friction.fdir1)
-    torsion = friction.torsional
-    for field, setter in (
-        ("coefficient", pyramid.SetMuTorsion),
-        ("patch_radius", pyramid.SetPatchRadius),
-        ("surface_radius", pyramid.SetSurfaceRadius),
-        ("use_patch_radius", pyramid.SetUsePatchRadius),
-    ):
-        if torsion.HasField(field):
-            setter(getattr(torsion, field))
+    _apply(
+        friction.torsional,
+        coefficient=pyramid.SetMuTorsion,
+        patch_radius=pyramid.SetPatchRadius,
+        surface_radius=pyramid.SetSurfaceRadius,
+        use_patch_radius=pyramid.SetUsePatchRadius,
+    )
+
+
+def _apply(message: Any, **setters: Callable[[Any], object]) -> None:
+    """Call the setters of the fields that a message has."""
+    for field, setter in setters.items():
+        if message.HasField(field):
+            setter(getattr(message, field))
 
 
 def _with_gains(pid: PID, message: Any) -> PID:

@@ -130,7 +130,6 @@ class FullContacts:
         self.log = ContactLog()
         self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
         self.overlaps: list[Overlap] = []
-        self._withheld = 0.0  # depth of a point that would be corrected without max_vel [m]
         self.held: set[int] = set()  # handles of bodies that a joint connects with the world
         self.count = 0
 
@@ -174,21 +173,20 @@ class FullContacts:
                 self.touches.append((body1 or body2, body2 if body1 else 0, count))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
-            point, joint = points[i], 0
-            self._withheld = 0.0
+            point, joint, withheld = points[i], 0, 0.0
             found = point.geom.depth
             point.surface = surface
             kept = self._vary(limits[1], point) if rigid else 0.0
             if classic:
-                self._refine(a, b, (geom1, geom2), (body1, body2), (*limits, kept), count, found, point)
+                withheld = self._refine(a, b, (geom1, geom2), (body1, body2), (*limits, kept), count, found, point)
             if not ghost:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
-                if self._withheld > 0.0 and context.exact_rest:
+                if withheld > 0.0 and context.exact_rest:
                     softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
                     normal = tuple(point.geom.normal[:3])
-                    self.overlaps.append(Overlap(body1, body2, normal, self._withheld, softness))
+                    self.overlaps.append(Overlap(body1, body2, normal, withheld, softness))
             if context.record_contacts:
                 self.log.add(data, point.geom, found, joint, not body1)
 
@@ -235,8 +233,8 @@ class FullContacts:
         count: int,
         found: float,
         point: Any,
-    ) -> None:
-        """refine_point in step.c."""
+    ) -> float:
+        """refine_point in step.c; the depth that would be corrected without max_vel [m]."""
         surface = point.surface
         limit, min_depth, kept = limits
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
@@ -255,23 +253,26 @@ class FullContacts:
             surface.soft_erp = spring / (spring + kd)
             surface.soft_cfm = 1.0 / (spring + kd)
             point.geom.depth = found
-            return
+            return 0.0
         point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
-            self._limit_speed(bodies, limit, point)
-        elif found < kept and not surface.mode & ContactMode.BOUNCE:
+            return self._limit_speed(bodies, limit, point)
+        if found < kept and not surface.mode & ContactMode.BOUNCE:
             surface.motionN = surface.soft_erp * (found - kept) / self._context.step
             surface.mode |= ContactMode.MOTION_N
+        return 0.0
 
-    def _limit_speed(self, bodies: tuple[int, int], limit: float, point: Any) -> None:
-        """limit_speed in step.c."""
+    def _limit_speed(self, bodies: tuple[int, int], limit: float, point: Any) -> float:
+        """limit_speed in step.c; the depth that is withheld [m]."""
         surface, depth = point.surface, point.geom.depth
         most = limit * self._context.step / depth
-        if most < surface.soft_erp:
-            self._withheld = (surface.soft_erp - most) * depth
-            lighter = min(self._mass(body) for body in bodies if body)
-            surface.soft_cfm = max(surface.soft_cfm * (most / surface.soft_erp), _REST_CFM / lighter)
-            surface.soft_erp = most
+        if most >= surface.soft_erp:
+            return 0.0
+        withheld: float = (surface.soft_erp - most) * depth
+        lighter = min(self._mass(body) for body in bodies if body)
+        surface.soft_cfm = max(surface.soft_cfm * (most / surface.soft_erp), _REST_CFM / lighter)
+        surface.soft_erp = most
+        return withheld
 
     def _vary(self, min_depth: float, point: Any) -> float:
         """vary in step.c: the depth that is kept."""

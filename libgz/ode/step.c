@@ -1349,6 +1349,7 @@ typedef struct {
     double shift[3]; /* [m] */
 } group;
 
+/* `find_contacts` has numbered the bodies. */
 static group *groups; /* by the row of a body that stands for the group; guarded by ode_lock */
 static int64_t group_capacity;
 
@@ -1379,7 +1380,6 @@ static void find_groups(const context *c)
         if (c->bodies[i]) {
             members[i] = (member){i, 0, 0, 0, 0, 0};
             groups[i] = (group){0.0, {0.0, 0.0, 0.0}};
-            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
         }
     for (i = 0; i < c->joint_count; i++)
         if (c->joints[i])
@@ -1391,8 +1391,14 @@ static void find_groups(const context *c)
             groups[root_of(i)].mass += one.mass;
         }
     for (i = 0; i < c->body_count; i++)
-        if (c->bodies[i] && ((i < held_capacity && held[i]) || dBodyIsKinematic(c->bodies[i])))
+        if (c->bodies[i] && dBodyIsKinematic(c->bodies[i]))
             groups[root_of(i)].mass = 0.0;
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i]) {
+            int64_t one = row_of(dJointGetBody(c->joints[i], 0)), two = row_of(dJointGetBody(c->joints[i], 1));
+            if ((one < 0) != (two < 0)) /* not by `held`: another world may have collided since */
+                groups[root_of(one < 0 ? two : one)].mass = 0.0;
+        }
 }
 
 static void add_shift(group *g, const double *normal, double distance)

@@ -38,14 +38,14 @@ WORLD = """
 @pytest.fixture
 def core(monkeypatch, tmp_path):
     monkeypatch.setenv("HOME", str(tmp_path))
-    with libgz.World.from_string(f"<sdf version='1.6'><world name='told'>{WORLD}</world></sdf>") as world:
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='described'>{WORLD}</world></sdf>") as world:
         yield world
 
 
 @pytest.fixture
 def node(core):
     node = transport.Node()
-    node.Init("told")
+    node.Init("described")
     yield node
     node.Fini()
 
@@ -124,7 +124,7 @@ def test_the_answer_on_physics_has_all_parameters(core, node):
 
 
 def test_a_model_is_modified_in_depth(core, send):
-    view = physics.get_world("told")
+    view = physics.get_world("described")
     message = msgs.Model(name="box", self_collide=True)
     link = message.link.add(name="box::link")
     link.inertial.mass, link.inertial.ixx = 3.0, 2.0
@@ -142,7 +142,7 @@ def test_a_model_is_modified_in_depth(core, send):
 
 
 def test_a_message_with_the_number_of_another_model_is_refused(core, send, caplog):
-    view = physics.get_world("told")
+    view = physics.get_world("described")
     number = view.ModelByName("arm").GetId()
     send("~/model/modify", msgs.Model(name="box", id=number, pose=msgs.Convert(Pose3d(5, 0, 0, 0, 0, 0))))
     assert f"not {number}" in caplog.text
@@ -154,7 +154,7 @@ def edit(inside):
 
 
 def test_the_factory_edits_an_entity_in_its_place(core, send):
-    view = physics.get_world("told")
+    view = physics.get_world("described")
     view.ModelByName("box").SetWorldPose(Pose3d(4, 0, 9, 0, 0, 0))
     ball = (
         "<model name='any'><link name='l'><gravity>0</gravity><collision name='s'><geometry><sphere><radius>2</radius>"
@@ -170,7 +170,7 @@ def test_the_factory_edits_an_entity_in_its_place(core, send):
 
 
 def test_an_edit_that_fails_keeps_the_entity(core, send, caplog):
-    view = physics.get_world("told")
+    view = physics.get_world("described")
     wrong = "<model name='x'><link name='l'><collision name='c'><geometry><box><size>-1 1 1</size></box></geometry>"
     for inside in ("<light name='l' type='point'/>", wrong + "</collision></link></model>"):
         send("~/factory", msgs.Factory(edit_name="box", sdf=edit(inside)))
@@ -192,10 +192,10 @@ def test_a_heightmap_is_sent_as_numbers(tmp_path):
     image.save(path)
     text = f"""<model name='m'><static>1</static><link name='l'><collision name='c'><geometry><heightmap><uri>file://{path}</uri>
         <size>4 4 2</size></heightmap></geometry></collision></link></model>"""
-    with libgz.World.from_string(f"<sdf version='1.6'><world name='told'>{text}</world></sdf>") as world:
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='described'>{text}</world></sdf>") as world:
         world.attach_era()
         node = transport.Node()
-        node.Init("told")
+        node.Init("described")
         answer = ask(world, node, "heightmap_data")
         assert answer.type == "gazebo.msgs.Geometry"
         found = msgs.Geometry.FromString(answer.serialized_data).heightmap

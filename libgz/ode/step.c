@@ -566,6 +566,18 @@ static void set_limits(const context *c, touching *t)
     t->min_depth = larger(of_bodies(t, SURFACE_MIN_DEPTH), c->surface_layer);
 }
 
+/* An array that holds so many elements, and more than twice as many where it has to grow; NULL without memory. */
+static void *enlarged(void *array, int64_t *capacity, int64_t count, size_t size)
+{
+    int64_t most = 2 * count + 64;
+    if (array && count <= *capacity)
+        return array;
+    array = realloc(array, (size_t)most * size);
+    if (array)
+        *capacity = most;
+    return array;
+}
+
 /* Bodies that a joint connects with the world, by row, for the search of contacts; guarded by ode_lock. */
 static char *held;
 static int64_t held_capacity;
@@ -573,13 +585,10 @@ static int64_t held_capacity;
 static void find_held(const context *c)
 {
     int64_t i;
-    if (c->body_count > held_capacity) {
-        char *grown = realloc(held, (size_t)(2 * c->body_count));
-        if (!grown)
-            return;
-        held = grown;
-        held_capacity = 2 * c->body_count;
-    }
+    char *grown = enlarged(held, &held_capacity, c->body_count, 1);
+    if (!grown)
+        return;
+    held = grown;
     memset(held, 0, (size_t)c->body_count);
     for (i = 0; i < c->joint_count; i++)
         if (c->joints[i]) {
@@ -811,16 +820,11 @@ static int solves_islands(const context *c)
 /* Note that two bodies touch. Without memory they are not noted, and so not taken for one island. */
 static void note_touch(context *c, void *body1, void *body2, int count)
 {
-    touch_record *t;
-    if (c->touch_count == c->touch_capacity) {
-        int64_t capacity = c->touch_capacity ? 2 * c->touch_capacity : 64;
-        t = realloc(c->touches, (size_t)capacity * sizeof(touch_record));
-        if (!t)
-            return;
-        c->touches = t;
-        c->touch_capacity = capacity;
-    }
-    t = c->touches + c->touch_count++;
+    touch_record *t = enlarged(c->touches, &c->touch_capacity, c->touch_count + 1, sizeof *t);
+    if (!t)
+        return;
+    c->touches = t;
+    t += c->touch_count++;
     t->body1 = (intptr_t)dBodyGetData(body1 ? body1 : body2);
     t->body2 = body1 && body2 ? (intptr_t)dBodyGetData(body2) : -1;
     t->count = count;
@@ -829,16 +833,11 @@ static void note_touch(context *c, void *body1, void *body2, int count)
 /* Note a point whose bodies are to be set apart. Without memory it is not noted. */
 static void note_overlap(context *c, const touching *t, const contact *point)
 {
-    overlap_record *o;
-    if (c->overlap_count == c->overlap_capacity) {
-        int64_t capacity = c->overlap_capacity ? 2 * c->overlap_capacity : 64;
-        o = realloc(c->overlaps, (size_t)capacity * sizeof(overlap_record));
-        if (!o)
-            return;
-        c->overlaps = o;
-        c->overlap_capacity = capacity;
-    }
-    o = c->overlaps + c->overlap_count++;
+    overlap_record *o = enlarged(c->overlaps, &c->overlap_capacity, c->overlap_count + 1, sizeof *o);
+    if (!o)
+        return;
+    c->overlaps = o;
+    o += c->overlap_count++;
     o->body1 = t->body1;
     o->body2 = t->body2;
     memcpy(o->normal, point->geom.normal, sizeof o->normal);
@@ -1208,15 +1207,10 @@ static int64_t member_capacity;
 
 static int have_members(int64_t count)
 {
-    member *grown;
-    if (count <= member_capacity)
-        return 1;
-    grown = realloc(members, (size_t)(2 * count) * sizeof(member));
-    if (!grown)
-        return 0;
-    members = grown;
-    member_capacity = 2 * count;
-    return 1;
+    member *grown = enlarged(members, &member_capacity, count, sizeof *grown);
+    if (grown)
+        members = grown;
+    return grown != NULL;
 }
 
 static int64_t root_of(int64_t i)
@@ -1355,15 +1349,10 @@ static int64_t group_capacity;
 
 static int have_groups(int64_t count)
 {
-    group *grown;
-    if (count <= group_capacity)
-        return 1;
-    grown = realloc(groups, (size_t)(2 * count) * sizeof(group));
-    if (!grown)
-        return 0;
-    groups = grown;
-    group_capacity = 2 * count;
-    return 1;
+    group *grown = enlarged(groups, &group_capacity, count, sizeof *grown);
+    if (grown)
+        groups = grown;
+    return grown != NULL;
 }
 
 /* The group of a body; NULL if it cannot move. */

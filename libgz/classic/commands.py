@@ -35,6 +35,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import BUILT
 from libgz.simulation.reloading import reload
+from libgz.simulation.state import seldom
 from libgz.simulation.world import World as CoreWorld
 from libgz.transport.tally import Tally
 
@@ -71,11 +72,13 @@ class PausedSteps:
     """
 
     STATE = ("_remaining", "_lifted")
+    _remaining: int = seldom()
+    _lifted: bool = seldom()  # whether the pause is lifted for them
 
     def __init__(self, core: CoreWorld) -> None:
         self._core = core
         self._remaining = 0
-        self._lifted = False  # whether the pause is lifted for them
+        self._lifted = False
 
     def add(self, count: int) -> None:
         """Request iterations."""

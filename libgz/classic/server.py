@@ -25,7 +25,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Kept, decode, get_values, set_values, undeclared
+from libgz.simulation.state import Kept, changes, decode, encode, get_values, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -106,6 +106,7 @@ class WorldServer:
         self._started = self._reloading = False
         self._first: Sequence[Any] | None = None  # the state at the start, if the world ran before
         self._kept = Kept()  # of `_settings`
+        self._kept_at = -1  # the count of changes then
         self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
     @property
@@ -452,7 +453,7 @@ class WorldServer:
         if saved["sensors"] is not None:
             self.all_sensors().load(saved["sensors"])
         elif self.sensors is not None:
-            self.sensors.load((0.0, -math.inf, ()))
+            self.sensors.load((0.0, -math.inf, encode([]), []))
         self.activity.load(saved["activity"])
         if self.scene is None and saved["scene"] is not None:
             from libgz.classic.rendering.scene import scene_of
@@ -466,6 +467,7 @@ class WorldServer:
         if saved["settings"] != self._settings():
             for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
                 set_values(part, values)
+            changes.count()
         self.physics.GetContactManager().forget()
         if self.topics is not None and saved["topics"] is not None:
             self.topics.load(saved["topics"], replace=saved["plugins"] is not None)
@@ -475,7 +477,10 @@ class WorldServer:
         return self.physics, self.presets, self.paused_steps
 
     def _settings(self) -> bytes:
-        return self._kept.encode([get_values(part) for part in self._parts_with_settings])
+        if self._kept_at != (count := changes.last):
+            self._kept.encode([get_values(part) for part in self._parts_with_settings])
+            self._kept_at = count
+        return self._kept.encoded
 
     def entities_rebuilt(self) -> None:
         """Entities were built again: make their sensors, and load their plugins.

@@ -13,6 +13,7 @@ from libgz.cxx.objects import LoadedFile, Session, enter, running
 from libgz.errors import PluginError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.legacy.model import Model
+from libgz.simulation.entity import packed_pose
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -202,6 +203,7 @@ class CxxModel(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("sensors",)
+    SELDOM: ClassVar[tuple[str, ...]] = ()  # C++ code writes its fields at any time
 
     plugin: ClassVar[LoadedFile]
     create: ClassVar[int]
@@ -216,6 +218,14 @@ class CxxModel(Model):
 
     fields: _ModelFields | None = None
     pointer = 0
+
+    @property
+    def _homes(self) -> bytes:
+        return packed_pose(self.initPose) + packed_pose(self.relPose)
+
+    @_homes.setter
+    def _homes(self, packed: bytes) -> None:
+        Model._homes.fset(self, packed)  # type: ignore[attr-defined]
 
     def __init__(self, world: World) -> None:
         self.made: dict[int, int] = {}

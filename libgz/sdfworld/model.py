@@ -24,7 +24,7 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
-from libgz.simulation.state import Kept, decode
+from libgz.simulation.state import Kept, changes, decode
 from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
@@ -210,6 +210,7 @@ class SdfModel(Entity):
         self._add_link(element, pose)
         body = self.links[name]
         self._added[name] = element
+        changes.count()
         place = GzCoordPoseSub(body.GetPose(), pose)
         self._places.append((body, place, GzCoordPoseAdd(place, self._start)))
         return body
@@ -253,6 +254,7 @@ class SdfModel(Entity):
         """Destroy a link that `create_link` made."""
         body = self.links.pop(name)
         self.bodies.remove(body)
+        changes.count()
         self._self_colliding.discard(body)
         self._places = [place for place in self._places if place[0] is not body]
         self.sdf.RemoveChild(self._added.pop(name))
@@ -274,6 +276,7 @@ class SdfModel(Entity):
         """Let a link touch others of its model, or not. It needs a space of its own: geoms of one never touch."""
         if collide == self.self_collides(body):
             return
+        changes.count()
         space = self.modelSpaceId
         if collide:
             if body not in self._spaces or self._spaces[body].closed:  # a state that is loaded may have closed it
@@ -396,6 +399,7 @@ class SdfModel(Entity):
             return None
         joint = SdfJoint(self.world.engine, plan)
         self.sdf_joints[plan.name] = joint
+        changes.count()
         joint.on_acts = self.world.update_rows_changed
         joint.on_acts()
         for body in (plan.parent, plan.child):
@@ -417,6 +421,7 @@ class SdfModel(Entity):
         joint = self.sdf_joints.pop(name, None)
         if joint is None:
             return False
+        changes.count()
         joint.close()
         return True
 
@@ -453,10 +458,18 @@ class SdfModel(Entity):
         bodies = list(self.world.engine.bodies.values())
         return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
+    def MasterIsStill(self) -> bool:
+        """Whether it has nothing but links, which stand in the file: then all else is in the engine's state."""
+        return type(self) is SdfModel and not (self._has_parts or self.grippers)
+
+    @property
+    def _has_parts(self) -> bool:
+        return bool(self._canonical is None or self._added or self.sdf_joints or self._self_colliding)
+
     @property
     def _parts(self) -> bytes | None:
         """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
-        if not (self._canonical is None or self._added or self.sdf_joints or self._self_colliding):
+        if not self._has_parts:
             return None
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
@@ -606,6 +619,7 @@ def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple
         joint.load(one, find)
     for joint in before.values():
         joint.close()
+    changes.count()
     world.update_rows_changed()
 
 

@@ -12,6 +12,7 @@ from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
+from libgz.simulation.state import changes, seldom
 from libgz.simulation.updates import UpdateRows, replaced
 
 if TYPE_CHECKING:
@@ -20,13 +21,24 @@ if TYPE_CHECKING:
     from libgz.simulation.journal import Origin
     from libgz.simulation.world import World
 
-__all__ = ["CANONICAL", "Entity"]
+__all__ = ["CANONICAL", "Entity", "packed_pose"]
 
 log = logging.getLogger("libgz.simulation")
 
 CANONICAL = "canonical"
 STILL = (0.0, 0.0, 0.0)
-_HOMES = struct.Struct("14d")
+_HOME = struct.Struct("7d")
+
+
+def packed_pose(pose: GzPose) -> bytes:
+    """The bytes of the numbers of a pose."""
+    place, turn = pose.pos, pose.rot
+    return _HOME.pack(place.x, place.y, place.z, turn.u, turn.x, turn.y, turn.z)
+
+
+def _unpacked(packed: bytes) -> GzPose:
+    x, y, z, u, qx, qy, qz = _HOME.unpack(packed)
+    return GzPose(GzVector(x, y, z), GzQuatern(u, qx, qy, qz))
 
 
 class _Error:
@@ -54,21 +66,34 @@ class Entity:
 
     STATE: ClassVar[tuple[str, ...]] = ("_homes", "fixed", "_id", "_name", "_number")
 
+    # What of its state, and of its place among entities, changes by counted assignments only; empty: nothing.
+    SELDOM: ClassVar[tuple[str, ...]] = STATE
+    origin: Origin | None = seldom()  # where it can be built from again; None if it was made by code
+    parent: Entity | None = seldom()
+    parentBody: Body | None = seldom()
+    fixed: bool = seldom()
+    failed: BaseException | None = seldom()  # what its update raised; it is not updated any more
+    plugin_error: BaseException | None = seldom()  # what a plugin of it raised
+    _id: str = seldom()
+    _name: str = seldom()
+    _number: int = seldom()
+    _packed_init_pose: bytes = seldom()  # the packed numbers of initPose
+    _packed_rel_pose: bytes = seldom()  # and of relPose
+
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
     not_kept: ClassVar[str] = ""  # of its own state, in a warning; by default, what its class does not declare
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.origin: Origin | None = None  # where it can be built from again; None if it was made by code
+        self.origin = None
         self.modelSpaceId = Space(world.engine)
-        self.parent: Entity | None = None
-        self.parentBody: Body | None = None
+        self.parent = None
+        self.parentBody = None
         self.initPose = GzPose()
-        self.relPose = GzPose()  # in the parent body
+        self.relPose = GzPose()
         self.fixed = False
-        self.failed: BaseException | None = None  # what its update raised; it is not updated any more
-        self.plugin_error: BaseException | None = None  # what a plugin of it raised
+        self.failed = self.plugin_error = None
         self.facade: Any = None  # by which the API of a layer above presents it; set by that layer
         self._children: list[Entity] = []
         self._bodies: list[Body] = []
@@ -137,16 +162,35 @@ class Entity:
     # State -----------------------------------------------------------------------------------------------------------
 
     @property
+    def initPose(self) -> GzPose:
+        """The initial pose, a copy [m]; to change it, set it."""
+        return _unpacked(self._packed_init_pose)
+
+    @initPose.setter
+    def initPose(self, pose: GzPose) -> None:
+        self._packed_init_pose = packed_pose(pose)
+
+    @property
+    def relPose(self) -> GzPose:
+        """The pose in the parent body, a copy [m]; to change it, set it."""
+        return _unpacked(self._packed_rel_pose)
+
+    @relPose.setter
+    def relPose(self, pose: GzPose) -> None:
+        self._packed_rel_pose = packed_pose(pose)
+
+    @property
     def _homes(self) -> bytes:
         """The initial pose and the one in the parent body, as the bytes of their numbers."""
-        a, b, c, d = self.initPose.pos, self.initPose.rot, self.relPose.pos, self.relPose.rot
-        return _HOMES.pack(a.x, a.y, a.z, b.u, b.x, b.y, b.z, c.x, c.y, c.z, d.u, d.x, d.y, d.z)
+        return self._packed_init_pose + self._packed_rel_pose
 
     @_homes.setter
     def _homes(self, packed: bytes) -> None:
-        numbers = _HOMES.unpack(packed)
-        self.initPose = GzPose(GzVector(*numbers[:3]), GzQuatern(*numbers[3:7]))
-        self.relPose = GzPose(GzVector(*numbers[7:10]), GzQuatern(*numbers[10:]))
+        self.initPose, self.relPose = _unpacked(packed[: _HOME.size]), _unpacked(packed[_HOME.size :])
+
+    def MasterIsStill(self) -> bool:
+        """Whether all that its class declares as state changes by counted assignments only, as it is now."""
+        return False
 
     def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
         """Attach it to the body of another entity that a state has as its parent, or to none.
@@ -177,6 +221,7 @@ class Entity:
             self._canonical = body
             body.bodyName = CANONICAL
         self.bodies.append(body)
+        changes.count()
         body.model = self
 
     def GetBody(self, name: str | None = None) -> Body:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Sequence
-from itertools import chain
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
@@ -14,6 +13,7 @@ from libgz.physics.state import PARTS as ENGINE_PARTS
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.state import Reader
 
 if TYPE_CHECKING:
     from libgz.simulation.companion import Companion
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 __all__ = ["Snapshots"]
 
 # What a state consists of, in order.
-PARTS = ("file", "list", "world", "random", "entities", "companions", "extensions", "engine", "interfaces")
+PARTS = (
+    *("file", "list", "seldom", "world", "random", "entities", "companions", "extensions", "engine", "interfaces"),
+)
 
 
 class StoppedError(GazeboError):
@@ -34,8 +36,8 @@ class StoppedError(GazeboError):
 class Snapshots:
     """Takes the states of a world, and brings it back to them.
 
-    Which entities there are, where they come from and what is attached to what changes rarely: it is collected for each
-    state, and only encoded again when something differs from the last time.
+    Which entities there are, where they come from, what is attached to what, and most of what classes of libgz declare
+    changes rarely, and each such change is counted: it is read and encoded again only after that count has changed.
 
     Args:
         world: the World.
@@ -44,10 +46,14 @@ class Snapshots:
     def __init__(self, world: World) -> None:
         self._world = world
         self._collected: list[Any] = []  # at the last encoding of the list of entities
+        self._seen = -1  # the count of changes then; -1 if there are changes that are not counted
         self._listed = b""  # that encoding
-        self._kinds: dict[type[Entity], list[Entity]] = {}  # the entities of it by their classes
+        self._seldom = b""  # the encoding of what seldom changes of the entities
+        self._often: list[tuple[Reader, list[Entity]]] = []  # the others, by their classes
         self._extended = 0  # how many extensions the world had
         self._declaring: list[tuple[str, Any]] = []  # those of them that declare state
+        self._served: dict[tuple[str, str], Interface[Any]] = {}  # the interfaces in the last state
+        self._sorted: list[tuple[tuple[str, str], Interface[Any]]] = []  # in order
 
     def save(self) -> bytes:
         """The state between two steps.
@@ -61,20 +67,21 @@ class Snapshots:
         plain = (
             world.era.digest,
             self._list(),
+            self._seldom,
             state.get_values(world),
             (world.spawned, world.journal.inserted),
-            [_own_states(kind, entities) for kind, entities in self._kinds.items()],
-            {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
+            [_own_states(reader, entities) for reader, entities in self._often],
+            {_name(companion): kept for companion in world.companions if (kept := companion.get_state()) is not None},
             {name: state.get_values(extension) for name, extension in self._extensions()},
             (*engine.values(),),
-            [(key, state.large(interface.get_bytes())) for key, interface in _interfaces(world)],
+            [(key, state.large(interface.get_bytes())) for key, interface in self._interfaces()],
         )
         try:
             return state.encode(plain)
         except ParameterError as error:
             for entity in world.entities:
                 try:
-                    state.encode(_own_state(entity))
+                    state.encode(_own_state(_reader(entity, True), entity))
                 except ParameterError as own:
                     raise ParameterError(f"{_described(entity)}: {own}") from error
             raise
@@ -113,11 +120,10 @@ class Snapshots:
         state.set_values(world, saved["world"])
         spawned, world.journal.inserted = saved["random"]
         world.restart_random(spawned)
-        own = dict(zip(chain(*self._kinds.values()), chain(*saved["entities"]), strict=True))
-        for index, entity in enumerate(world.entities):
-            if listed is not None:
+        if listed is not None:
+            for index, entity in enumerate(world.entities):
                 _load_relatives(world, entity, listed["entities"][index])
-            _load_own_state(entity, own[entity])
+        self._load_entities(saved["seldom"], saved["entities"])
         world.update_rows_changed()
         if listed is not None:
             world.followers[:] = [world.entities[index] for index in listed["followers"]]
@@ -128,7 +134,7 @@ class Snapshots:
                 state.set_values(extension, saved["extensions"][name])
         world.engine.set_state(dict(zip(ENGINE_PARTS, saved["engine"], strict=True)))
         contents = dict(saved["interfaces"])
-        for key, interface in _interfaces(world):
+        for key, interface in self._interfaces():
             if key in contents:
                 interface.set_bytes(contents[key])
 
@@ -140,18 +146,26 @@ class Snapshots:
             self._declaring = [(_name(one), one) for one in present if state.declares(_type(one))]
         return self._declaring
 
+    def _interfaces(self) -> list[tuple[tuple[str, str], Interface[Any]]]:
+        """The interfaces by type and id, in order."""
+        found = self._world.gz_server.interfaces
+        if found != self._served:
+            self._served = dict(found)
+            self._sorted = sorted(found.items(), key=itemgetter(0))
+        return self._sorted
+
     def _list(self) -> bytes:
         """Which entities there are, where they come from, what is attached to what, and who has stopped; encoded."""
         world = self._world
         entities = world.entities
-        rows = list(map(_relatives, entities))
+        count = state.changes.last
+        if count == self._seen and entities == self._collected[0] and world.followers == self._collected[3]:
+            return self._listed
+        rows = [*map(_relatives, entities)]
         places = [parent.bodies.index(body) for _, parent, body, *_ in rows if parent is not None and body is not None]
         collected = [entities, rows, places, world.followers]
         if collected != self._collected:
-            self._kinds = {}
-            for entity in entities:
-                self._kinds.setdefault(type(entity), []).append(entity)
-            kinds = list(self._kinds)
+            kinds = list(dict.fromkeys(map(_type, entities)))
             number = {entity: index for index, entity in enumerate(entities)}
             origins = [entity.origin for entity in entities]
             sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
@@ -165,7 +179,31 @@ class Snapshots:
                 }
             )
             self._collected = [list(entities), rows, places, list(world.followers)]
+        self._read_seldom()
+        self._seen = count if all(entity.SELDOM for entity in entities) else -1
         return self._listed
+
+    def _read_seldom(self) -> None:
+        """Encode what seldom changes of entities, and find those of which something changes often."""
+        entities = self._world.entities
+        still = [entity.MasterIsStill() for entity in entities]
+        rows = [_own_state(_reader(entity, whole), entity) for entity, whole in zip(entities, still, strict=True)]
+        self._seldom = state.encode((still, rows))
+        self._often = _changing(entities, still)
+
+    def _load_entities(self, seldom: bytes, often: Sequence[Sequence[Sequence[Any]]]) -> None:
+        """Set the states of all entities."""
+        self._list()
+        groups = self._often
+        if seldom != self._seldom:
+            entities = self._world.entities
+            still, rows = state.decode(seldom)
+            for entity, whole, row in zip(entities, still, rows, strict=True):
+                _load_own_state(_reader(entity, whole), entity, row)
+            groups = _changing(entities, still)
+        for (reader, members), rows in zip(groups, often, strict=True):
+            for entity, row in zip(members, rows, strict=True):
+                _load_own_state(reader, entity, row)
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
@@ -212,16 +250,31 @@ def _holder(entity: Entity, number: dict[Entity, int]) -> tuple[int | None, int 
     return number.get(parent), parent.bodies.index(body) if body is not None else None
 
 
-def _own_states(kind: Any, entities: Sequence[Entity]) -> Sequence[Any]:
+def _reader(entity: Entity, whole: bool) -> Reader:
+    """What reads the state of an entity as a whole, or what of it seldom changes."""
+    return state.whole(_type(entity)) if whole else state.readers(_type(entity))[0]
+
+
+def _changing(entities: Sequence[Entity], still: Sequence[bool]) -> list[tuple[Reader, list[Entity]]]:
+    """The entities of which more than what seldom changes is to be read, by their classes."""
+    groups: dict[Reader, list[Entity]] = {}
+    for entity, whole in zip(entities, still, strict=True):
+        reader = state.readers(_type(entity))[1]
+        if not whole and reader.fields:
+            groups.setdefault(reader, []).append(entity)
+    return list(groups.items())
+
+
+def _own_states(reader: Reader, entities: Sequence[Entity]) -> Sequence[Any]:
     try:
-        return state.get_rows(kind, entities)
+        return reader.rows(entities)
     except (GazeboError, *USER_ERRORS):
-        return [_own_state(entity) for entity in entities]  # reports whose it is
+        return [_own_state(reader, entity) for entity in entities]  # reports whose it is
 
 
-def _own_state(entity: Entity) -> Sequence[Any]:
+def _own_state(reader: Reader, entity: Entity) -> Sequence[Any]:
     try:
-        return state.get_values(entity)
+        return reader.get(entity)
     except GazeboError:
         raise
     except USER_ERRORS as error:
@@ -243,9 +296,9 @@ def _load_relatives(world: World, entity: Entity, kept: dict[str, Any]) -> None:
             setattr(entity, name, StoppedError(kept[name]) if kept[name] is not None else None)
 
 
-def _load_own_state(entity: Entity, own: Sequence[Any]) -> None:
+def _load_own_state(reader: Reader, entity: Entity, own: Sequence[Any]) -> None:
     try:
-        state.set_values(entity, own)
+        reader.set(entity, own)
     except GazeboError:
         raise
     except USER_ERRORS as error:
@@ -297,11 +350,3 @@ def _restore_entities(world: World, listed: dict[str, Any], anew: bool) -> None:
         world.remove(surplus)  # what an Init inserted, and what was not there any more
     if [entity.origin for entity in world.entities] != wanted:
         raise StateError("the models of this state could not all be built again, or not in their order")
-
-
-# Interfaces ---------------------------------------------------------------------------------------------------------
-
-
-def _interfaces(world: World) -> list[tuple[tuple[str, str], Interface[Any]]]:
-    found = world.gz_server.interfaces
-    return [(key, found[key]) for key in sorted(found)]

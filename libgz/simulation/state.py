@@ -31,36 +31,42 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from itertools import chain
 from operator import attrgetter
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.physics.edits import Edits
 
 __all__ = [
     "Kept",
+    "Noted",
+    "Reader",
     "carry_state",
+    "changes",
     "declares",
     "decode",
     "encode",
     "equal",
     "fields",
-    "get_rows",
     "get_state",
     "get_values",
     "large",
     "plain",
+    "readers",
+    "seldom",
     "set_state",
     "set_values",
     "undeclared",
+    "whole",
 ]
 
 C = TypeVar("C", bound=Callable[..., Any])
 
 FORMAT = (
-    b"libgz state 3\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
+    b"libgz state 4\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
 )
 LARGE = 4096  # [byte]
 _COUNT = struct.Struct("<q")
@@ -173,15 +179,98 @@ def plain(kind: C, of: type | None = None) -> C:
     return kind
 
 
+changes = Edits()  # of `Seldom` attributes, in all worlds
+
+
+class Seldom:
+    """An attribute whose assignments are counted: what seldom changes is read again only after that.
+
+    It holds what cannot be changed in place.
+    """
+
+    def __set_name__(self, _owner: type, name: str) -> None:
+        self._name = name
+
+    def __set__(self, thing: Any, value: Any) -> None:  # without a __get__, reading costs nothing more
+        vars(thing)[self._name] = value
+        changes.count()
+
+
+def seldom() -> Any:
+    """A `Seldom` attribute, which has the type of what it holds."""
+    return Seldom()
+
+
+class Noted:
+    """Base of what seldom changes as a whole: all assignments of its attributes are counted.
+
+    Whoever changes in place what one of them holds calls `noted.count`.
+    """
+
+    noted: ClassVar[Edits] = Edits()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+        Noted.noted.count()
+
+
+class Reader:
+    """Reads and sets some of what a class declares.
+
+    Args:
+        names: of attributes.
+        saves: whether SaveState and LoadState belong to it.
+    """
+
+    __slots__ = ("_read", "fields", "places", "saves")
+
+    def __init__(self, names: Sequence[str], saves: bool) -> None:
+        read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
+        self._read: Callable[[Any], tuple[Any, ...]] = (lambda thing: (read(thing),)) if len(names) == 1 else read
+        self.saves = saves
+        self.fields = (*names, "") if saves else tuple(names)
+        parts = [name.rpartition(".") for name in self.fields]
+        self.places = tuple((attrgetter(part) if part else None, name) for part, _, name in parts)
+
+    def get(self, thing: Any) -> Sequence[Any]:
+        """The values of an object as plain data, in the order of `fields`."""
+        values: Sequence[Any] = self._read(thing)
+        if not _PLAIN.issuperset(map(type, values)):
+            values = [value if type(value) in _PLAIN else _saved(value) for value in values]
+        return (*values, thing.SaveState()) if self.saves else values
+
+    def rows(self, things: Sequence[Any]) -> list[Sequence[Any]]:
+        """What `get` returns of each of these objects."""
+        if self.saves:
+            return [*map(self.get, things)]
+        rows: list[Sequence[Any]] = [*map(self._read, things)]
+        if _PLAIN.issuperset(map(type, chain.from_iterable(rows))):
+            return rows
+        return [[value if type(value) in _PLAIN else _saved(value) for value in row] for row in rows]
+
+    def set(self, thing: Any, values: Sequence[Any]) -> None:
+        """Give an object the values that `get` returned of it, or of one that was made in the same way."""
+        try:
+            present: Sequence[Any] = self._read(thing)
+        except AttributeError:
+            present = ()
+        same = 0  # how many at the front need no change; to set one of them may change what is behind it
+        for value, before in zip(values, present, strict=False):
+            if type(value) not in _COMPARED or type(before) is not type(value) or before != value:
+                break
+            if value == 0.0 and str(before) != str(value):  # zeros have signs
+                break
+            same += 1
+        for place, value in zip(self.places[same:], values[same:], strict=True):
+            _set(thing, place, value)
+
+
 class _Class:
     """What a class declares, and how its objects become plain data and take it again.
 
     Attributes:
-        names: the attributes that the class and its bases declare, each once.
-        fields: what the values of an object are called: those names, and an empty one for what SaveState returns.
-        places: for each of them what finds the part that has it, None for the object itself; and its name there.
-        read: reads the values of those names of an object.
-        saves: whether objects have a SaveState.
+        whole: reads all attributes that the class and its bases declare, and what SaveState returns.
+        seldom, often: read those of them that are in the class's SELDOM, and all others.
         declares: whether the class, or one of its bases, declares state.
         undeclared: whether neither it nor a base declares any, those of libgz left aside; never of a class of libgz.
         ours: whether it is one of libgz's, whose states need no names.
@@ -190,20 +279,17 @@ class _Class:
     """
 
     __slots__ = (
-        *("_alive", "declares", "fields", "load", "names", "ours", "places", "read", "save", "saves", "undeclared"),
+        *("_alive", "declares", "load", "often", "ours", "save", "seldom", "undeclared", "whole"),
     )
 
     def __init__(self, kind: Any) -> None:
         bases = kind.__mro__
         own = [base for base in bases if base is not object and not base.__module__.startswith("libgz.")]
         names = tuple(dict.fromkeys(name for base in reversed(bases) for name in vars(base).get("STATE", ())))
-        self.names = names
-        self.saves = hasattr(kind, "SaveState")
-        self.fields = (*names, "") if self.saves else names
-        parts = [name.rpartition(".") for name in self.fields]
-        self.places = tuple((attrgetter(part) if part else None, name) for part, _, name in parts)
-        read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
-        self.read: Callable[[Any], tuple[Any, ...]] = (lambda thing: (read(thing),)) if len(names) == 1 else read
+        saves, seldom = hasattr(kind, "SaveState"), getattr(kind, "SELDOM", ())
+        self.whole = Reader(names, saves)
+        self.seldom = Reader([name for name in names if name in seldom], False)
+        self.often = Reader([name for name in names if name not in seldom], saves)
         self.declares = any(map(_declares_itself, bases))
         self.undeclared = bool(own) and not any(map(_declares_itself, own))
         self.ours = kind.__module__.startswith("libgz.")
@@ -225,7 +311,7 @@ def _declares_itself(kind: Any) -> bool:
 
 def fields(kind: Any) -> tuple[str, ...]:
     """What the values of an object of a class are called: its attributes; an empty name for what SaveState returns."""
-    return _class(kind).fields
+    return _class(kind).whole.fields
 
 
 def declares(kind: Any) -> bool:
@@ -238,25 +324,21 @@ def undeclared(kind: Any) -> bool:
     return _class(kind).undeclared
 
 
+def readers(kind: Any) -> tuple[Reader, Reader]:
+    """What read what seldom changes of a class, and all else of it."""
+    declared = _class(kind)
+    return declared.seldom, declared.often
+
+
+def whole(kind: Any) -> Reader:
+    """What reads all that a class declares."""
+    return _class(kind).whole
+
+
 def get_values(thing: Any) -> Sequence[Any]:
     """The declared state of an object, for `set_values`: values in the order of `fields`."""
     kind: Any = type(thing)
-    declared = _classes.get(id(kind)) or _class(kind)
-    values: Sequence[Any] = declared.read(thing)
-    if not _PLAIN.issuperset(map(type, values)):
-        values = [value if type(value) in _PLAIN else _saved(value) for value in values]
-    return (*values, thing.SaveState()) if declared.saves else values
-
-
-def get_rows(kind: Any, things: Sequence[Any]) -> list[Sequence[Any]]:
-    """What `get_values` returns of each of these objects, which are all of one class."""
-    declared = _class(kind)
-    if declared.saves:
-        return [get_values(thing) for thing in things]
-    rows: list[Sequence[Any]] = list(map(declared.read, things))
-    if _PLAIN.issuperset(map(type, chain.from_iterable(rows))):
-        return rows
-    return [[value if type(value) in _PLAIN else _saved(value) for value in row] for row in rows]
+    return (_classes.get(id(kind)) or _class(kind)).whole.get(thing)
 
 
 def set_values(thing: Any, values: Sequence[Any]) -> None:
@@ -265,20 +347,7 @@ def set_values(thing: Any, values: Sequence[Any]) -> None:
     Containers, arrays and generators are changed in place, for others may hold them.
     """
     kind: Any = type(thing)
-    declared = _classes.get(id(kind)) or _class(kind)
-    try:
-        present: Sequence[Any] = declared.read(thing)
-    except AttributeError:
-        present = ()
-    same = 0  # how many at the front need no change; to set one of them may change what is behind it
-    for value, before in zip(values, present, strict=False):
-        if type(value) not in _COMPARED or type(before) is not type(value) or before != value:
-            break
-        if value == 0.0 and str(before) != str(value):  # zeros have signs
-            break
-        same += 1
-    for place, value in zip(declared.places[same:], values[same:], strict=True):
-        _set(thing, place, value)
+    (_classes.get(id(kind)) or _class(kind)).whole.set(thing, values)
 
 
 def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any) -> None:
@@ -299,18 +368,18 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
 
 def get_state(thing: Any) -> Any:
     """The declared state of an object by names, for `set_state`."""
-    return dict(zip(_class(type(thing)).fields, get_values(thing), strict=True))
+    return dict(zip(_class(type(thing)).whole.fields, get_values(thing), strict=True))
 
 
 def set_state(thing: Any, state: Any) -> None:
     """Give an object the state that `get_state` returned of it, or of one that was made in the same way."""
-    set_values(thing, [state[name] for name in _class(type(thing)).fields])
+    set_values(thing, [state[name] for name in _class(type(thing)).whole.fields])
 
 
 def carry_state(thing: Any, state: Any) -> None:
     """Give an object the state of one of an earlier form of its class: what both declare."""
     kind: Any = type(thing)
-    for name, place in zip(fields(kind), _class(kind).places, strict=True):
+    for name, place in zip(fields(kind), _class(kind).whole.places, strict=True):
         if name in state and (name or hasattr(kind, "LoadState")):
             _set(thing, place, state[name])
 
@@ -521,17 +590,18 @@ class Kept:
     """The encoding of plain data that seldom changes: it is made anew only where they have changed, to the bit."""
 
     def __init__(self) -> None:
-        self._key = self._encoded = b""
+        self._key = self.encoded = b""
 
     def encode(self, plain_: Any) -> bytes:
         """Like the function `encode`, for data of builtin types."""
         try:
             key = marshal.dumps(plain_, 2)
         except ValueError:  # there is something in them that is not of a builtin type
-            return encode(plain_)
+            self._key, self.encoded = b"", encode(plain_)
+            return self.encoded
         if key != self._key:
-            self._key, self._encoded = key, encode(plain_)
-        return self._encoded
+            self._key, self.encoded = key, encode(plain_)
+        return self.encoded
 
 
 def equal(one: Any, other: Any) -> bool:

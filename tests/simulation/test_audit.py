@@ -22,6 +22,7 @@ from libgz.physics.space import Space
 from libgz.rendering.camera import Camera
 from libgz.simulation.problems import Problems
 from libgz.simulation.publication import Publication
+from libgz.simulation.snapshot import Snapshots
 from libgz.simulation.updates import UpdateRows
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
@@ -36,7 +37,7 @@ ELSEWHERE = (
     *(Body, Engine, Geom, Joint, Space),
     *(Interface, LocalServer),
     *(Camera, Problems, Tally, WorldFile, WorldFileNode),
-    *(Publication, UpdateRows),
+    *(Publication, Snapshots, UpdateRows),
 )
 PLAIN = (bool, int, float, complex, str, bytes, type(None))
 # Attributes that may differ: (class, attribute) -> reason.

@@ -11,6 +11,7 @@ from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.event import unowned
+from libgz.simulation.state import changes, seldom
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -22,6 +23,9 @@ class ContactManager:
     """The contacts of the last step. They are recorded from the first request on."""
 
     STATE = ("_never_drop", "_requested", "_published")
+    _never_drop: bool = seldom()
+    _requested: bool = seldom()
+    _published: int = seldom()  # the step whose contacts were published last
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -32,7 +36,7 @@ class ContactManager:
         self._holders: set[object] = set()
         self._node: Node | None = None  # of the filters
         self._filters: dict[str, tuple[Publisher, frozenset[str]]] = {}
-        self._published = -1  # the step whose contacts were published last
+        self._published = -1
 
     def SaveState(self) -> list[tuple[str, list[str]]]:
         """The filters."""
@@ -47,6 +51,7 @@ class ContactManager:
             if name not in self._filters:
                 self.CreateFilter(name, collisions)
         self._filters = {name: self._filters[name] for name in wanted}
+        changes.count()
         self._published = published
 
     def forget(self) -> None:
@@ -124,6 +129,7 @@ class ContactManager:
         topic = f"~/{name}/contacts"
         with unowned():
             publisher = self._node.Advertise(msgs.Contacts, topic)
+        changes.count()
         self._filters[name] = publisher, frozenset(one.removeprefix(prefix) for one in wanted)
         return topic
 
@@ -137,6 +143,7 @@ class ContactManager:
         if name not in self._filters:
             raise NotFoundError(f"there is no contact filter {name!r}{nearest(name, self._filters)}")
         publisher, _ = self._filters.pop(name)
+        changes.count()
         publisher.Fini()
         self.release(publisher)
 

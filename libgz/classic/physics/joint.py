@@ -10,6 +10,7 @@ from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.sdfworld.model import SdfModel
+from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -350,10 +351,12 @@ class Joint(Base):
         if before is not None and isinstance(before.core, SdfModel):
             self._world.server.joint_removed(self)
             before.core.sdf_joints.pop(core.name, None)
+            changes.count()
         while joints.get(core.name, core) is not core:  # the name is taken
             core.name += "_"
         self._parent = model
         joints[core.name] = core
+        changes.count()
         core.on_acts = model.core.world.update_rows_changed
         core.on_acts()
         self._world.server.joint_added(self)

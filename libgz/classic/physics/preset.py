@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.errors import NotFoundError, nearest
 from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
-from libgz.simulation.state import decode, encode
+from libgz.simulation.state import decode, encode, seldom
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -19,12 +19,14 @@ class PresetManager:
     """The physics profiles of a world."""
 
     STATE = ("_packed", "_current")
+    _encoded: bytes = seldom()  # the profiles in a state; empty after one has changed
+    _current: str = seldom()
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._profiles: dict[str, dict[str, Any]] = {}
         self._current = ""
-        self._encoded = b""  # the profiles in a state, until one changes
+        self._encoded = b""
         self._settings = world.core.extension(SdfWorld).settings
         for name, element in self._settings.profiles.items():
             self._profiles[name] = read_physics(element)

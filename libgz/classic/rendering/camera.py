@@ -33,6 +33,7 @@ from libgz.geometry import (
 from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
 from libgz.rendering.image import write_image
 from libgz.simulation.event import Connection, Event
+from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -57,7 +58,7 @@ def render_frame(world: World, cameras: Iterable[Camera]) -> None:
     events["PreRenderEnded"]()
 
 
-class Camera(Closing):
+class Camera(Noted, Closing):
     """A camera that looks along +x of its pose, z up: a view on a `libgz.rendering.camera.Camera`.
 
         camera = Camera(world, "eye", 320, 240)
@@ -83,7 +84,8 @@ class Camera(Closing):
         LibraryError: the chosen OpenGL does not work here.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("_format", "_capture", "_saving", "_saved", "_rate", "_fresh", "core", "mount")
+    STATE: ClassVar[tuple[str, ...]] = ("_format", "_capture", "_saving", "_saved", "_rate", "_fresh", "mount", "core")
+    SELDOM: ClassVar[tuple[str, ...]] = STATE[:-1]  # images, and poses of the camera that takes them, change in place
 
     def __init__(
         self,

@@ -22,6 +22,7 @@ from libgz.geometry import (
 )
 from libgz.rendering.camera import Camera as CoreCamera
 from libgz.simulation.event import Connection, Event
+from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.rendering.visual import Visual
@@ -31,7 +32,7 @@ __all__ = ["Mount"]
 NEAR = 1e-6  # [m] a camera horizontally this close to the visual that it tracks does not turn
 
 
-class Mount:
+class Mount(Noted):
     """Moves one camera.
 
     Attributes:

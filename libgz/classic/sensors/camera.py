@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic import msgs
@@ -24,8 +25,6 @@ class CameraSensor(LinkSensor):
     The camera itself exists once the world has started. Its callbacks get every image, but do not make the sensor
     active.
     """
-
-    STATE = ("taken",)
 
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "image"
@@ -87,7 +86,7 @@ class CameraSensor(LinkSensor):
         return self._camera  # type: ignore[return-value]
 
     @property
-    def taken(self) -> list[CameraView]:
+    def cameras(self) -> Sequence[CameraView]:
         """The camera, as far as it exists."""
         return [self._camera] if self._camera is not None else []
 

@@ -15,11 +15,12 @@ from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError,
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.event import unowned
-from libgz.simulation.state import equal, get_values, set_values
+from libgz.simulation.state import Noted, Reader, changes, decode, encode, equal, get_values, readers, set_values
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
     from libgz.classic.physics import Joint, Link, Model, World
+    from libgz.classic.rendering.camera import Camera as CameraView
     from libgz.classic.transport.topic import Topic
     from libgz.sdf.element import Element
 
@@ -27,6 +28,7 @@ __all__ = ["WorldSensors"]
 
 log = logging.getLogger("libgz.classic")
 
+_type: Any = type  # mypy takes a class for no key of a cache
 SENSOR = f"<sdf version='{NEWEST}'><model name='any'><link name='any'>%s</link></model></sdf>"
 
 
@@ -50,6 +52,9 @@ class WorldSensors:
         self._diagnostics = Diagnostics()
         self._started = False
         self._node: Node | None = None
+        self._encoded = b""  # what seldom changes of the sensors
+        self._seen = (-1, -1)  # the counts of changes then
+        self._cameras: list[tuple[Reader, CameraView]] = []  # their cameras, and what reads the rest of them
 
     @property
     def renders(self) -> bool:
@@ -80,6 +85,7 @@ class WorldSensors:
             self._diagnostics.failure(element, error)
             return None
         self.sensors[sensor.ScopedName()] = sensor
+        Noted.noted.count()
         self._new.append(sensor)
         return sensor
 
@@ -148,6 +154,7 @@ class WorldSensors:
 
     def _update_lists(self) -> None:
         """List the sensors to check in each iteration."""
+        Noted.noted.count()
         self._gathering = [sensor for sensor in self._active if sensor.gathers]
         topics, inactive = TopicManager.Instance(), (s for s in self.sensors.values() if s not in self._active)
         self._idle = [(topics.topic(one.publisher.GetTopic()), one) for one in inactive if one.publisher]
@@ -223,24 +230,47 @@ class WorldSensors:
 
     def save(self) -> tuple[Any, ...]:
         """The state of all sensors, as plain data."""
-        sensors = [
-            (name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, get_values(one))
-            for name, one in self.sensors.items()
-        ]
-        return self._now, self._next, sensors
+        return self._now, self._next, self._rows(), [reader.get(camera) for reader, camera in self._cameras]
+
+    def _rows(self) -> bytes:
+        """All of that but their images, encoded."""
+        count = Noted.noted.last, changes.last
+        if count != self._seen:
+            rows = []
+            self._cameras = []
+            for name, one in self.sensors.items():
+                cameras = [(*readers(_type(camera)), camera) for camera in one.cameras]
+                settings = [seldom.get(camera) for seldom, _, camera in cameras]
+                self._cameras += [(often, camera) for _, often, camera in cameras]
+                active = one in self._active
+                rows.append(
+                    (name, one.Type(), one.parent.GetScopedName(), one.source, active, get_values(one), settings)
+                )
+            self._encoded, self._seen = encode(rows), count
+        return self._encoded
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
-        now, due, rows = state
-        if [(name, kind, active) for name, kind, _, _, active, _ in rows] != [
+        now, due, encoded, images = state
+        if encoded != self._rows():
+            self._load_rows(decode(encoded))
+        for (reader, camera), values in zip(self._cameras, images, strict=True):
+            reader.set(camera, values)
+        self._now, self._next = now, due
+
+    def _load_rows(self, rows: Sequence[Any]) -> None:
+        if [(name, kind, active) for name, kind, _, _, active, *_ in rows] != [
             (name, one.Type(), one in self._active) for name, one in self.sensors.items()
         ]:
             self._match(rows)
-        for name, *_, values in rows:
+        for name, *_, values, settings in rows:
             sensor = self.sensors[name]
             if not equal(values, get_values(sensor)):
                 set_values(sensor, values)
-        self._now, self._next = now, due
+            for camera, one in zip(sensor.cameras, settings, strict=True):
+                readers(_type(camera))[0].set(camera, one)
+        Noted.noted.count()  # arrays and generators were changed in place
+        self._rows()
 
     def _match(self, rows: Sequence[Any]) -> None:
         """Make the sensors those of a state."""
@@ -256,7 +286,7 @@ class WorldSensors:
             raise StateError(f"sensors of this state cannot be made again: {', '.join(missing)}")
         self.sensors = {name: self.sensors[name] for name, *_ in rows}
         self._active = {sensor: None for sensor in self.sensors.values() if sensor in self._active}
-        for name, *_, active, values in rows:
+        for name, *_, active, values, _ in rows:
             sensor = self.sensors[name]
             set_values(sensor, values)
             if active and sensor not in self._active:

@@ -24,10 +24,7 @@ __all__ = ["MultiCameraSensor"]
 class MultiCameraSensor(LinkSensor):
     """Takes images with all its cameras at once; each looks along +x of its own pose in the sensor."""
 
-    STATE = (
-        "_cameras",
-        "camera_noises",
-    )
+    STATE = ("camera_noises",)
 
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "images"
@@ -45,6 +42,11 @@ class MultiCameraSensor(LinkSensor):
     def _noise(self, element: Element, index: int) -> NoiseModel | None:
         noise = first(element, "noise")
         return new_noise(noise, self.world.core.seed, self.ScopedName(), index) if noise is not None else None
+
+    @property
+    def cameras(self) -> Sequence[CameraView]:
+        """Its cameras, as far as they exist."""
+        return self._cameras
 
     @property
     def camera_noises(self) -> list[NoiseModel]:

@@ -15,9 +15,11 @@ from libgz.classic.sensors.read import custom_topic, first, number
 from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzCoordPoseAdd, GzPose, place_of
 from libgz.simulation.event import Connection, Event
+from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, World
+    from libgz.classic.rendering.camera import Camera as CameraView
     from libgz.classic.transport import Publisher
     from libgz.sdf.element import Element
 
@@ -48,7 +50,7 @@ class SensorOwner(Protocol):
         """Remove the sensor and its plugins."""
 
 
-class Sensor:
+class Sensor(Noted):
     """Base of all sensors.
 
     A sensor measures while it is active: with `<always_on>`, after `SetActive(True)`, or while its topic has
@@ -304,6 +306,11 @@ class Sensor:
     def all_noises(self) -> list[NoiseModel]:
         """Its noises, in the order in which they were added."""
         return list(self.noises.values())
+
+    @property
+    def cameras(self) -> Sequence[CameraView]:
+        """The cameras that take its images."""
+        return ()
 
     @property
     def every_noise(self) -> list[NoiseModel]:

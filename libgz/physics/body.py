@@ -110,6 +110,7 @@ class Body(Edited):
             self.row = self.engine.tables.add_body(self, handle)
         else:
             self.engine.dummies[self] = None
+            self.engine.dummy_moves += 1
 
     def __repr__(self) -> str:
         return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}{place_of(self)}>"
@@ -164,6 +165,7 @@ class Body(Edited):
             self._id = None
         self.engine.moved_dummies.discard(self)
         self.engine.dummies.pop(self, None)
+        self.engine.dummy_moves += 1
         self._closed = True
 
     # State -------------------------------------------------------------------------------------------------------
@@ -212,6 +214,7 @@ class Body(Edited):
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             self.engine.moved_dummies.add(self)
+            self.engine.dummy_moves += 1
             self.engine.tables.record.changes += 1
             for geom in self.geoms:
                 geom.follow_dummy()

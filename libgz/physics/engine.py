@@ -91,6 +91,7 @@ class Engine:
         quirks: names of quirks of the legacy server that are in force.
         ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         moved_dummies: bodies without an ODE body whose pose was set; who publishes their poses empties it.
+        dummy_moves: grows when the pose of such a body is set, and when one comes or goes.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
@@ -148,6 +149,7 @@ class Engine:
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
         self.moved_dummies: set[Any] = set()
+        self.dummy_moves = 0
         self.collisions = 0
         self.facade: Any = None
         self.abandoned = False
@@ -450,7 +452,12 @@ class Engine:
             LibraryError: the loaded ODE keeps its state in a way that is not known.
             ClosedError: the world was closed.
         """
-        _ = self.world
+        return self.read_state()
+
+    def read_state(self) -> dict[str, Any]:
+        """`get_state`, for a caller that holds the lock."""
+        if not self._destroy.alive:
+            _ = self.world  # raises
         return self._state.get()
 
     @exclusive

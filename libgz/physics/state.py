@@ -18,7 +18,7 @@ import weakref
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import accumulate, pairwise
+from itertools import islice
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -39,34 +39,32 @@ __all__ = ["PARTS", "EngineState"]
 
 MOST_NAMED = 5  # missing objects in a message
 
-PARTS = ("ode", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")  # in order
+PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")
 
-# Attributes of an engine that are numbers, and those that are settings.
-COUNTERS = ("collisions", "abandoned")
-SETTINGS = {  # by the place where they are read quickest
-    "step_time": "_context.step",
-    "solver": "solver",
-    "seed": "_context.seed",
-    "gravity": "_gravity",
-    "count_turns": "_context.count_turns",
-    "check_divergence": "_context.check_divergence",
-    "contact_rule": "_context.contact_rule",
-    "max_contacts": "_context.max_contacts",
-    "cone": "_context.cone",
-    "record_contacts": "_context.record_contacts",
-    "record_motion": "_context.record_motion",
-    "exact_rest": "_context.exact_rest",
-    "surface_layer": "_surface_layer",
-}
+# Fields of the context that are saved as their bytes, for they follow each other.
+SAVED_FIELDS = (
+    *("step", "quick", "contact_rule", "count_turns", "check_divergence", "seed", "steps", "contact_count"),
+    *("max_contacts", "cone", "gravity", "record_contacts"),
+)
+_FIELDS = struct.Struct("=d4qQ4q3dq")
+_FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
+# The attributes of an engine that set them, and those that have no such attribute.
+SETTINGS = (
+    *("step_time", "contact_rule", "count_turns", "check_divergence", "seed"),
+    *("max_contacts", "cone", "gravity", "record_contacts"),
+)
+PROGRESS = ("quick", "steps", "contact_count")
+# Other attributes of an engine: settings, those that are set together, and plain ones.
+SWITCHES = ("record_motion", "exact_rest", "surface_layer")
 SOLVER = ("iterations", "over_relaxation")
 CONSTRAINTS = ("erp", "cfm", "correcting_velocity")
-PROGRESS = ("_context.steps", "_context.contact_count", "_context.max_distance")
+COUNTERS = ("collisions", "abandoned")
 _POSE = struct.Struct("7d")
-_settings = attrgetter(*SETTINGS.values())
-_numbers = attrgetter(*SETTINGS.values(), *COUNTERS, *SOLVER, *CONSTRAINTS, *PROGRESS)
-_solver, _constraints = attrgetter(*SOLVER), attrgetter(*CONSTRAINTS)
-_ENDS = list(accumulate(map(len, (SETTINGS, COUNTERS, SOLVER, CONSTRAINTS, PROGRESS))))
-_COUNT, _PARTS_OF_NUMBERS = _ENDS[-1], [slice(*ends) for ends in pairwise([0, *_ENDS])]
+_numbers = attrgetter(
+    *("_context.record_motion", "_context.exact_rest", "_surface_layer"),
+    *(*SOLVER, *CONSTRAINTS, "_context.max_distance", *COUNTERS),
+)
+_NUMBERS = len(SWITCHES) + len(SOLVER) + len(CONSTRAINTS) + 1 + len(COUNTERS)
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
@@ -138,6 +136,9 @@ class EngineState:
         self._seen: tuple[int, ...] = ()  # how much was edited by then, and how many objects there were
         self._parts: Parts | None = None
         self._parts_have_motion = 0
+        self._settings = memoryview(context).cast("B")[_FIRST : _FIRST + _FIELDS.size]
+        self._dummy_moves = -1  # the count when their poses were read last
+        self._dummies = b""  # those
 
     @property
     def _engine(self) -> Any:
@@ -161,15 +162,23 @@ class EngineState:
         joints, dummies, couplings = present.joints, engine.dummies, engine.couplings
         return {
             "ode": layout().digest,
+            "settings": self._settings.tobytes(),
             "numbers": _numbers(engine),
             "quirks": sorted(engine.quirks),
             "objects": objects,
             "memory": engine.step_form.get_state(self._present_parts(engine, present)),
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
-            "dummies": b"".join([_pose_bytes(dummy._pose) for dummy in dummies]) if dummies else b"",
+            "dummies": self._dummy_poses(dummies) if dummies else b"",
             "couplings": [list(_plain_values(one)) for one in couplings if not one.broken] if couplings else [],
             "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
         }
+
+    def _dummy_poses(self, dummies: Iterable[Any]) -> bytes:
+        """The poses of dummies, read again only after one was set, or one came or went."""
+        if self._dummy_moves != (moves := self._engine.dummy_moves):
+            self._dummies = b"".join([_pose_bytes(dummy._pose) for dummy in dummies])
+            self._dummy_moves = moves
+        return self._dummies
 
     def _present(self, engine: Any) -> _Present:
         if self._now is None or self._now.changes != engine.tables.changes:
@@ -256,22 +265,25 @@ class EngineState:
         engine, context = self._engine, self._context
         engine.quirks = frozenset(state["quirks"])
         numbers = tuple(state["numbers"])
-        if len(numbers) != _COUNT:
+        if len(numbers) != _NUMBERS or len(state["settings"]) != _FIELDS.size:
             raise StateError("the state is damaged: it has not all numbers of an engine")
-        settings, counters, solver, constraints, progress = (numbers[part] for part in _PARTS_OF_NUMBERS)
-        present = _settings(engine)
-        for name, value, now in zip(SETTINGS, settings, present, strict=True) if settings != present else ():
-            if value != now:
-                setattr(engine, name, ContactRule(value) if name == "contact_rule" else value)
-        engine.collisions, engine.abandoned = counters
-        if solver != _solver(engine):
-            engine.set_quick_step(*solver)
-        if constraints != _constraints(engine):
-            engine.set_constraints(*constraints)
-        steps, contact_count, max_distance = progress
-        if max_distance != context.max_distance:
-            engine.set_range(max_distance)
-        context.steps, context.contact_count = steps, contact_count
+        if state["settings"] != self._settings:
+            then, now = _fields(state["settings"]), _fields(self._settings)
+            for name in SETTINGS:
+                if then[name] != now[name]:
+                    setattr(engine, name, then[name])
+            for name in PROGRESS:
+                setattr(context, name, then[name])
+        if numbers != (now := _numbers(engine)):
+            for name, value, present in zip(SWITCHES, numbers, now, strict=False):
+                if value != present:
+                    setattr(engine, name, value)
+            rest = iter(numbers[len(SWITCHES) :])
+            engine.set_quick_step(*islice(rest, len(SOLVER)))
+            engine.set_constraints(*islice(rest, len(CONSTRAINTS)))
+            if (distance := next(rest)) != context.max_distance:
+                engine.set_range(distance)
+            engine.collisions, engine.abandoned = rest
 
     def _restore_tables(self, state: dict[str, Any]) -> None:
         """What follows from the tables, whose numbers were copied with ODE's memory."""
@@ -292,8 +304,10 @@ class EngineState:
                 setattr(coupling, name, value)
         engine.moved_dummies.update(engine.dummies)
         engine.tables.record.changes += 1
-        for dummy, place in zip(engine.dummies, _POSE.iter_unpack(state["dummies"]), strict=True):
-            dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
+        if engine.dummies and state["dummies"] != self._dummy_poses(engine.dummies):
+            for dummy, place in zip(engine.dummies, _POSE.iter_unpack(state["dummies"]), strict=True):
+                dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
+            engine.dummy_moves += 1
         if engine.record_contacts:
             engine.step_form.set_contacts(state["contacts"])
 
@@ -503,6 +517,19 @@ def _decoded(block: bytes) -> Any:
 
 def _plain_values(thing: Any) -> Iterable[Any]:
     return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(_type(thing))(thing))
+
+
+def _fields(settings: Any) -> dict[str, Any]:
+    """The values of SAVED_FIELDS and SETTINGS, by the names of both."""
+    step, quick, rule, *values = _FIELDS.unpack(settings)
+    if quick not in (0, 1) or rule not in list(ContactRule):
+        raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
+    turns, check, seed, steps, count, most, cone, x, y, z, record = values
+    return {
+        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns, "check_divergence": check},
+        **{"seed": seed, "steps": steps, "contact_count": count, "max_contacts": most, "cone": cone},
+        **{"gravity": (x, y, z), "record_contacts": record},
+    }
 
 
 def _named(thing: Any) -> list[Any]:

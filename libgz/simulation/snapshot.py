@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Sequence
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
@@ -49,11 +49,15 @@ class Snapshots:
         self._seen = -1  # the count of changes then; -1 if there are changes that are not counted
         self._listed = b""  # that encoding
         self._seldom = b""  # the encoding of what seldom changes of the entities
+        self._seldom_of_world = b""  # and of the world itself
+        self._often_of_world = state.readers(_type(world))[1]
         self._often: list[tuple[Reader, list[Entity]]] = []  # the others, by their classes
         self._extended = 0  # how many extensions the world had
         self._declaring: list[tuple[str, Any]] = []  # those of them that declare state
         self._served: dict[tuple[str, str], Interface[Any]] = {}  # the interfaces in the last state
-        self._sorted: list[tuple[tuple[str, str], Interface[Any]]] = []  # in order
+        self._sorted: list[Interface[Any]] = []  # in order of their types and ids
+        self._names = b""  # the encoding of those
+        self._encoder = state.Encoder()
 
     def save(self) -> bytes:
         """The state between two steps.
@@ -62,22 +66,22 @@ class Snapshots:
             ParameterError: an object declares something as its state that is not plain data, or cannot be read.
         """
         world = self._world
-        engine = world.engine.get_state()
+        engine = world.engine.read_state()
         engine["memory"] = state.large(engine["memory"])
         plain = (
             world.era.digest,
             self._list(),
             self._seldom,
-            state.get_values(world),
+            (self._seldom_of_world, self._often_of_world.get(world)),
             (world.spawned, world.journal.inserted),
             [_own_states(reader, entities) for reader, entities in self._often],
             {_name(companion): kept for companion in world.companions if (kept := companion.get_state()) is not None},
             {name: state.get_values(extension) for name, extension in self._extensions()},
             (*engine.values(),),
-            [(key, state.large(interface.get_bytes())) for key, interface in self._interfaces()],
+            self._contents(),
         )
         try:
-            return state.encode(plain)
+            return self._encoder.encode(plain)
         except ParameterError as error:
             for entity in world.entities:
                 try:
@@ -117,7 +121,10 @@ class Snapshots:
                 )
         for companion in world.companions:
             companion.entities_rebuilt()
-        state.set_values(world, saved["world"])
+        seldom, often = saved["world"]
+        if seldom != self._seldom_of_world:
+            state.readers(_type(world))[0].set(world, state.decode(seldom))
+        self._often_of_world.set(world, often)
         spawned, world.journal.inserted = saved["random"]
         world.restart_random(spawned)
         if listed is not None:
@@ -133,10 +140,16 @@ class Snapshots:
             if name in saved["extensions"]:
                 state.set_values(extension, saved["extensions"][name])
         world.engine.set_state(dict(zip(ENGINE_PARTS, saved["engine"], strict=True)))
-        contents = dict(saved["interfaces"])
-        for key, interface in self._interfaces():
-            if key in contents:
-                interface.set_bytes(contents[key])
+        names, contents = saved["interfaces"]
+        present = self._interfaces()
+        if names != self._names:
+            found = world.gz_server.interfaces
+            rows = [(found.get(key), content) for key, content in zip(state.decode(names), contents, strict=True)]
+        else:
+            rows = [*zip(present, contents, strict=True)]
+        for interface, content in rows:
+            if interface is not None:
+                interface.set_bytes(content)
 
     def _extensions(self) -> list[tuple[str, Any]]:
         """The extensions of the world that declare state, and their names."""
@@ -146,12 +159,18 @@ class Snapshots:
             self._declaring = [(_name(one), one) for one in present if state.declares(_type(one))]
         return self._declaring
 
-    def _interfaces(self) -> list[tuple[tuple[str, str], Interface[Any]]]:
-        """The interfaces by type and id, in order."""
+    def _contents(self) -> tuple[bytes, list[Any]]:
+        """The types and ids of all interfaces, encoded, and their bytes."""
+        contents = [state.large(interface.get_bytes()) for interface in self._interfaces()]
+        return self._names, contents
+
+    def _interfaces(self) -> list[Interface[Any]]:
+        """The interfaces in order of their types and ids."""
         found = self._world.gz_server.interfaces
-        if found != self._served:
+        if found != self._served or not self._names:
             self._served = dict(found)
-            self._sorted = sorted(found.items(), key=itemgetter(0))
+            self._names = state.encode(sorted(found))
+            self._sorted = [found[key] for key in sorted(found)]
         return self._sorted
 
     def _list(self) -> bytes:
@@ -189,6 +208,7 @@ class Snapshots:
         still = [entity.MasterIsStill() for entity in entities]
         rows = [_own_state(_reader(entity, whole), entity) for entity, whole in zip(entities, still, strict=True)]
         self._seldom = state.encode((still, rows))
+        self._seldom_of_world = state.encode([*state.readers(_type(self._world))[0].get(self._world)])
         self._often = _changing(entities, still)
 
     def _load_entities(self, seldom: bytes, often: Sequence[Sequence[Sequence[Any]]]) -> None:

@@ -41,6 +41,7 @@ from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.edits import Edits
 
 __all__ = [
+    "Encoder",
     "Kept",
     "Noted",
     "Reader",
@@ -570,20 +571,35 @@ def encode(state: Any) -> bytes:
     Raises:
         ParameterError: something in it is not plain data.
     """
-    buffer = io.BytesIO()
-    buffer.write(_NO_BLOCKS)
-    blocks: list[pickle.PickleBuffer] = []
-    pickler = _Writer(buffer, 5, buffer_callback=blocks.append)
-    pickler.fast = True  # no references within the data, which would depend on which objects are identical
-    try:
-        pickler.dump(state)
-    except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
-        raise ParameterError(f"a state must be plain data: {error}") from error
-    if not blocks:
-        return buffer.getvalue()
-    contents = [block.raw() for block in blocks]
-    head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
-    return b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
+    return Encoder().encode(state)
+
+
+class Encoder:
+    """Encodes states one after another, in less time than as many calls of `encode`."""
+
+    def __init__(self) -> None:
+        self._buffer = io.BytesIO()
+        self._blocks: list[pickle.PickleBuffer] = []
+        self._pickler = _Writer(self._buffer, 5, buffer_callback=self._blocks.append)
+        self._pickler.fast = True  # no references within the data, which would depend on which objects are identical
+
+    def encode(self, state: Any) -> bytes:
+        """As the function `encode`."""
+        buffer, blocks = self._buffer, self._blocks
+        buffer.write(_NO_BLOCKS)
+        try:
+            self._pickler.dump(state)
+            if not blocks:
+                return buffer.getvalue()
+            contents = [block.raw() for block in blocks]
+            head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
+            return b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
+        except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
+            raise ParameterError(f"a state must be plain data: {error}") from error
+        finally:
+            blocks.clear()
+            buffer.seek(0)
+            buffer.truncate()
 
 
 class Kept:

@@ -51,7 +51,7 @@ from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
-from libgz.simulation.state import undeclared
+from libgz.simulation.state import seldom, undeclared
 from libgz.simulation.updates import Exchange, UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
@@ -120,21 +120,25 @@ class World(Closing):
         facade: the object by which the API of a layer above presents this world; set by that layer.
     """
 
+    SELDOM: ClassVar[tuple[str, ...]] = (
+        *("name", "simSpeed", "utcOffset", "fogEnable", "fogDensity", "physics_enabled", "starts_paused", "_numbers"),
+    )
     STATE: ClassVar[tuple[str, ...]] = (
-        "name",
-        "simSpeed",
-        "utcOffset",
-        "fogEnable",
-        "fogDensity",
+        *SELDOM,
         "_surroundings",
         *("backdrop.fog_kind", "backdrop.shadows"),
-        "physics_enabled",
-        "starts_paused",
         "_fallen_rows",
-        "_numbers",
         "_paused",
         *("clock.day_time", "clock.pause_time", "clock.iterations", "clock.sim_time"),  # what changes comes last
     )
+    name: str = seldom()
+    simSpeed: float = seldom()  # simulated seconds per second of real time; 0: as fast as possible
+    utcOffset: float = seldom()  # UTC at sim time 0 [s]
+    fogEnable: bool = seldom()
+    fogDensity: float = seldom()
+    physics_enabled: bool = seldom()
+    starts_paused: bool = seldom()
+    _numbers: int = seldom()  # of entities, that were given
 
     def __init__(
         self,
@@ -177,7 +181,7 @@ class World(Closing):
         self.followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
         self._fallen: set[int] = set()  # numbers of bodies that were reported
-        self._numbers = 0  # of entities, that were given
+        self._numbers = 0
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._start_is_old = False  # since a model's class was edited
         self._rewind: Rewind | None = None
@@ -193,8 +197,7 @@ class World(Closing):
         events = (self._begin, self._contact, self._end)
         self._signals = [event for one in events for event in (one, one.above) if event is not None]
         # Surroundings, by the old API's names.
-        self.simSpeed = 1.0  # simulated seconds per second of real time; 0: as fast as possible
-        self.utcOffset = 0.0  # UTC at sim time 0 [s]
+        self.simSpeed, self.utcOffset = 1.0, 0.0
         self.utmZone = GzVector()
         self.utmOffset = GzVector()  # of the world's origin [m]
         self.skyColor = GzColor(0.7, 0.7, 0.9)
@@ -973,6 +976,7 @@ class World(Closing):
 
     # State -----------------------------------------------------------------------------------------------------------
 
+    @exclusive
     def get_state(self) -> bytes:
         """The whole state of the world, for `set_state`; equal states are equal bytes.
 
@@ -981,10 +985,10 @@ class World(Closing):
             ClosedError: the world is closed, or `Initialize` was not called.
             ParameterError: a model or plugin declares something as its state that is not plain data.
         """
-        with self.lock:
+        if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("saved")
-            self._warn_of_models()
-            return self.snapshots.save()
+        self._warn_of_models()
+        return self.snapshots.save()
 
     def set_state(self, state: bytes) -> None:
         """Bring the world into a state of itself, or of another world of the same file, in any process.

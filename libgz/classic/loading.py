@@ -19,7 +19,7 @@ from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import carry_state, declares, fields, get_state, set_state
+from libgz.simulation.state import carry_state, declares, fields, get_state, seldom, set_state
 
 __all__ = ["LoadedPlugin", "called", "find_plugin", "new_plugin", "reload_all"]
 
@@ -45,6 +45,9 @@ class LoadedPlugin:
         prepare: what is done with a new instance before its Load.
     """
 
+    plugin: PluginT | None = seldom()
+    source: str = seldom()
+
     def __init__(
         self,
         plugin_class: type[PluginT],
@@ -58,7 +61,7 @@ class LoadedPlugin:
         self.filename, self.name, self.path, self.events = filename, name, path, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.source = ""
-        self.plugin: PluginT | None = None
+        self.plugin = None
         self.prepare: Callable[[PluginT], object] = lambda _plugin: None
         self._values: tuple[Any, ...] | None = None  # of its Load
         self._construct()
@@ -169,17 +172,20 @@ class LoadedPlugin:
 
     # State -------------------------------------------------------------------------------------------------------
 
+    @property
+    def keeps(self) -> bool:
+        """Whether its class declares state that is more than nothing."""
+        kind: Any = self.plugin_class
+        return declares(kind) and bool(fields(kind))
+
     def save(self) -> Any:
         """The plugin's declared state; None without one.
 
         Raises:
             PluginError: an attribute that it declares is missing, or its SaveState failed.
         """
-        kind: Any = self.plugin_class
-        if self.plugin is None or not declares(kind):
+        if self.plugin is None or not self.keeps:
             return None
-        if not fields(kind):
-            return {}
         return self._guarded("saved", get_state, self.plugin)
 
     def load_state(self, state: Any) -> None:

@@ -25,7 +25,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Kept, changes, decode, encode, get_values, set_values, undeclared
+from libgz.simulation.state import Kept, Noted, changes, decode, encode, get_values, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -42,7 +42,8 @@ __all__ = ["WorldServer", "attach", "system_plugins"]
 log = logging.getLogger("libgz.classic")
 
 # What its state consists of, in order.
-PARTS = ("random", "settings", "ids", "activity", "sensors", "scene", "topics", "plugins")
+PARTS = ("quiet", "settings", "sensors", "topics", "plugins")
+QUIET = ("random", "ids", "activity", "scene")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
 system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process, not to a world
@@ -107,6 +108,10 @@ class WorldServer:
         self._first: Sequence[Any] | None = None  # the state at the start, if the world ran before
         self._kept = Kept()  # of `_settings`
         self._kept_at = -1  # the count of changes then
+        self._kept_quiet = Kept()  # of `_quiet`
+        self._listed = b""  # the plugins, encoded
+        self._listed_at = (-1, -1)  # the counts of changes then
+        self._keeping: list[LoadedPlugin] = []  # those that keep a state
         self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
     @property
@@ -431,17 +436,20 @@ class WorldServer:
         That of the start has no plugins, for a reset calls their Reset.
         """
         starting = self.core.starting
-        self.finish_added()
+        if self._new:
+            self.finish_added()
         return (
-            Rand.SaveState(),
+            self._quiet(),
             self._settings(),
-            self.ids.save(),
-            self.activity.save(),
             self.sensors.save() if self.sensors is not None else None,
-            self.scene.save() if self.scene is not None else None,
             self.topics.save() if self.topics is not None else None,
             self._saved_plugins() if not starting else None,
         )
+
+    def _quiet(self) -> bytes:
+        """What few worlds have much of, encoded."""
+        scene = self.scene.save() if self.scene is not None else None
+        return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene))
 
     def set_state(self, state: Sequence[Any] | None) -> None:
         """Take what `get_state` returned; None, for what a world was before this was attached to it."""
@@ -449,21 +457,19 @@ class WorldServer:
         if values is None:
             return
         saved = dict(zip(PARTS, values, strict=True))
-        Rand.LoadState(saved["random"])
+        quiet = dict(zip(QUIET, decode(saved["quiet"]), strict=True)) if saved["quiet"] != self._quiet() else None
+        if quiet is not None:
+            Rand.LoadState(quiet["random"])
         if saved["sensors"] is not None:
             self.all_sensors().load(saved["sensors"])
         elif self.sensors is not None:
             self.sensors.load((0.0, -math.inf, encode([]), []))
-        self.activity.load(saved["activity"])
-        if self.scene is None and saved["scene"] is not None:
-            from libgz.classic.rendering.scene import scene_of
-
-            scene_of(self.world)
-        if self.scene is not None:
-            self.scene.load(saved["scene"])
+        if quiet is not None:
+            self._load_quiet(quiet["activity"], quiet["scene"])
         if saved["plugins"] is not None:
-            self._load_plugins(saved["plugins"])
-        self.ids.load(saved["ids"])
+            self._load_plugins(*saved["plugins"])
+        if saved["quiet"] != self._quiet():
+            self.ids.load(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"])
         if saved["settings"] != self._settings():
             for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
                 set_values(part, values)
@@ -471,6 +477,15 @@ class WorldServer:
         self.physics.GetContactManager().forget()
         if self.topics is not None and saved["topics"] is not None:
             self.topics.load(saved["topics"], replace=saved["plugins"] is not None)
+
+    def _load_quiet(self, activity: Sequence[Any], scene: Sequence[Any] | None) -> None:
+        self.activity.load(activity)
+        if self.scene is None and scene is not None:
+            from libgz.classic.rendering.scene import scene_of
+
+            scene_of(self.world)
+        if self.scene is not None:
+            self.scene.load(scene)
 
     @property
     def _parts_with_settings(self) -> tuple[Any, ...]:
@@ -504,22 +519,42 @@ class WorldServer:
             if part is not None:
                 yield from part.plugins_by_holder()
 
-    def _saved_plugins(self) -> list[tuple[Any, ...]]:
-        saved = []
+    def _saved_plugins(self) -> tuple[bytes, list[Any]]:
+        """Which plugins there are, encoded, and the states of those that keep one."""
+        listed = self._list_plugins()
+        return listed, [plugin.save() for plugin in self._keeping]
+
+    def _list_plugins(self) -> bytes:
+        """By kind and holder: file, name and text of each plugin, and whether it keeps a state; encoded."""
+        counts = changes.last, Noted.noted.last
+        if counts == self._listed_at:
+            return self._listed
+        self._keeping = []
+        rows = []
         for kind, holder, plugins in self._plugins_by_holder():
+            running = [plugin for plugin in plugins if plugin.plugin is not None]
             for plugin in plugins:
                 if plugin.plugin_class not in self._seen and not self._reloading:
                     self._warn_of_undeclared(plugin)
-            rows = [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None]
-            saved.append((kind, holder, rows))
-        return saved
+            self._keeping += [plugin for plugin in running if plugin.keeps]
+            rows.append((kind, holder, [(p.filename, p.name, p.source, p.keeps) for p in running]))
+        self._listed, self._listed_at = encode(rows), counts
+        return self._listed
 
-    def _load_plugins(self, rows: Iterable[Any]) -> None:
-        wanted = {(kind, holder): plugins for kind, holder, plugins in rows}
+    def _load_plugins(self, listed: bytes, states: Sequence[Any]) -> None:
+        if listed == self._list_plugins():
+            for plugin, saved in zip(self._keeping, states, strict=True):
+                plugin.load_state(saved)
+            return
+        left = iter(states)
+        wanted = {
+            (kind, holder): [(*names, next(left) if keeps else None) for *names, keeps in rows]
+            for kind, holder, rows in decode(listed)
+        }
         for kind, holder, plugins in list(self._plugins_by_holder()):
             self._match(kind, holder, plugins, wanted.pop((kind, holder), ()))
-        for (kind, holder), plugins in wanted.items():
-            self._match(kind, holder, [], plugins)
+        for (kind, holder), rows in wanted.items():
+            self._match(kind, holder, [], rows)
 
     def _match(self, kind: str, holder: str, present: list[LoadedPlugin], rows: Iterable[Any]) -> None:
         """Drop plugins that came since a state, load again those that ended, and set their states."""
@@ -536,6 +571,7 @@ class WorldServer:
         present[:] = [plugin for plugin, _ in found]
         for plugin, saved in found:
             plugin.load_state(saved)
+        changes.count()
 
     def _load_again(self, kind: str, holder: str, filename: str, name: str, source: str) -> LoadedPlugin | None:
         """A plugin of a state that ended since, or was loaded at run time in another process."""

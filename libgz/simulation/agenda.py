@@ -3,16 +3,38 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 
 from libgz.errors import USER_ERRORS, GazeboError, pass_interrupt
 from libgz.physics.lock import WorldLock
 from libgz.simulation.event import Owner, owner, report_failure
 
-__all__ = ["Agenda"]
+__all__ = ["Agenda", "Hold"]
 
 log = logging.getLogger("libgz.simulation")
+
+
+class Hold:
+    """Holds changes back, `with` it."""
+
+    __slots__ = ("_agenda", "_before")
+
+    def __init__(self, agenda: Agenda) -> None:
+        self._agenda, self._before = agenda, False
+
+    def __enter__(self) -> None:
+        agenda = self._agenda
+        agenda.lock.acquire()
+        self._before, agenda.holding = agenda.holding, True
+
+    def __exit__(self, *_error: object) -> None:
+        agenda = self._agenda
+        try:
+            agenda.holding = self._before
+            if agenda.deferred and not (self._before or agenda.stepping):
+                agenda.act()
+        finally:
+            agenda.lock.release()
 
 
 class Agenda:
@@ -27,7 +49,7 @@ class Agenda:
     """
 
     def __init__(self, lock: WorldLock) -> None:
-        self._lock = lock
+        self.lock = lock
         self.stepping = self.holding = False
         self.deferred: list[tuple[Owner | None, Callable[[], object]]] = []
 
@@ -37,24 +59,16 @@ class Agenda:
         While another thread steps, this one waits for the end of the step. A deferred action fails alone: the error is
         reported, with the plugin that asked for it, and the world goes on.
         """
-        with self._lock:
+        with self.lock:
             if self.stepping or self.holding:
                 self.deferred.append((owner.get(), action))
                 return
             with self.hold():
                 action()
 
-    @contextmanager
-    def hold(self) -> Iterator[None]:
+    def hold(self) -> Hold:
         """Hold changes back until the end; inside another hold or a step, until the end of that."""
-        with self._lock:
-            before, self.holding = self.holding, True
-            try:
-                yield
-            finally:
-                self.holding = before
-                if self.deferred and not (before or self.stepping):
-                    self.act()
+        return Hold(self)
 
     def act(self) -> None:
         """Run the deferred actions, and those that they defer in turn."""

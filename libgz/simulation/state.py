@@ -85,7 +85,7 @@ _ALLOWED = {
     ("libgz.geometry", "GzPose"),
     ("libgz.geometry", "GzQuatern"),
     ("libgz.geometry", "GzVector"),
-    *(("libgz.simulation.state", name) for name in ("array", "made")),
+    ("libgz.simulation.state", "made"),
     ("numpy", "dtype"),
     ("numpy", "ndarray"),
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
@@ -100,17 +100,17 @@ _EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values ar
 _COMPARED = _EXACT | {float}
 
 
-def array(data: Any, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """An array of numbers that is in a state."""
+def _array(data: Any, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
     return np.frombuffer(data, kind).reshape(shape).copy()
 
 
-def _array_parts(value: NDArray[Any]) -> tuple[Any, ...]:
-    return value.tobytes() if value.nbytes < LARGE else _viewed(value), value.dtype.str, value.shape
-
-
-def _viewed(value: NDArray[Any]) -> pickle.PickleBuffer:
-    return pickle.PickleBuffer(np.ascontiguousarray(value).data.toreadonly())
+def _save_array(value: NDArray[Any]) -> Any:
+    """An array of numbers as its bytes; others as they are."""
+    if value.dtype.kind not in _ARRAYS:
+        return value
+    if value.nbytes < LARGE:
+        return _ARRAY, value.tobytes(), value.dtype.str, value.shape
+    return _ARRAY, pickle.PickleBuffer(np.ascontiguousarray(value)), value.dtype.str, value.shape
 
 
 def large(data: bytes) -> Any:
@@ -122,7 +122,8 @@ def large(data: bytes) -> Any:
 # of pickling them. A tuple of users that begins with such a mark is put behind another one.
 _MARK = "\0"
 _TUPLE = "\0tuple"
-_makers: dict[str, Callable[..., Any]] = {}  # by those marks
+_ARRAY = "\0array"
+_makers: dict[str, Callable[..., Any]] = {_ARRAY: _array}  # by those marks
 _NUMBERS_OF_POSE = 7
 
 
@@ -522,11 +523,13 @@ def _load_deque(before: deque[Any], value: Any) -> Any:
     return before
 
 
-def _load_array(before: Any, value: Any) -> Any:
-    if type(value) is not np.ndarray or before.shape != value.shape or not before.flags.writeable:
-        return _made(value)
-    before[...] = value
-    return before
+def _load_array(before: NDArray[Any], value: Any) -> Any:
+    if type(value) is tuple and value and value[0] == _ARRAY:
+        _, data, kind, shape = value
+        if before.shape == shape and before.flags.writeable:
+            before[...] = np.frombuffer(data, kind).reshape(shape)
+            return before
+    return _made(value)
 
 
 def _matched(before: Any, value: Any) -> Any:
@@ -554,7 +557,7 @@ _CONTAINERS: dict[Any, tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]] =
     tuple: (_save_tuple, _load_tuple),
     dict: (_save_dict, _load_dict),
     deque: (_save_deque, _load_deque),
-    np.ndarray: ((lambda value: value), _load_array),
+    np.ndarray: (_save_array, _load_array),
 }
 
 
@@ -637,7 +640,7 @@ class _Writer(pickle.Pickler):
         if kind in _STRUCTS:
             return made, _STRUCTS[kind](thing)
         if kind is np.ndarray and thing.dtype.kind in _ARRAYS:
-            return array, _array_parts(thing)
+            return made, _save_array(thing)
         if kind in _WRITTEN or isinstance(thing, (*_NUMBERS, *_MADE)):
             return NotImplemented
         itself = hasattr(thing, "__qualname__")  # classes and functions stand for themselves

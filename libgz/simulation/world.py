@@ -990,6 +990,7 @@ class World(Closing):
         self._warn_of_models()
         return self.snapshots.save()
 
+    @exclusive
     def set_state(self, state: bytes) -> None:
         """Bring the world into a state of itself, or of another world of the same file, in any process.
 
@@ -1003,10 +1004,10 @@ class World(Closing):
             StateError: the state is of another file, or something that cannot be built again is missing.
             ParameterError: these bytes are no state of this version of libgz.
         """
-        with self.lock:
+        if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("restored")
-            with self.hold():
-                self.snapshots.restore(state)
+        with self.agenda.hold():
+            self.snapshots.restore(state)
 
     def keep_rewind(self, seconds: float, interval: float = 0.1, megabytes: float = 512.0) -> None:
         """Keep the states of the last seconds of sim time from now on, for `rewind`; 0 seconds end that.

@@ -102,6 +102,8 @@ class Activity:
 
     def save(self) -> tuple[Any, ...]:
         """Its state as plain data."""
+        if not (self._controllers or self._batteries_of_all() or self._attached or self.edited):
+            return [], [], self.animations.save(), [], []
         return (
             [(place_of(model), one.SaveState()) for model, one in self._controllers.items() if not one.blank],
             [get_state(battery) for battery in self._batteries_of_all()],

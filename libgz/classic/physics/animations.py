@@ -126,6 +126,8 @@ class Animations:
 
     def save(self) -> tuple[Any, ...]:
         """The state of all running animations, as plain data."""
+        if not self._runs:
+            return self._count, []
         return self._count, [(place_of(entity), what, run.save()) for (entity, what), run in self._runs.items()]
 
     def load(self, state: Sequence[Any]) -> None:

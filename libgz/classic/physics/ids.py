@@ -45,11 +45,14 @@ class Ids:
         self._numbers = WeakKeyDictionary({view: number for view, number in views if view is not None})
 
     def _place(self, view: Any) -> tuple[Any, ...] | None:
-        """Where a view stands; None if its model was removed."""
+        """Where a view stands; None if it, or its model, was removed."""
         if view is self._world:
             return ()
         if not isinstance(view, Joint):
-            return place_of(view) if self._present(view) else None
+            try:
+                return place_of(view) if self._present(view) else None
+            except ValueError:  # a link or collision that was removed since
+                return None
         model = view.GetParentModel()
         return (model.core.GetId(), view.core.name) if model is not None and self._present(model) else None
 

@@ -412,6 +412,8 @@ class Scene:
 
     def save(self) -> tuple[Any, ...] | None:
         """What plugins changed of visuals, as plain data; None for nothing."""
+        if not (self.made or self.edited):
+            return None
         self.made = [visual for visual in self.made if not visual.deleted]
         self.edited = {visual: before for visual, before in self.edited.items() if not visual.deleted}
         made = [(*_key(visual), list(visual.meshes)) for visual in self.made]

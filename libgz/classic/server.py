@@ -42,7 +42,7 @@ __all__ = ["WorldServer", "attach", "system_plugins"]
 log = logging.getLogger("libgz.classic")
 
 # What its state consists of, in order.
-PARTS = ("quiet", "settings", "sensors", "topics", "plugins")
+PARTS = ("quiet", "settings", "published", "sensors", "topics", "plugins")
 QUIET = ("random", "ids", "activity", "scene")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
@@ -441,6 +441,7 @@ class WorldServer:
         return (
             self._quiet(),
             self._settings(),
+            self.physics.GetContactManager().published,
             self.sensors.save() if self.sensors is not None else None,
             self.topics.save() if self.topics is not None else None,
             self._saved_plugins() if not starting else None,
@@ -474,7 +475,9 @@ class WorldServer:
             for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
                 set_values(part, values)
             changes.count()
-        self.physics.GetContactManager().forget()
+        contacts = self.physics.GetContactManager()
+        contacts.forget()
+        contacts.published = saved["published"]
         if self.topics is not None and saved["topics"] is not None:
             self.topics.load(saved["topics"], replace=saved["plugins"] is not None)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from operator import attrgetter
 from typing import SupportsFloat
 
 from libgz.classic.math.number import clamp
@@ -80,7 +81,7 @@ class PID:
 
     def SaveState(self) -> tuple[float, ...]:
         """All values, for a snapshot of the world."""
-        return tuple([getattr(self, name) for name in self.__slots__])
+        return _values(self)
 
     def LoadState(self, state: Sequence[float]) -> None:
         """Take what SaveState returned."""
@@ -193,3 +194,6 @@ class PID:
     PGain, IGain, DGain = GetPGain, GetIGain, GetDGain
     IMax, IMin, CmdMax, CmdMin = GetIMax, GetIMin, GetCmdMax, GetCmdMin
     Cmd, Errors = GetCmd, GetErrors
+
+
+_values: Callable[[PID], tuple[float, ...]] = attrgetter(*PID.__slots__)

@@ -22,10 +22,9 @@ __all__ = ["ContactManager"]
 class ContactManager:
     """The contacts of the last step. They are recorded from the first request on."""
 
-    STATE = ("_never_drop", "_requested", "_published")
+    STATE = ("_never_drop", "_requested")  # `published` changes often, and is saved beside it
     _never_drop: bool = seldom()
     _requested: bool = seldom()
-    _published: int = seldom()  # the step whose contacts were published last
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -36,7 +35,7 @@ class ContactManager:
         self._holders: set[object] = set()
         self._node: Node | None = None  # of the filters
         self._filters: dict[str, tuple[Publisher, frozenset[str]]] = {}
-        self._published = -1
+        self.published = -1  # the step whose contacts were published last
 
     def SaveState(self) -> list[tuple[str, list[str]]]:
         """The filters."""
@@ -44,7 +43,7 @@ class ContactManager:
 
     def LoadState(self, state: Iterable[tuple[str, list[str]]]) -> None:
         """Take what SaveState returned."""
-        wanted, published = dict(state), self._published
+        wanted, published = dict(state), self.published
         for name in [name for name in self._filters if name not in wanted]:
             self.RemoveFilter(name)
         for name, collisions in wanted.items():
@@ -52,7 +51,7 @@ class ContactManager:
                 self.CreateFilter(name, collisions)
         self._filters = {name: self._filters[name] for name in wanted}
         changes.count()
-        self._published = published
+        self.published = published
 
     def forget(self) -> None:
         """Read the contacts of the last step again: the engine has others."""
@@ -124,7 +123,7 @@ class ContactManager:
         if self._node is None:
             self._node = Node()
             self._node.Init(self._world.core.topic_space)
-            self._published = self._world.core.engine.steps
+            self.published = self._world.core.engine.steps
         prefix = f"{self._world.Name()}::"
         topic = f"~/{name}/contacts"
         with unowned():
@@ -158,9 +157,9 @@ class ContactManager:
     def PublishContacts(self) -> None:
         """Publish the contacts of the last step on the topics that have subscribers; called in every iteration."""
         step = self._world.core.engine.steps
-        if not self._filters or step == self._published:
+        if not self._filters or step == self.published:
             return
-        self._published = step
+        self.published = step
         for publisher, names in self._filters.values():
             if not publisher.HasConnections():
                 self.release(publisher)

@@ -49,7 +49,8 @@ class JointController:
     @property
     def blank(self) -> bool:
         """Whether it is as one that is made now: without targets, with the default gains."""
-        return not (self._targets() or any(self._changed_pids()))
+        pids = (*self._position_pids.values(), *self._velocity_pids.values())
+        return not self._targets() and all(pid.SaveState() == NEW_PID for pid in pids)
 
     def _targets(self) -> bool:
         return bool(self._forces or self._positions or self._velocities)

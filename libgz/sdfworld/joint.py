@@ -75,6 +75,21 @@ _description = attrgetter(
 )
 
 
+class _Kept:
+    """An attribute that a state has; its assignments are counted, for it seldom changes."""
+
+    def __set_name__(self, _owner: type, name: str) -> None:
+        self._name = name
+
+    def __set__(self, joint: SdfJoint, value: Any) -> None:  # without a __get__, reading costs nothing more
+        vars(joint)[self._name] = value
+        joint.edits += 1
+
+
+def _kept() -> Any:
+    return _Kept()
+
+
 class SdfJoint:
     """A joint between two links, or a link and the world.
 
@@ -91,12 +106,23 @@ class SdfJoint:
         dof: how many positions there are.
         acts: whether `update` has anything to do.
         on_acts: called when that changes.
+        edits: differs after each change of what `save` returns, unless a link was destroyed.
 
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
 
+    links: Links = _kept()
+    acts: bool = _kept()
+    _mechanism: Mechanism | None = _kept()
+    _engine_springs: bool = _kept()  # whether the engine applies its springs
+    _step_time: float = _kept()  # [s] that `_refresh` has used
+    _in_child: GzPose = _kept()
+    _in_parent: GzPose = _kept()
+    _local: list[GzVector] = _kept()
+
     def __init__(self, engine: Engine, plan: JointPlan) -> None:
+        self.edits = 0
         self.links = Links(plan.parent, plan.child)
         kind = mechanism_class(plan, self.links)
         kind.check(plan)
@@ -108,14 +134,14 @@ class SdfJoint:
         self.acts = False
         self.on_acts: Callable[[], None] | None = None
         self.facade: Any = None
-        self._mechanism: Mechanism | None = None
+        self._mechanism = None
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
         self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
-        self._engine_springs = False  # whether the engine applies its springs
+        self._engine_springs = False
         self._set: dict[tuple[str, int], float] = {}  # ODE's parameters as users set them, by key and axis
         self._stop_turns: dict[int, float] = {}  # axis -> turns [rad] that its stops were set for
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
-        self._step_time = engine.step_time  # [s] that `_refresh` has used
+        self._step_time = engine.step_time
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
             if axis.initial != 0.0 and self.joint is not None:
@@ -290,6 +316,7 @@ class SdfJoint:
         """Count turns from zero again, after links were returned to where they began."""
         self._spring_stops.clear()
         self._stop_turns.clear()
+        self.edits += 1
         if self.attached and self._mechanism is not None:
             self._mechanism.restore()
 
@@ -449,6 +476,7 @@ class SdfJoint:
         self.detach()
         for axis, direction in zip(self.axes, directions, strict=True):
             axis.direction = direction
+        self.edits += 1
         if not held:
             self._place(frame)
             return
@@ -516,6 +544,7 @@ class SdfJoint:
         if math.isnan(number):
             raise ParameterError(f"joint {self.name!r}: {key} is NaN")
         self.release_deleted()
+        self.edits += 1
         if key == "hi_stop":
             self.axis_at(index).upper = number
             self._stops_changed(index)
@@ -568,6 +597,7 @@ class SdfJoint:
         self._set_ode_stops(index, low, high)
         self._spring_stops[index] = False
         self._stop_turns[index] = turns
+        self.edits += 1
 
     def _set_ode_stops(self, index: int, low: float, high: float) -> None:
         low_number, high_number = self._number("lo_stop", index), self._number("hi_stop", index)
@@ -584,6 +614,7 @@ class SdfJoint:
         axis.stiffness, axis.damping = finite(stiffness, "stiffness"), finite(damping, "damping")
         self.release_deleted()
         axis.reference = finite(reference, "reference")
+        self.edits += 1
         if self.joint is not None:
             self._set_stops(index)
         self._refresh()
@@ -659,6 +690,7 @@ class SdfJoint:
         self.set_param("stop_cfm", 1.0 / total, index)
         self._set_ode_stops(index, target, target)
         self._spring_stops[index] = True
+        self.edits += 1
         return True
 
     def _end_spring_stops(self, index: int) -> None:
@@ -673,6 +705,7 @@ class SdfJoint:
         """Whether `wrench` is filled in each step."""
         self.release_deleted()
         self.plan.feedback = on
+        self.edits += 1
         if self._mechanism is not None:
             self._mechanism.provide_feedback(on)
 

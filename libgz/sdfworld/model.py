@@ -64,6 +64,7 @@ class SdfModel(Entity):
         self._self_colliding: set[Body] = set()
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
         self._kept = Kept()  # of `_parts`
+        self._kept_at: tuple[int, ...] | None = None  # what had been counted then
         self.SetName("model")
         self.SetId(self.name)
         if parent is not None:
@@ -471,10 +472,15 @@ class SdfModel(Entity):
         """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
         if not self._has_parts:
             return None
+        links = self.world.engine.tables.bodies.changes
+        key = (changes.last, links, *[joint.edits for joint in self.sdf_joints.values()])
+        if key == self._kept_at:
+            return self._kept.encoded
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         colliding = [name for name, body in self.links.items() if body in self._self_colliding]
+        self._kept_at = key if frame is None and added is None else None
         return self._kept.encode((frame, added, joints, colliding))
 
     @_parts.setter

@@ -48,12 +48,12 @@ SAVED_FIELDS = (
 )
 _FIELDS = struct.Struct("=d4qQ4q3dq")
 _FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
-# The attributes of an engine that set them, and those that have no such attribute.
+_STEPS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("steps", "max_contacts"))
+# The attributes of an engine that set most of them.
 SETTINGS = (
     *("step_time", "contact_rule", "count_turns", "check_divergence", "seed"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
-PROGRESS = ("quick", "steps", "contact_count")
 # Other attributes of an engine: settings, those that are set together, and plain ones.
 SWITCHES = ("record_motion", "exact_rest", "surface_layer")
 SOLVER = ("iterations", "over_relaxation")
@@ -267,16 +267,17 @@ class EngineState:
         numbers = tuple(state["numbers"])
         if len(numbers) != _NUMBERS or len(state["settings"]) != _FIELDS.size:
             raise StateError("the state is damaged: it has not all numbers of an engine")
-        if state["settings"] != self._settings:
-            then, now = _fields(state["settings"]), _fields(self._settings)
+        settings, present = state["settings"], self._settings
+        if settings[:_STEPS] != present[:_STEPS] or settings[_REST:] != present[_REST:]:
+            then, now = _fields(settings), _fields(present)
             for name in SETTINGS:
                 if then[name] != now[name]:
                     setattr(engine, name, then[name])
-            for name in PROGRESS:
-                setattr(context, name, then[name])
-        if numbers != (now := _numbers(engine)):
-            for name, value, present in zip(SWITCHES, numbers, now, strict=False):
-                if value != present:
+            context.quick = then["quick"]
+        present[_STEPS:_REST] = settings[_STEPS:_REST]  # how many steps and contacts there were
+        if numbers != (others := _numbers(engine)):
+            for name, value, other in zip(SWITCHES, numbers, others, strict=False):
+                if value != other:
                     setattr(engine, name, value)
             rest = iter(numbers[len(SWITCHES) :])
             engine.set_quick_step(*islice(rest, len(SOLVER)))
@@ -520,14 +521,14 @@ def _plain_values(thing: Any) -> Iterable[Any]:
 
 
 def _fields(settings: Any) -> dict[str, Any]:
-    """The values of SAVED_FIELDS and SETTINGS, by the names of both."""
+    """What is to be set, by the names of SETTINGS, and `quick`."""
     step, quick, rule, *values = _FIELDS.unpack(settings)
     if quick not in (0, 1) or rule not in list(ContactRule):
         raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
-    turns, check, seed, steps, count, most, cone, x, y, z, record = values
+    turns, check, seed, _, _, most, cone, x, y, z, record = values
     return {
         **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns, "check_divergence": check},
-        **{"seed": seed, "steps": steps, "contact_count": count, "max_contacts": most, "cone": cone},
+        **{"seed": seed, "max_contacts": most, "cone": cone},
         **{"gravity": (x, y, z), "record_contacts": record},
     }
 

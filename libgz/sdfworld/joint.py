@@ -606,6 +606,13 @@ class SdfJoint:
         for number, value in ((high_number, high), (low_number, low), (high_number, high)):
             self.joint.SetParam(number, value)
 
+    def set_limits(self, index: int, *, effort: float | None = None, velocity: float | None = None) -> None:
+        """Set the largest effort [N m or N], the velocity [rad/s or m/s] above which efforts do not act; negative: none."""
+        axis = self.axis_at(index)
+        axis.effort = axis.effort if effort is None else effort
+        axis.velocity = axis.velocity if velocity is None else velocity
+        self.edits += 1
+
     # Springs ---------------------------------------------------------------------------------------------------------
 
     def set_spring(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:

@@ -26,7 +26,7 @@ class SdfLight(Entity):
         diagnostics: takes the warnings.
     """
 
-    STATE = ("cast_shadows",)
+    STATE = ()  # all that it has is in the engine's state
 
     is_model = False
 
@@ -45,6 +45,10 @@ class SdfLight(Entity):
     def cast_shadows(self) -> bool:
         """Whether bodies cast shadows in its light."""
         return self.light.cast_shadows
+
+    def MasterIsStill(self) -> bool:
+        """Its pose is that of its body."""
+        return True
 
     def MasterDescribe(self, store: Store) -> dict[str, Any]:
         """As of all entities, and whether it casts shadows."""

@@ -110,7 +110,7 @@ def _save_array(value: NDArray[Any]) -> Any:
         return value
     if value.nbytes < LARGE:
         return _ARRAY, value.tobytes(), value.dtype.str, value.shape
-    return _ARRAY, pickle.PickleBuffer(np.ascontiguousarray(value)), value.dtype.str, value.shape
+    return _ARRAY, pickle.PickleBuffer(np.ascontiguousarray(value).data), value.dtype.str, value.shape
 
 
 def large(data: bytes) -> Any:
@@ -206,7 +206,8 @@ def seldom() -> Any:
 class Noted:
     """Base of what seldom changes as a whole: all assignments of its attributes are counted.
 
-    Whoever changes in place what one of them holds calls `noted.count`.
+    Whoever changes in place what one of them holds calls `noted.count`. What SaveState returns is read each time, and
+    so is what a class with SELDOM does not name there.
     """
 
     noted: ClassVar[Edits] = Edits()
@@ -288,7 +289,8 @@ class _Class:
         bases = kind.__mro__
         own = [base for base in bases if base is not object and not base.__module__.startswith("libgz.")]
         names = tuple(dict.fromkeys(name for base in reversed(bases) for name in vars(base).get("STATE", ())))
-        saves, seldom = hasattr(kind, "SaveState"), getattr(kind, "SELDOM", ())
+        saves = hasattr(kind, "SaveState")
+        seldom = getattr(kind, "SELDOM", names if issubclass(kind, Noted) else ())
         self.whole = Reader(names, saves)
         self.seldom = Reader([name for name in names if name in seldom], False)
         self.often = Reader([name for name in names if name not in seldom], saves)

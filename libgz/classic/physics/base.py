@@ -76,6 +76,7 @@ class Base:
 
     def SetName(self, name: str) -> None:
         """Set the name."""
+        self._world.server.ids.note_name(self)
         self._name = name
 
     def GetScopedName(self, prependWorldName: bool = False) -> str:

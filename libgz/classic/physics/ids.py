@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.place import found_at, place_of
+from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -17,12 +18,16 @@ __all__ = ["Ids"]
 
 
 class Ids:
-    """The ids of a world's views, given when they are first asked for, so that a state can repeat them."""
+    """The ids of a world's views, given when they are first asked for, so that a state can repeat them.
+
+    And the names of those that were renamed.
+    """
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._last = 0
         self._numbers: WeakKeyDictionary[Base, int] = WeakKeyDictionary()
+        self._names: WeakKeyDictionary[Base, str] = WeakKeyDictionary()  # of renamed views, before that
 
     def of(self, view: Base) -> int:
         """The id of a view."""
@@ -31,17 +36,31 @@ class Ids:
             self._last = self._numbers[view] = found = self._last + 1
         return found
 
+    def note_name(self, view: Base) -> None:
+        """A view is about to be renamed."""
+        self._names.setdefault(view, view._name)
+        changes.count()
+
     def save(self) -> tuple[Any, ...]:
-        """The ids as plain data."""
-        if not self._numbers:
-            return self._last, []
+        """Ids and changed names as plain data."""
+        if not (self._numbers or self._names):
+            return self._last, [], []
         rows = ((self._place(view), number) for view, number in self._numbers.items())
-        return self._last, sorted((row for row in rows if row[0] is not None), key=lambda row: row[1])
+        names = ((self._place(view), view._name) for view, before in self._names.items() if view._name != before)
+        numbers = sorted((row for row in rows if row[0] is not None), key=lambda row: row[1])
+        return self._last, numbers, sorted(row for row in names if row[0] is not None)
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned."""
-        self._last, rows = state
+        self._last, rows, names = state
+        for view, name in self._names.items():
+            view._name = name
         views = [(self._at(place), number) for place, number in rows]
+        for view, name in [(self._at(place), name) for place, name in names]:
+            if view is not None:
+                self.note_name(view)
+                view._name = name
+        changes.count()
         self._numbers = WeakKeyDictionary({view: number for view, number in views if view is not None})
 
     def _place(self, view: Any) -> tuple[Any, ...] | None:

@@ -166,7 +166,7 @@ class Joint(Base):
 
     def SetEffortLimit(self, index: int, effort: float) -> None:
         """Set the effort limit of SetForce; negative: none."""
-        self.core.axis_at(index).effort = float(effort)
+        self.core.set_limits(index, effort=float(effort))
 
     def GetVelocityLimit(self, index: int) -> float:
         """The velocity above which SetForce has no effect; negative: none."""
@@ -174,7 +174,7 @@ class Joint(Base):
 
     def SetVelocityLimit(self, index: int, velocity: float) -> None:
         """Set the velocity above which SetForce has no effect; negative: none."""
-        self.core.axis_at(index).velocity = float(velocity)
+        self.core.set_limits(index, velocity=float(velocity))
 
     # Damping and springs -----------------------------------------------------------------------------------------
 

@@ -15,12 +15,11 @@ from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError,
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Noted, Reader, changes, decode, encode, equal, get_values, readers, set_values
+from libgz.simulation.state import Noted, Reader, changes, decode, encode, equal, readers
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
     from libgz.classic.physics import Joint, Link, Model, World
-    from libgz.classic.rendering.camera import Camera as CameraView
     from libgz.classic.transport.topic import Topic
     from libgz.sdf.element import Element
 
@@ -54,7 +53,7 @@ class WorldSensors:
         self._node: Node | None = None
         self._encoded = b""  # what seldom changes of the sensors
         self._seen = (-1, -1)  # the counts of changes then
-        self._cameras: list[tuple[Reader, CameraView]] = []  # their cameras, and what reads the rest of them
+        self._changing: list[tuple[Reader, Any]] = []  # sensors and cameras that have more, and what reads that
 
     @property
     def renders(self) -> bool:
@@ -230,45 +229,45 @@ class WorldSensors:
 
     def save(self) -> tuple[Any, ...]:
         """The state of all sensors, as plain data."""
-        return self._now, self._next, self._rows(), [reader.get(camera) for reader, camera in self._cameras]
+        return self._now, self._next, self._rows(), [reader.get(part) for reader, part in self._changing]
 
     def _rows(self) -> bytes:
-        """All of that but their images, encoded."""
-        count = Noted.noted.last, changes.last
-        if count != self._seen:
+        """All of that but what often changes, such as images, encoded."""
+        counts = Noted.noted.last, changes.last
+        if counts != self._seen:
             rows = []
-            self._cameras = []
+            self._changing = []
             for name, one in self.sensors.items():
-                cameras = [(*readers(_type(camera)), camera) for camera in one.cameras]
-                settings = [seldom.get(camera) for seldom, _, camera in cameras]
-                self._cameras += [(often, camera) for _, often, camera in cameras]
-                active = one in self._active
-                rows.append(
-                    (name, one.Type(), one.parent.GetScopedName(), one.source, active, get_values(one), settings)
-                )
-            self._encoded, self._seen = encode(rows), count
+                parts = [one, *one.cameras]
+                found = [readers(_type(part)) for part in parts]
+                values = [seldom.get(part) for (seldom, _), part in zip(found, parts, strict=True)]
+                self._changing += [(often, part) for (_, often), part in zip(found, parts, strict=True) if often.fields]
+                rows.append((name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, values))
+            self._encoded, self._seen = encode(rows), counts
         return self._encoded
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
-        now, due, encoded, images = state
-        if encoded != self._rows():
+        now, due, encoded, changing = state
+        moved = encoded != self._rows()
+        if moved:
             self._load_rows(decode(encoded))
-        for (reader, camera), values in zip(self._cameras, images, strict=True):
-            reader.set(camera, values)
+        for (reader, part), values in zip(self._changing, changing, strict=True):
+            if moved or not equal(values, reader.get(part)):
+                reader.set(part, values)
         self._now, self._next = now, due
 
     def _load_rows(self, rows: Sequence[Any]) -> None:
-        if [(name, kind, active) for name, kind, _, _, active, *_ in rows] != [
+        if [(name, kind, active) for name, kind, _, _, active, _ in rows] != [
             (name, one.Type(), one in self._active) for name, one in self.sensors.items()
         ]:
             self._match(rows)
-        for name, *_, values, settings in rows:
+        for name, *_, values in rows:
             sensor = self.sensors[name]
-            if not equal(values, get_values(sensor)):
-                set_values(sensor, values)
-            for camera, one in zip(sensor.cameras, settings, strict=True):
-                readers(_type(camera))[0].set(camera, one)
+            for part, own in zip((sensor, *sensor.cameras), values, strict=True):
+                seldom = readers(_type(part))[0]
+                if not equal(own, seldom.get(part)):
+                    seldom.set(part, own)
         Noted.noted.count()  # arrays and generators were changed in place
         self._rows()
 
@@ -286,9 +285,9 @@ class WorldSensors:
             raise StateError(f"sensors of this state cannot be made again: {', '.join(missing)}")
         self.sensors = {name: self.sensors[name] for name, *_ in rows}
         self._active = {sensor: None for sensor in self.sensors.values() if sensor in self._active}
-        for name, *_, active, values, _ in rows:
+        for name, *_, active, (values, *_) in rows:
             sensor = self.sensors[name]
-            set_values(sensor, values)
+            readers(_type(sensor))[0].set(sensor, values)
             if active and sensor not in self._active:
                 self._activate(sensor)
             elif not active and sensor in self._active:

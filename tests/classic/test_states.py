@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from classic_runs import Run, first_difference, opened
+from state_runs import forget_kept
 
 from libgz import World
 from libgz.classic import msgs
@@ -501,3 +502,40 @@ def test_groups_lines_and_shapes_of_visuals(run):
     assert (scene.GetVisual("one").Transparency(), scene.GetVisual("one").Visible()) == (0.0, True)
     assert scene.GetVisual("arrow") is None
     assert scene.lines == []
+
+
+def test_what_seldom_changes_is_read_after_each_change(run):
+    """A state keeps what it has read until a change of it is counted: these were forgotten once, or are easy to forget."""
+    three, light = run.view.ModelByName("three"), run.view.LightByName("sun")
+    hinge, sensors = three.GetJoint("hinge"), run.view.server.sensors.sensors
+    imu = next(sensor for sensor in sensors.values() if sensor.Type() == "imu")
+    manager = run.view.Physics().GetContactManager()
+    edits = (
+        lambda: hinge.SetEffortLimit(0, 0.5),
+        lambda: hinge.SetVelocityLimit(0, 2.0),
+        lambda: hinge.SetUpperLimit(0, 0.7),
+        lambda: hinge.SetProvideFeedback(True),
+        lambda: three.SetName("third"),
+        lambda: hinge.SetName("elbow"),
+        lambda: light.SetCastShadows(not light.CastShadows()),
+        lambda: imu.Noise(next(iter(imu.noises))).Apply(1.0),
+        lambda: imu.SetUpdateRate(11.0),
+        lambda: manager.CreateFilter("f", ["one::l::c"]),
+        lambda: run.view.Physics().SetParam("island_threads", 3),
+        lambda: run.view.server.presets.CreateProfile("another"),
+        lambda: three.SetInitialRelativePose(Pose3d(1.0, 2.0, 3.0, 0.0, 0.0, 0.0)),
+        lambda: run.steps(3),
+    )
+    run.steps(20)
+    start = run.world.get_state()
+    states = [start]
+    for edit in edits:
+        edit()
+        states.append(run.world.get_state())
+        forget_kept(run.world)
+        assert run.world.get_state() == states[-1]
+    assert len(set(states)) == len(states)
+    for state in reversed(states):
+        run.world.set_state(state)
+        assert run.world.get_state() == state
+    assert (three.GetName(), hinge.GetName()) == ("three", "hinge")

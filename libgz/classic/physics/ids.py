@@ -48,7 +48,7 @@ class Ids:
         rows = ((self._place(view), number) for view, number in self._numbers.items())
         names = ((self._place(view), view._name) for view, before in self._names.items() if view._name != before)
         numbers = sorted((row for row in rows if row[0] is not None), key=lambda row: row[1])
-        return self._last, numbers, sorted(row for row in names if row[0] is not None)
+        return self._last, numbers, sorted((row for row in names if row[0] is not None), key=repr)
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned."""

@@ -253,7 +253,7 @@ class WorldSensors:
         if moved:
             self._load_rows(decode(encoded))
         for (reader, part), values in zip(self._changing, changing, strict=True):
-            if moved or not equal(values, reader.get(part)):
+            if moved or not reader.saves or not equal(values, reader.get(part)):
                 reader.set(part, values)
         self._now, self._next = now, due
 

@@ -48,10 +48,10 @@ SAVED_FIELDS = (
 )
 _FIELDS = struct.Struct("=d4qQ4q3dq")
 _FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
-_STEPS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("steps", "max_contacts"))
+_PROGRESS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("seed", "max_contacts"))
 # The attributes of an engine that set most of them.
 SETTINGS = (
-    *("step_time", "contact_rule", "count_turns", "check_divergence", "seed"),
+    *("step_time", "contact_rule", "count_turns", "check_divergence"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
 # Other attributes of an engine: settings, those that are set together, and plain ones.
@@ -268,13 +268,13 @@ class EngineState:
         if len(numbers) != _NUMBERS or len(state["settings"]) != _FIELDS.size:
             raise StateError("the state is damaged: it has not all numbers of an engine")
         settings, present = state["settings"], self._settings
-        if settings[:_STEPS] != present[:_STEPS] or settings[_REST:] != present[_REST:]:
+        if settings[:_PROGRESS] != present[:_PROGRESS] or settings[_REST:] != present[_REST:]:
             then, now = _fields(settings), _fields(present)
             for name in SETTINGS:
                 if then[name] != now[name]:
                     setattr(engine, name, then[name])
             context.quick = then["quick"]
-        present[_STEPS:_REST] = settings[_STEPS:_REST]  # how many steps and contacts there were
+        present[_PROGRESS:_REST] = settings[_PROGRESS:_REST]  # random state, how many steps and contacts there were
         if numbers != (others := _numbers(engine)):
             for name, value, other in zip(SWITCHES, numbers, others, strict=False):
                 if value != other:
@@ -525,11 +525,10 @@ def _fields(settings: Any) -> dict[str, Any]:
     step, quick, rule, *values = _FIELDS.unpack(settings)
     if quick not in (0, 1) or rule not in list(ContactRule):
         raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
-    turns, check, seed, _, _, most, cone, x, y, z, record = values
+    turns, check, _, _, _, most, cone, x, y, z, record = values
     return {
         **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns, "check_divergence": check},
-        **{"seed": seed, "max_contacts": most, "cone": cone},
-        **{"gravity": (x, y, z), "record_contacts": record},
+        **{"max_contacts": most, "cone": cone, "gravity": (x, y, z), "record_contacts": record},
     }
 
 

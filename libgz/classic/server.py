@@ -25,7 +25,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Kept, Noted, changes, decode, encode, get_values, set_values, undeclared
+from libgz.simulation.state import Kept, changes, decode, encode, get_values, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class WorldServer:
         self._kept_at = -1  # the count of changes then
         self._kept_quiet = Kept()  # of `_quiet`
         self._listed = b""  # the plugins, encoded
-        self._listed_at = (-1, -1)  # the counts of changes then
+        self._listed_at = -1  # the count of changes then
         self._keeping: list[LoadedPlugin] = []  # those that keep a state
         self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
@@ -529,8 +529,8 @@ class WorldServer:
 
     def _list_plugins(self) -> bytes:
         """By kind and holder: file, name and text of each plugin, and whether it keeps a state; encoded."""
-        counts = changes.last, Noted.noted.last
-        if counts == self._listed_at:
+        count = changes.last
+        if count == self._listed_at:
             return self._listed
         self._keeping = []
         rows = []
@@ -541,7 +541,7 @@ class WorldServer:
                     self._warn_of_undeclared(plugin)
             self._keeping += [plugin for plugin in running if plugin.keeps]
             rows.append((kind, holder, [(p.filename, p.name, p.source, p.keeps) for p in running]))
-        self._listed, self._listed_at = encode(rows), counts
+        self._listed, self._listed_at = encode(rows), count
         return self._listed
 
     def _load_plugins(self, listed: bytes, states: Sequence[Any]) -> None:

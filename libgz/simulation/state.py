@@ -281,9 +281,7 @@ class _Class:
         load: puts plain data into an object; returns it, or what takes its place.
     """
 
-    __slots__ = (
-        *("_alive", "declares", "load", "often", "ours", "save", "seldom", "undeclared", "whole"),
-    )
+    __slots__ = (*("_alive", "declares", "load", "often", "ours", "save", "seldom", "undeclared", "whole"),)
 
     def __init__(self, kind: Any) -> None:
         bases = kind.__mro__

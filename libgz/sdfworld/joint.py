@@ -607,7 +607,7 @@ class SdfJoint:
             self.joint.SetParam(number, value)
 
     def set_limits(self, index: int, *, effort: float | None = None, velocity: float | None = None) -> None:
-        """Set the largest effort [N m or N], the velocity [rad/s or m/s] above which efforts do not act; negative: none."""
+        """Set the largest effort [N m or N], and the velocity [rad/s or m/s] above which efforts do not act."""
         axis = self.axis_at(index)
         axis.effort = axis.effort if effort is None else effort
         axis.velocity = axis.velocity if velocity is None else velocity

@@ -505,7 +505,7 @@ def test_groups_lines_and_shapes_of_visuals(run):
 
 
 def test_what_seldom_changes_is_read_after_each_change(run):
-    """A state keeps what it has read until a change of it is counted: these were forgotten once, or are easy to forget."""
+    """A state keeps what it has read until a change of it is counted: these are easy to forget."""
     three, light = run.view.ModelByName("three"), run.view.LightByName("sun")
     hinge, sensors = three.GetJoint("hinge"), run.view.server.sensors.sensors
     imu = next(sensor for sensor in sensors.values() if sensor.Type() == "imu")

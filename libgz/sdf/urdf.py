@@ -6,6 +6,7 @@ Elements of the result have the lines of those that they come from, for messages
 from __future__ import annotations
 
 import copy
+import math
 
 import numpy as np
 from lxml import etree
@@ -408,7 +409,9 @@ def _pose_of(xml: etree._Element | None) -> GzPose | None:
         numbers = [float(word) for word in words] or 6 * [0.0]
     except ValueError:
         return None
-    return GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:])) if len(numbers) == 6 else None
+    if len(numbers) != 6 or not all(map(math.isfinite, numbers)):
+        return None
+    return GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:]))
 
 
 def _text(*numbers: float) -> str:

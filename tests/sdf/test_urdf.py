@@ -21,6 +21,7 @@ from libgz.sdf.recognition import is_sdf, is_sdf_text
 ROBOTS = Path(__file__).parent.parent / "data" / "urdf"
 REFERENCE = json.loads((ROBOTS / "sdformat12.json").read_text())
 MASS = "<inertial><mass value='1'/><inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial>"
+SENSOR = "<sensor name='s' type='imu'><pose>0 0 0 0 0 inf</pose></sensor>"
 BALL = "<collision><geometry><sphere radius='0.1'/></geometry></collision>"
 
 
@@ -293,6 +294,10 @@ def test_colours_come_from_the_robot_or_the_link():
         ([link("a", MASS + "<collision><geometry><box/></geometry></collision>")], "attribute 'size' is missing"),
         ([link("a", MASS + BALL), "<gazebo reference='a'><mu1>slippery</mu1></gazebo>"], "'slippery' is not allowed"),
         ([link("a"), "<gazebo reference='a'><gravity>often</gravity></gazebo>"], "<gravity>: 'often' is not allowed"),
+        (
+            [link("a"), link("b"), joint("j"), "<gazebo reference='b'>", SENSOR, "</gazebo>"],
+            "<pose>: '0 0 0 0 0 inf' is not allowed",
+        ),
         (
             [link("a"), link("b"), joint("j", "continuous", inside="<mimic joint='jj'/>")],
             "<mimic>: joint is 'jj'; it must be another joint",

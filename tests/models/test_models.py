@@ -432,6 +432,23 @@ def test_the_ground_may_be_tilted_and_high():
         assert world.model("s").GetPose().pos.z == pytest.approx(1.0, abs=1e-3)
 
 
+def test_a_place_that_the_ground_cannot_have_is_a_warning(caplog):
+    with world_of("<model:GroundPlane><xyz>1 2 0</xyz><rpy>0 0 9</rpy></model:GroundPlane>"):
+        assert caplog.text == ""
+    with world_of("<model:GroundPlane>\n<xyz>0 0 1</xyz>\n<rpy>0 9 0</rpy></model:GroundPlane>"):
+        assert ":2: <xyz>: has no effect on a GroundPlane; <height> and <normal> place it" in caplog.text
+        assert ":3: <rpy>: has no effect on a GroundPlane" in caplog.text
+
+
+def test_surfaces_may_be_rigid_and_never_slip():
+    surface = "<surfaceHardness>inf 0</surfaceHardness><surfaceFriction>inf inf</surfaceFriction>"
+    with world_of(f"{GROUND}<model:SimpleSolid><id>s</id>{surface}</model:SimpleSolid>") as world:
+        world.run(2.0)
+        assert world.model("s").GetPose().pos.z == pytest.approx(0.0, abs=5e-3)
+    with pytest.raises(libgz.WorldFileError, match="surfaceHardness must be finite"):
+        world_of("<model:SimpleSolid><surfaceHardness>1e4 inf</surfaceHardness></model:SimpleSolid>")
+
+
 def test_missing_images_are_a_warning(caplog):
     with world_of("<model:SimpleSolid><textureFile>gone.ppm</textureFile></model:SimpleSolid>") as world:
         world.step()

@@ -193,7 +193,7 @@ def numbers(
     least: float | None = None,
     infinite: int = 0,
 ) -> tuple[float, ...]:
-    """Several numbers; a file may omit the last ones, which keep their defaults. The first `infinite` ones may be `inf`."""
+    """Several numbers; a file may omit the last ones, which keep their defaults. `infinite` of them may be `inf`."""
     limits = Limits(above, least, None)
     allowed, test = _each(limits)
     attribute = Attribute(f"{len(default)} numbers", unit, help, _read_numbers, allowed, test, limits, infinite)

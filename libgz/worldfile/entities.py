@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 from lxml import etree
 
@@ -24,7 +25,7 @@ class Entities:
     """
 
     def __init__(self, root: etree._Element) -> None:
-        declared = root.getroottree().docinfo.internalDTD
+        declared: Any = root.getroottree().docinfo.internalDTD  # its stubs lack entities()
         self._contents = {entity.name: entity.content for entity in declared.entities()} if declared is not None else {}
         self._left = MOST
 

@@ -155,14 +155,10 @@ class WorldFile:
                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>"
             )
 
-    def note_foreign(self, empty: bool) -> None:
-        """Warn of a file without any sign of a worldfile; the old server loaded it as an empty world.
-
-        Args:
-            empty: whether it has no model.
-        """
+    def note_foreign(self) -> None:
+        """Warn of a file without any sign of a worldfile; the old server loaded it as an empty world."""
         root = self.GetRootNode()
-        if empty and root.prefix is None:
+        if root.prefix is None and not any(node.prefix == "model" for node in root.walk()):
             root.warn("there is no <model:...> element in this file, and its root is not like <gz:world>")
 
     def GetRootNode(self) -> WorldFileNode:

@@ -366,9 +366,27 @@ def test_a_client_lays_the_scan_out_anew():
         assert laser.ranges[0] == pytest.approx(2.8)  # 2.5 / cos(0.5) is beyond the new range
 
 
+def test_what_a_client_never_wrote_stays():
+    with scanner("") as world:
+        data = world.interface("laser", "laser1").data
+        data.cmd_min_angle, data.cmd_max_angle, data.cmd_range_count, data.cmd_new_angle = -0.5, 0.5, 11, 1
+        world.step(10)
+        assert (data.min_angle, data.max_angle, data.range_count, data.max_range) == (-0.5, 0.5, 11, 8.192)
+    with scanner("") as world:
+        data = world.interface("laser", "laser1").data
+        data.cmd_max_range, data.cmd_new_length = 4.0, 1
+        world.step(10)
+        assert (data.min_angle, data.max_angle, data.range_count, data.max_range) == (
+            -math.pi / 2,
+            math.pi / 2,
+            181,
+            4.0,
+        )
+
+
 @pytest.mark.parametrize(
     "wish",
-    [(math.nan, 1, 8, 100), (1, -1, 8, 100), (-1, 1, 0.1, 100), (-1, 1, 8, 0), (-1, 1, 8, 10**9), (-9, 9, 1e30, -5)],
+    [(math.nan, 1, 8, 100), (1, -1, 8, 100), (-1, 1, 0.1, 100), (-1, 1, 8, -1), (-1, 1, 8, 10**9), (-9, 9, 1e30, -5)],
 )
 def test_invalid_scans_are_ignored(wish, caplog):
     with scanner("") as world:

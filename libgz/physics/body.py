@@ -226,11 +226,11 @@ class Body(Edited):
 
     def SetPosition(self, position: VectorLike) -> None:
         """Move the body frame to a global position [m]."""
-        self.SetPose(GzPose(GzVector(*position), self.GetRotation()))
+        self.SetPose(GzPose(GzVector(*finite_tuple(position, 3, "position [m]")), self.GetRotation()))
 
     def SetRotation(self, rotation: QuaternLike) -> None:
         """Turn the body about its frame's origin."""
-        self.SetPose(GzPose(self.GetPosition(), GzQuatern(*rotation)))
+        self.SetPose(GzPose(self.GetPosition(), GzQuatern(*rotation_tuple(rotation, "rotation"))))
 
     def GetCoMPose(self) -> GzPose:
         """Global pose of the centre of mass [m]."""

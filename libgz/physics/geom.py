@@ -207,11 +207,11 @@ class Geom(Edited):
 
     def SetRelativePosition(self, position: VectorLike) -> None:
         """Move the geom's centre in the body frame [m]."""
-        self.SetRelativePose(GzPose(GzVector(*position), self._relative.rot))
+        self.SetRelativePose(GzPose(GzVector(*finite_tuple(position, 3, "relative position [m]")), self._relative.rot))
 
     def SetRelativeRotation(self, rotation: QuaternLike) -> None:
         """Turn the geom in the body frame."""
-        self.SetRelativePose(GzPose(self._relative.pos, GzQuatern(*rotation)))
+        self.SetRelativePose(GzPose(self._relative.pos, GzQuatern(*rotation_tuple(rotation, "relative rotation"))))
 
     def GetRelativePose(self) -> GzPose:
         """The pose in the body frame [m]."""
@@ -427,7 +427,7 @@ class Geom(Edited):
 
     def SetSkinScale(self, scale: VectorLike) -> None:
         """Scale the skin along its own axes."""
-        self.appearance.change(skin_scale=GzVector(*scale))
+        self.appearance.change(skin_scale=GzVector(*finite_tuple(scale, 3, "skin scale")))
 
     def SetSkinNull(self, null: bool, instead: Path | None = None) -> None:
         """While skins are shown, do not render this geom; with `instead`, only if that skin can be read."""

@@ -45,6 +45,14 @@ __all__ = [
 ]
 
 
+THINNEST = 1e-6  # [m]
+
+
+def _thin(length: float, what: str) -> float:
+    """A length of a box or cylinder. Old worlds have plates of thickness 0, without volume or mass."""
+    return THINNEST if length == 0.0 else positive(length, what)
+
+
 def _space_id(space: Space | None) -> int | None:
     return None if space is None else space.id
 
@@ -55,24 +63,24 @@ class BoxGeom(Geom):
     Args:
         body: the body it belongs to.
         space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
-        xDim, yDim, zDim: its full lengths [m].
+        xDim, yDim, zDim: its full lengths [m]; 0 makes a thin plate.
 
     Raises:
-        ParameterError: a length is not positive.
+        ParameterError: a length is negative or not finite.
     """
 
     KEPT = ("size",)
 
     @built
     def __init__(self, body: Body, space: Space | None, xDim: float, yDim: float, zDim: float) -> None:
-        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
+        self.size = tuple(_thin(length, "box length [m]") for length in (xDim, yDim, zDim))
         handle = ode().dCreateBox(_space_id(space), *self.size)
         super().__init__(body, space, handle, mass_.box_mass(*self.size))
 
     @exclusive
     def resize(self, xDim: float, yDim: float, zDim: float) -> None:
         """Change the lengths [m]; the mass stays."""
-        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
+        self.size = tuple(_thin(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
         self._reshaped()
@@ -95,7 +103,9 @@ class SphereGeom(Geom):
     @built
     def __init__(self, body: Body, space: Space | None, radius: float) -> None:
         self.radius = positive(radius, "sphere radius [m]")
-        super().__init__(body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(radius))
+        super().__init__(
+            body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(self.radius)
+        )
 
     @exclusive
     def resize(self, radius: float) -> None:
@@ -113,7 +123,7 @@ class CylinderGeom(Geom):
         body: the body it belongs to.
         space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
         radius: [m].
-        length: [m].
+        length: [m]; 0 makes a thin disc.
 
     Raises:
         ParameterError: a length is not positive.
@@ -124,16 +134,16 @@ class CylinderGeom(Geom):
     @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
         self.radius = positive(radius, "cylinder radius [m]")
-        self.length = positive(length, "cylinder length [m]")
+        self.length = _thin(length, "cylinder length [m]")
         handle = ode().dCreateCylinder(_space_id(space), self.radius, self.length)
-        super().__init__(body, space, handle, mass_.cylinder_mass(radius, length))
+        super().__init__(body, space, handle, mass_.cylinder_mass(self.radius, self.length))
         body.UpdateCoM()
 
     @exclusive
     def resize(self, radius: float, length: float) -> None:
         """Change radius and length [m]; the mass stays."""
         self.radius = positive(radius, "cylinder radius [m]")
-        self.length = positive(length, "cylinder length [m]")
+        self.length = _thin(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
         self._reshaped()
@@ -157,7 +167,7 @@ class CapsuleGeom(Geom):
         self.radius = positive(radius, "capsule radius [m]")
         self.length = positive(length, "capsule length [m]")
         handle = ode().dCreateCapsule(_space_id(space), self.radius, self.length)
-        super().__init__(body, space, handle, mass_.capsule_mass(radius, length))
+        super().__init__(body, space, handle, mass_.capsule_mass(self.radius, self.length))
 
 
 class WheelGeom(SphereGeom):

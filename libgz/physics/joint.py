@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, NamedTuple
 
 from libgz.errors import ClosedError, GazeboError, ParameterError
@@ -27,7 +27,7 @@ from libgz.ode.types import (
     dParamLoStop,
 )
 from libgz.physics.body import Body
-from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
+from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis, vector_of
 from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
@@ -199,7 +199,7 @@ class Joint(Edited):
         self.engine.tables.joint_moved(self.row)
 
     @exclusive
-    def _set_axis(self, function: Callable[..., Any] | None, axis: VectorLike) -> None:
+    def _set_axis(self, function: Callable[..., Any] | None, axis: Iterable[float]) -> None:
         if function is not None:
             self._require_bodies()
             function(self.id, *unit_axis(axis, "axis"))
@@ -306,11 +306,11 @@ class Joint(Edited):
     # Parameters --------------------------------------------------------------------------------------------------
 
     @exclusive
-    def SetAnchor(self, anchor: VectorLike) -> None:
-        """Place the joint at a global point [m]; without effect for sliders and fixed joints."""
+    def SetAnchor(self, anchor: VectorLike | float, *yz: float) -> None:
+        """Place the joint at a global point [m], a vector or three numbers; sliders and fixed joints have none."""
         if self._functions.set_anchor is not None:
             self._require_bodies()
-            self._functions.set_anchor(self.id, *finite_tuple(anchor, 3, "anchor [m]", LARGEST))
+            self._functions.set_anchor(self.id, *finite_tuple(vector_of(anchor, yz), 3, "anchor [m]", LARGEST))
             self.engine.tables.joint_moved(self.row)
 
     def GetAnchor(self) -> GzVector:
@@ -352,9 +352,9 @@ class Joint(Edited):
 class AxisJoint(Joint):
     """Base of joints that turn about one axis."""
 
-    def SetAxis(self, axis: VectorLike) -> None:
-        """The axis, global."""
-        self._set_axis(self._functions.set_axis, axis)
+    def SetAxis(self, axis: VectorLike | float, *yz: float) -> None:
+        """The axis, global: a vector, or three numbers."""
+        self._set_axis(self._functions.set_axis, vector_of(axis, yz))
 
     def GetAxis(self) -> GzVector:
         """The axis, global."""
@@ -444,9 +444,9 @@ class SliderJoint(Joint):
             get_axis=lib.dJointGetSliderAxis,
         )
 
-    def SetAxis(self, x: float, y: float, z: float) -> None:
-        """The axis, global."""
-        self._set_axis(self._functions.set_axis, (x, y, z))
+    def SetAxis(self, axis: VectorLike | float, *yz: float) -> None:
+        """The axis, global: a vector, or three numbers."""
+        self._set_axis(self._functions.set_axis, vector_of(axis, yz))
 
     def GetAxis(self) -> GzVector:
         """The axis, global."""

@@ -76,6 +76,12 @@ def test_all_faults_of_a_world_at_once(caplog):
     assert "<texturFile>: is not used by <model:GroundPlane>; did you mean 'textureFile'" in caplog.text
 
 
+def test_a_model_that_is_skipped_is_an_element_all_the_same(caplog):
+    with libgz.World.from_string("<w xmlns:model='m'><model:NoSuchThing/></w>"):
+        assert "unknown model class" in caplog.text
+        assert "there is no <model:...> element" not in caplog.text
+
+
 def test_ids_and_names():
     with world_of(GROUND + "<model:Pioneer2AT><id> r </id></model:Pioneer2AT><model:SimpleSolid/>") as world:
         assert [m.GetId() for m in world.models] == ["ground", "r", "SimpleSolid"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -96,6 +97,7 @@ def check_sdf(filename: str | os.PathLike[str]) -> list[Diagnostic]:
         file = SdfFile.load(filename)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
+    file.diagnostics.most_alike = sys.maxsize
     missing: dict[str, Element] = {}  # message -> its first element
     for element in list(file.root.find("plugin")):
         library = element.Get(str, "filename")

@@ -294,6 +294,23 @@ def test_missing_includes(uri, what):
     assert not file.root.child("world").HasElement("model")
 
 
+@pytest.mark.parametrize("place", ["models", "", "worlds/models"])
+def test_models_of_a_checkout_are_found_without_a_path(place, tmp_path):
+    write_model(tmp_path / place)
+    (tmp_path / "worlds").mkdir(exist_ok=True)
+    file = world(INCLUDE.format("model://box", ""), folder=tmp_path / "worlds")
+    assert texts(file) == []
+    assert file.root.child("world").HasElement("model")
+
+
+def test_an_address_of_the_network_names_a_model_on_disk():
+    place = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/{}"
+    for name in ("Ground Plane", "Ground%20Plane", "ground_plane/3"):
+        file = world(INCLUDE.format(place.format(name), ""))
+        assert texts(file) == []
+        assert file.root.child("world").child("model").Get(str, "name") == "ground_plane"
+
+
 def test_a_model_that_includes_itself(tmp_path, monkeypatch):
     write_model(tmp_path, body="<include><uri>model://box</uri></include>")
     monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))

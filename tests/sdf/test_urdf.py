@@ -500,7 +500,7 @@ def test_a_strong_motor_at_a_stop_leaves_light_links_alone(effort):
     turning = f"<axis xyz='0 0 1'/><limit lower='0' upper='0.8' effort='{effort}' velocity='2'/>"
     robot = (
         link("base") + link("a", light) + link("b", light)
-        + joint("lead", "revolute", "base", "a", turning.replace(f"'{effort}'", "'10'"))
+        + joint("lead", "revolute", "base", "a", turning.replace(f"effort='{effort}'", "effort='10'"))
         + joint("follow", "revolute", "base", "b", turning + "<mimic joint='lead'/>")
     )  # fmt: skip
     with libgz.World.from_string(f"<robot name='r'>{robot}</robot>") as world:

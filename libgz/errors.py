@@ -305,7 +305,7 @@ class Diagnostics:
         return found
 
     def summary(self) -> list[str]:
-        """The warnings for a log: of those alike but for names, paths and numbers the first few, and how many follow."""
+        """The warnings for a log: of those alike but for names, paths and numbers a few, and how many follow."""
         lines: list[str] = []
         groups: dict[tuple[str, str], list[Diagnostic]] = {}
         for warning in self.warnings:

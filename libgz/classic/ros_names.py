@@ -59,17 +59,17 @@ STAND_INS = dict.fromkeys(
 
 # File names of plugins that do nothing without ROS -> what is lost, or what to use instead.
 WITHOUT_EFFECT = {
-    "gazebo_ros_api_plugin": "services of ROS; use `libgz model`, `libgz spawn` and `libgz topic`",
-    "gazebo_ros_factory": "the services that insert and delete models; use `libgz spawn` and `libgz model -d`",
+    "gazebo_ros_api_plugin": "services of ROS; use `libgz model`, `libgz joint` and `libgz topic`",
+    "gazebo_ros_factory": "the services that insert and delete models; use `libgz model`",
     "gazebo_ros_force_system": "the services that apply efforts; use `libgz joint`",
-    "gazebo_ros_init": "the clock of ROS and services of the world; use `libgz stats` and `libgz world`",
+    "gazebo_ros_init": "the clock of ROS, and services of the world; use `libgz stats` and the topic ~/world_control",
     "gazebo_ros_joint_pose_trajectory": "trajectories on a topic of ROS; use `libgz joint`",
     "gazebo_ros_link_attacher": "services that attach links; use a <gripper> or a plugin",
     "gazebo_link_attacher": "services that attach links; use a <gripper> or a plugin",
     "gazebo_ros_logical_camera": "messages of ROS; the sensor publishes on its own topic",
     "gazebo_ros_paths_plugin": "paths of packages; set GAZEBO_MODEL_PATH",
     "gazebo_ros_projector": "the projector's topic of ROS",
-    "gazebo_ros_properties": "the services that get and set properties; use `libgz model`, `libgz joint` and `libgz physics`",
+    "gazebo_ros_properties": "the services that get and set properties; use `libgz model` and `libgz joint`",
     "gazebo_ros_state": "the services that get and set poses; use `libgz model`",
     "gazebo_ros_template": "nothing: it is an empty one",
     "gazebo_ros_video": "the video on a visual",
@@ -100,7 +100,7 @@ def absence(filename: str) -> str | None:
     if lost is not None:
         return f"plugin {filename.strip()!r} has no effect without ROS. What is lost: {lost}"
     if NEWER.match(filename.strip()):
-        return "plugins of the newer Gazebo (gz sim), as this world names them, are no plugins of Gazebo classic and are left out"
+        return "plugins of the newer Gazebo (gz sim) are no plugins of Gazebo classic; those of this world are left out"
     return None
 
 

@@ -104,7 +104,9 @@ def check_sdf(filename: str | os.PathLike[str]) -> list[Diagnostic]:
         try:
             find_plugin(library, name)
         except PluginError:
-            missing.setdefault(absence(library) or f"there is no plugin {library!r} here; a run goes without it", element)
+            missing.setdefault(
+                absence(library) or f"there is no plugin {library!r} here; a run goes without it", element
+            )
         if element.parent is not None:
             element.parent.RemoveChild(element)
     for message, element in missing.items():

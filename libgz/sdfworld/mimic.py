@@ -110,4 +110,4 @@ def _inertia(joint: SdfJoint) -> float:
 def _moment(link: Body, joint: SdfJoint) -> float:
     mass = link.GetMass()
     arm = GzVectorMag(GzVectorSub(link.GetCoMPose().pos, joint.anchor()))
-    return float(mass.I[0] + mass.I[5] + mass.I[10]) / 2.0 + mass.mass * arm * arm
+    return float((mass.I[0] + mass.I[5] + mass.I[10]) / 2.0 + mass.mass * arm * arm)

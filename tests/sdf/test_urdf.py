@@ -496,7 +496,9 @@ def test_a_follower_has_its_limits_of_effort_and_range():
 
 @pytest.mark.parametrize("effort", [0, 1000])
 def test_a_strong_motor_at_a_stop_leaves_light_links_alone(effort):
-    light = "<inertial><mass value='0.02'/><inertia ixx='1e-5' ixy='0' ixz='0' iyy='1e-5' iyz='0' izz='1e-5'/></inertial>"
+    light = (
+        "<inertial><mass value='0.02'/><inertia ixx='1e-5' ixy='0' ixz='0' iyy='1e-5' iyz='0' izz='1e-5'/></inertial>"
+    )
     turning = f"<axis xyz='0 0 1'/><limit lower='0' upper='0.8' effort='{effort}' velocity='2'/>"
     robot = (
         link("base") + link("a", light) + link("b", light)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
-from libgz.classic.math import PID, Quaterniond
+from libgz.classic.math import PID, Quaterniond, Vector3d
 from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._ros import ros_elements, ros_joints, ros_rate, ros_topic
@@ -36,8 +36,8 @@ class GazeboRosAckermannDrive(ModelPlugin):
         max_steer: greatest angle of a front wheel [rad] (0.6).
         max_steering_angle: that of the steering wheel [rad] (7.85).
         max_speed: [m/s] (20).
-        left_steering_pid_gain, right_steering_pid_gain, linear_velocity_pid_gain: p, i, d (0 0 0); the latter's error is
-            a rate of wheels [rad/s].
+        left_steering_pid_gain, right_steering_pid_gain, linear_velocity_pid_gain: p, i, d (0 0 0); of the speed, the
+            error is a rate of wheels [rad/s].
         left_steering_i_range, right_steering_i_range, linear_velocity_i_range: limits of their integral terms (0 0).
         update_rate: of odometry [Hz] (100).
         `<ros>` with namespace and remapping of cmd_vel and odom.
@@ -62,7 +62,9 @@ class GazeboRosAckermannDrive(ModelPlugin):
         front, rear = names["frontRight"].Anchor(0), names["rearRight"].Anchor(0)
         self.base, self.track = front.Distance(rear), separation(names["frontLeft"], names["frontRight"])
         if not (self.radius > 0.0 and self.base > 0.0):
-            raise ParameterError(f"{sdf.where}: wheels have radius {self.radius:g} m, axles a distance of {self.base:g} m")
+            raise ParameterError(
+                f"{sdf.where}: wheels have radius {self.radius:g} m, axles a distance of {self.base:g} m"
+            )
         self.most = sdf.Get(float, "maxSteer", 0.6)[0], sdf.Get(float, "maxSpeed", 20.0)[0]
         self.ratio = sdf.Get(float, "maxSteeringAngle", 7.85)[0] / self.most[0]
         names_of_pids = ("leftSteering", "rightSteering", "linearVelocity")
@@ -77,9 +79,9 @@ class GazeboRosAckermannDrive(ModelPlugin):
 
     @staticmethod
     def _pid(sdf: Element, name: str) -> PID:
-        gains = [float(word) for word in sdf.Get(str, f"{name}PidGain", "0 0 0")[0].split()]
-        low, high = sorted(float(word) for word in sdf.Get(str, f"{name}IRange", "0 0")[0].split())
-        return PID(*gains, high, low)
+        p, i, d = sdf.Get(Vector3d, f"{name}PidGain")
+        low, high, _ = sdf.Get(Vector3d, f"{name}IRange")
+        return PID(p, i, d, max(low, high), min(low, high))
 
     def Reset(self) -> None:
         """Stop, with the wheels straight."""

@@ -1,4 +1,4 @@
-"""gazebo_ros_vacuum_gripper: a link that draws links near it, without ROS."""
+"""gazebo_ros_vacuum_gripper: a link that pulls links near it, without ROS."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STRONGEST = 20.0  # [N]
 
 
 class GazeboRosVacuumGripper(ModelPlugin):
-    """While it is on, applies a force of 1 N m / distance, at most 20 N, to links of other models, towards its own link.
+    """While it is on, a force of 1 N m / distance, at most 20 N, pulls links of other models towards its own link.
 
     They take over its velocity. The switch topic takes an Int, 0 or 1; the grasping topic has an Int, 1 while a link is
     within reach.

@@ -9,6 +9,7 @@ from plugin_worlds import GROUND, body, collision, command, plugin, wheel
 from libgz.classic import msgs, sensors, transport
 
 BALL = "<sphere><radius>0.1</radius></sphere>"
+SMALL = "<inertial><mass>0.5</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>"
 ROS2 = "<ros><namespace>/bot</namespace><remapping>cmd_vel:=go</remapping><argument>odom:=seen</argument></ros>"
 
 
@@ -138,8 +139,7 @@ def car(inside):
     for name, y in (("left", 0.2), ("right", -0.2)):
         one = wheel(f"front_{name}", 0.8, y).replace("<parent>base<", f"<parent>{name}_knuckle<")
         steered += (
-            f"<link name='{name}_knuckle'><pose>0.8 {y} 0.1 0 0 0</pose><inertial><mass>0.5</mass><inertia><ixx>0.01</ixx>"
-            "<iyy>0.01</iyy><izz>0.01</izz></inertia></inertial></link>"
+            f"<link name='{name}_knuckle'><pose>0.8 {y} 0.1 0 0 0</pose>{SMALL}</link>"
             f"<joint name='{name}_steer' type='revolute'><parent>base</parent><child>{name}_knuckle</child>"
             f"<axis><xyz>0 0 1</xyz></axis></joint>{one}"
         )
@@ -159,7 +159,9 @@ def test_an_ackermann_car_drives_in_the_circle_of_its_wheels(run):
     model = world.ModelByName("car")
     angles = [model.GetJoint(f"{side}_steer").Position(0) for side in ("left", "right")]
     tangent = math.tan(0.3)
-    assert angles == pytest.approx([math.atan2(tangent, 1 - 0.25 * tangent), math.atan2(tangent, 1 + 0.25 * tangent)], abs=0.03)
+    assert angles == pytest.approx(
+        [math.atan2(tangent, 1 - 0.25 * tangent), math.atan2(tangent, 1 + 0.25 * tangent)], abs=0.03
+    )
     speed, turn = model.WorldLinearVel().Length(), model.WorldAngularVel().Z()
     assert turn == pytest.approx(0.5 / 0.8 * tangent, rel=0.15)
     assert speed == pytest.approx(0.5, rel=0.15)
@@ -169,14 +171,16 @@ def test_an_ackermann_car_drives_in_the_circle_of_its_wheels(run):
 def test_a_tricycle_drives_and_steers_by_its_front_wheel(run):
     base = "<link name='base'><pose>0.3 0 0.1 0 0 0</pose><inertial><mass>10</mass></inertial></link>"
     fork = (
-        "<link name='fork'><pose>0.8 0 0.1 0 0 0</pose><inertial><mass>0.5</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>"
-        "<izz>0.01</izz></inertia></inertial></link><joint name='steer' type='revolute'><parent>base</parent>"
+        f"<link name='fork'><pose>0.8 0 0.1 0 0 0</pose>{SMALL}</link><joint name='steer' type='revolute'>"
+        "<parent>base</parent>"
         "<child>fork</child><axis><xyz>0 0 1</xyz></axis></joint>"
     )
     front = wheel("spin", 0.8, 0).replace("<parent>base<", "<parent>fork<")
     elements = {"steering_joint": "steer", "actuated_wheel_joint": "spin", "max_wheel_torque": 20}
     drive = plugin("gazebo_ros_tricycle_drive", **elements, max_steering_speed=2, max_wheel_acceleration=5)
-    core, world = run(GROUND, f"<model name='t'>{base}{fork}{front}{wheel('l', 0, 0.3)}{wheel('r', 0, -0.3)}{drive}</model>")
+    core, world = run(
+        GROUND, f"<model name='t'>{base}{fork}{front}{wheel('l', 0, 0.3)}{wheel('r', 0, -0.3)}{drive}</model>"
+    )
     core.run(0.1)
     kept = command("~/t/cmd_vel", 0.5, 0.4)
     core.run(2.0)
@@ -216,7 +220,9 @@ def test_a_plugin_of_ros_activates_a_sensor_of_any_type(library, run):
 
 def test_missing_plugins_are_logged_once_each_and_places_once(run, caplog):
     inside = plugin("foo") + plugin("foo") + plugin("bar") + plugin("gazebo_ros_state") + plugin("gazebo_ros_state")
-    newer = "".join(f"<plugin name='{n}' filename='{n}'/>" for n in ("gz-sim-imu-system", "ignition-gazebo-physics-system"))
+    newer = "".join(
+        f"<plugin name='{n}' filename='{n}'/>" for n in ("gz-sim-imu-system", "ignition-gazebo-physics-system")
+    )
     run(body("a", inside=inside + newer), body("b", inside=plugin("foo")))
     lines = [line for record in caplog.records for line in record.getMessage().splitlines()]
     assert len([line for line in lines if line.startswith("Failed to load plugin libfoo.so")]) == 1

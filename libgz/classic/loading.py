@@ -12,7 +12,7 @@ from weakref import WeakSet
 
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
-from libgz.classic.ros_names import stand_in
+from libgz.classic.ros_names import absence, stand_in
 from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
@@ -21,7 +21,7 @@ from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
 from libgz.simulation.state import carry_state, declares, fields, get_state, set_state
 
-__all__ = ["LoadedPlugin", "called", "find_plugin", "new_plugin", "reload_all"]
+__all__ = ["LoadedPlugin", "Missing", "MissingPluginError", "called", "find_plugin", "new_plugin", "reload_all"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -239,13 +239,46 @@ names(LoadedPlugin._call, lambda values: f"{values['name']} of {values['self']}"
 names(LoadedPlugin._construct, lambda values: f"the constructor of {values['self']}")
 
 
+class MissingPluginError(PluginError):
+    """There is no file of a plugin.
+
+    Attributes:
+        summary: the message without the places.
+    """
+
+    def __init__(self, name: str, tried: Sequence[str]) -> None:
+        self.summary = (
+            f"Failed to load plugin {name}: {name}: cannot open shared object file: No such file or directory; tried"
+        )
+        super().__init__("\n".join([self.summary, *tried]))
+
+
+class Missing:
+    """Logs which plugins have no file: each name once a world, and once where they were searched for."""
+
+    def __init__(self, _world: object = None) -> None:
+        self._reported: set[str] = set()
+        self._places_known = False
+
+    def report(self, filename: str, error: MissingPluginError) -> None:
+        """Log that a plugin has no file, unless that is known."""
+        known = absence(filename)
+        text = known or (f"{error.summary} the places above" if self._places_known else str(error))
+        key = known or filename
+        if key in self._reported:
+            return
+        self._reported.add(key)
+        self._places_known = self._places_known or known is None
+        log.log(logging.WARNING if known else logging.ERROR, "%s", text)
+
+
 def find_plugin(filename: str, beside: str | None = None) -> Path:
     """The Python file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
 
     `libX.so` means `libX.py` or `X.py`.
 
     Raises:
-        PluginError: there is no such file; the message is classic's, with every place that was searched.
+        MissingPluginError: there is no such file; the message is classic's, with every place that was searched.
     """
     name = filename.strip()
     places = [("GAZEBO_PLUGIN_PATH", Path(folder)) for folder in SystemPaths.Instance().GetPluginPaths()]
@@ -258,10 +291,7 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
     if found is None and (ready := stand_in(name)) is not None:
         found = READY / f"{ready}.py"
     if found is None:
-        raise PluginError(
-            f"Failed to load plugin {name}: {name}: cannot open shared object file: No such file or directory; tried\n"
-            + "\n".join(tried)
-        )
+        raise MissingPluginError(name, tried)
     return found
 
 
@@ -273,6 +303,7 @@ def new_plugin(
     events: WorldEvents | None,
     beside: str | None = None,
     entity: Entity | None = None,
+    missing: Missing | None = None,
 ) -> LoadedPlugin | None:
     """Find a plugin, run its file, and construct its class; None if that fails, which is logged.
 
@@ -283,10 +314,14 @@ def new_plugin(
         events: those of the world that it belongs to; None: those of all worlds.
         beside: the world's file.
         entity: the model that it is a plugin of.
+        missing: logs that there is no such file.
     """
     try:
         path = find_plugin(filename, beside)
         plugin_class = _load_class(path)
+    except MissingPluginError as error:
+        (missing or Missing()).report(filename, error)
+        return None
     except PluginError as error:
         log.error("%s", error)
         return None

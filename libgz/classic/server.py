@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.commands import PausedSteps
-from libgz.classic.loading import LoadedPlugin, called, new_plugin, reload_all
+from libgz.classic.loading import LoadedPlugin, Missing, called, new_plugin, reload_all
 from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
@@ -239,7 +239,8 @@ class WorldServer:
         """A plugin of this world, constructed; None if that fails, which is logged."""
         if is_ros_name(filename):
             notice(self.core)
-        return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity)
+        missing = self.core.extension(Missing)
+        return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity, missing)
 
     def remove_world_plugin(self, name: str) -> None:
         """Remove a World plugin; of several with one name the first.

@@ -174,7 +174,8 @@ class _Writer:
             robot.warn(source, f"is no shape of URDF; it is left out{nearest(kind, wanted)}")
             return None
         for key in (key for key in wanted[kind] if source.get(key) is None):
-            robot.error(source, f"attribute {key!r} is missing and must be given")
+            robot.warn(source, f"attribute {key!r} is missing: the shape is left out")
+            return None
         result = etree.Element("geometry")
         result.sourceline = source.sourceline
         xml = _add(result, kind, source)
@@ -315,7 +316,8 @@ class _Writer:
         robot, name = self.robot, mimic.get("joint", "")
         leader = robot.joints.get(name)
         if leader is None or leader is joint:
-            robot.error(mimic, f"joint is {name!r}; it must be another joint{nearest(name, robot.joints)}")
+            known = nearest(name, robot.joints)
+            robot.warn(mimic, f"joint is {name!r}, which is not another joint{known}; it has no effect")
             return
         if leader.kind not in ("revolute", "continuous", "prismatic") or leader.child not in links:
             robot.warn(mimic, f"joint {name!r} does not move, so it cannot be followed; it has no effect")

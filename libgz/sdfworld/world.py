@@ -145,7 +145,7 @@ class SdfWorld(Era):
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             if not diagnostics.errors:  # else it follows from what the reader has found
                 diagnostics.failure(element, error)
-        for warning in diagnostics.warnings:
+        for warning in diagnostics.summary():
             log.warning("%s", warning)
         diagnostics.raise_errors()
 
@@ -207,7 +207,7 @@ class SdfWorld(Era):
             del self._documents[known:]
             world.journal.inserted -= 1
             raise
-        for warning in file.diagnostics.warnings:
+        for warning in file.diagnostics.summary():
             log.warning("%s", warning)
         return world.entities[before:]
 

@@ -74,10 +74,11 @@ class WorldSensors:
                     f"{' and '.join(ON_JOINTS)} is allowed"
                 )
             sensor = sensor_class(kind)(self, parent, element)
-            if sensor.ScopedName() in self.sensors:
-                raise ParameterError(f"{element.where}: <sensor>: there is a {sensor.ScopedName()!r} already")
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             self._diagnostics.failure(element, error)
+            return None
+        if sensor.ScopedName() in self.sensors:  # as in robots whose lumped links had sensors of one name
+            log.warning("%s: <sensor>: there is a %r already; this one is left out", element.where, sensor.ScopedName())
             return None
         self.sensors[sensor.ScopedName()] = sensor
         self._new.append(sensor)

@@ -42,6 +42,7 @@ LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are few
 KEPT = 60.0  # [s] for the time line
 FAR_AWAY = 60.0  # [m] models beyond do not count for the first view
 GROUND = 25.0  # [m] what is larger does not count either, if there is something else
+FLAT = 0.05  # [m]
 CLEAR, TALL = 0.7, 3.0  # [m] around a model that is inserted, and above it
 SHADOW_DELAY = 2.5  # [s]
 HANDLES = 110.0  # [px]
@@ -250,7 +251,8 @@ class Viewer(Closing):
         ]
         moving = [box for entity, box in boxes if not entity["static"]]
         small = [box for _, box in boxes if np.ptp(box, axis=0).max() < GROUND]
-        everything = _around(moving or small or [box for _, box in boxes])
+        large = [box for _, box in boxes if np.ptp(box[:, 2]) > FLAT]  # terrain; a plane has no end worth showing
+        everything = _around(moving or small or large)
         robots = _around([box for entity, box in boxes if entity["interfaces"] and not entity["static"]])
         if everything is None:
             return np.array((-4.0, -4.0, 3.0)), np.zeros(3)

@@ -77,6 +77,13 @@ def test_the_first_view_of_nothing_but_ground_is_near():
         assert np.linalg.norm(viewer.page.initial_camera.position) < 10.0
 
 
+def test_the_first_view_of_what_is_far_away_shows_it():
+    box = "<model:SimpleSolid><id>box{0}</id><xyz>{0} 0 10</xyz></model:SimpleSolid>"
+    with showing(f"<gz:world xmlns:gz='g' xmlns:model='m'>{box.format(70)}{box.format(90)}</gz:world>") as (_, viewer):
+        viewer.frame(0.0)
+        assert viewer.page.initial_camera.look_at == pytest.approx((80.0, 0.0, 10.0), abs=1.0)
+
+
 def test_a_mesh_whose_file_is_missing_hides_nothing_else():
     text = """<gz:world xmlns:gz='g' xmlns:model='m'><model:Terrain><id>hills</id><terrainFile>none.gzb</terrainFile>
     </model:Terrain><model:Pioneer2AT><id>robot1</id></model:Pioneer2AT></gz:world>"""

@@ -48,8 +48,8 @@ def road_mesh(
     """A strip of a width [m] along a line of points [m], shape (n, 3), mitred where it bends.
 
     Returns:
-        Its vertices [m], two for each point, left and right; triangles, seen from above; texture coordinates: an image as
-        wide as the road is repeated along it.
+        Its vertices [m], two for each point, left and right; triangles, seen from above; texture coordinates: an image
+        as wide as the road is repeated along it.
     """
     steps = np.diff(line[:, :2], axis=0)
     lengths = np.linalg.norm(steps, axis=1)

@@ -95,8 +95,6 @@ def meaning(parser: argparse.ArgumentParser, action: argparse.Action) -> str:
 
 # Path -> why libgz does not act on the element, and what is below it. The text "" stands for that of the path above.
 NO_EFFECT: dict[str, str] = {
-    "world/road": "kept, not simulated",
-    "road": "kept, not simulated",
     "physics/real_time_factor": "kept; Gazebo did not use it, either",
     "physics/bullet": "ODE only",
     "physics/simbody": "ODE only",

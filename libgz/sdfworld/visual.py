@@ -24,6 +24,7 @@ __all__ = [
     "KINDS",
     "apply_scene",
     "dress",
+    "dress_material",
     "link_lights",
     "material_name",
     "put_on",
@@ -51,13 +52,14 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
     if not element.child("geometry").HasElement("mesh"):
         put_on(look, Material())
     if element.HasElement("material"):
-        _material(look, element.child("material"), note)
+        dress_material(look, element.child("material"), note)
     set_transparency(look, min(max(element.Get(float, "transparency"), 0.0), 1.0))
     geom.SetRetro(element.Get(float, "laser_retro"))
     look.change(cast_shadows=element.Get(bool, "cast_shadows"))
 
 
-def _material(look: Appearance, element: Element, note: Note) -> None:
+def dress_material(look: Appearance, element: Element, note: Note) -> None:
+    """Apply a `<material>`."""
     name = material_name(element)
     if name:
         found = scripted_material(name, element)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from libgz.digest import blake2b
-from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
+from libgz.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, nearest
 from libgz.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
@@ -23,6 +23,7 @@ from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
 from libgz.sdfworld.population import populate
+from libgz.sdfworld.road import make_road
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.standing import set_down
 from libgz.sdfworld.state import apply_state
@@ -163,6 +164,11 @@ class SdfWorld(Era):
         self._add(document, range(len(built)), diagnostics)
         if any(True for _ in element.named("joint")):
             self._add(document, [len(built)], diagnostics)
+        for road in element.named("road"):
+            try:
+                make_road(world, road, diagnostics.warn)
+            except GazeboError as error:
+                diagnostics.failure(road, error)
         if state is not None:
             first = len(document.elements)
             inserted = [part for insertions in state.named("insertions") for part in insertions.children]

@@ -21,7 +21,7 @@ __all__ = ["Efforts", "Islands", "Touch", "TouchPoint", "is_calm"]
 _EXACT_ROWS, _FAST_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 60, 6, 3
 _CALM_SPEED = 0.1  # [m/s] and [rad/s]
 _FALLING_STEPS = 2.0
-_SLACK = 1e-6  # explained in step.c, as is _PLAIN
+_SLACK, _RESTING_WORK = 1e-5, 400  # explained in step.c, as is _PLAIN
 _PLAIN = (
     ContactMode.MU2
     | ContactMode.FDIR1
@@ -152,15 +152,15 @@ class Islands:
         for touch in touches:
             parts.setdefault(members[touch.body1].find(), []).append(touch)
         for root, found in parts.items():
-            if root.fast or root.joined or root.rows > _EXACT_ROWS:
+            if root.fast or root.joined:
                 continue
-            described = self._describe_island(bodies[root], found)
+            described = self._describe_island(bodies[root], found, small=root.rows <= _EXACT_ROWS)
             if described and solve_resting(*described):
                 root.solved = True
                 self._apply_solution(bodies[root], found, *described)
 
     def _describe_island(
-        self, handles: list[int], touches: list[Touch]
+        self, handles: list[int], touches: list[Touch], *, small: bool
     ) -> tuple[list[RestingBody], list[RestingPoint]] | None:
         """describe_island in step.c."""
         ode_ = self._ode
@@ -168,8 +168,16 @@ class Islands:
             return None
         if any(point.contact.surface.mode & ~_PLAIN for touch in touches for point in touch.points):
             return None
+        gravity = self._context.gravity
+        handles.sort(key=lambda body: _dot(ode_.dBodyGetPosition(body).contents, gravity))
         places = {body: i for i, body in enumerate(handles)}
-        bodies = [self._describe_body(body, i) for i, body in enumerate(handles)]
+        nearest = list(range(len(handles)))
+        for touch in touches:
+            numbers = [places[body] for body in (touch.body1, touch.body2) if body]
+            nearest[max(numbers)] = min(nearest[max(numbers)], *numbers)
+        if not small and sum((i - first + 1) ** 2 for i, first in enumerate(nearest)) > _RESTING_WORK:
+            return None
+        bodies = [self._describe_body(body, first) for body, first in zip(handles, nearest, strict=True)]
         points = []
         world_cfm, fastest = (
             get(self._context.world) for get in (ode_.dWorldGetCFM, ode_.dWorldGetContactMaxCorrectingVel)
@@ -179,13 +187,9 @@ class Islands:
             mass = min(bodies[place].mass for _, place in pair if place >= 0)
             for point in touch.points:
                 points.append(self._describe_point(pair, mass, point.contact, world_cfm, fastest))
-            one, two = (place for _, place in pair)
-            if two >= 0:
-                later = bodies[max(one, two)]
-                later.nearest = min(later.nearest, one, two)
         return bodies, points
 
-    def _describe_body(self, body: int, place: int) -> RestingBody:
+    def _describe_body(self, body: int, nearest: int) -> RestingBody:
         """describe_body in step.c."""
         ode_, h, gravity = self._ode, self._context.step, self._context.gravity
         r = ode_.dBodyGetRotation(body).contents
@@ -206,7 +210,7 @@ class Islands:
         gyroscopic = _cross(w, angular)
         momentum = [m.mass * v[i] + h * (force[i] + (m.mass * gravity[i] if falls else 0.0)) for i in range(3)]
         momentum += [angular[i] + h * (torque[i] - gyroscopic[i]) for i in range(3)]
-        return RestingBody(m.mass, inertia, momentum, place)
+        return RestingBody(m.mass, inertia, momentum, nearest)
 
     def _describe_point(
         self, pair: list[tuple[int, int]], mass: float, contact: Any, world_cfm: float, fastest: float

@@ -7,7 +7,8 @@ import math
 __all__ = ["DIRECTIONS", "MOTIONS", "RestingBody", "RestingPoint", "solve_resting"]
 
 MOTIONS, DIRECTIONS = 6, 3  # linear and angular; normal, and two of friction
-_SELECTIONS, _PASSES, _SETTLED = 4, 8, 1e-10  # -, -, [m/s]
+_SELECTIONS, _MOST_SELECTIONS, _PASSES, _SETTLED = 12, 100, 8, 1e-8  # -, -, -, [m/s]
+_UNCHANGED, _TAKEN, _LEFT_OUT = range(3)
 
 _Line = tuple[list[float], int]  # of a matrix: numbers, and the column of the first of them
 
@@ -19,13 +20,13 @@ class RestingBody:
         mass: [kg].
         inertia: about the centre of mass, global [kg m^2].
         momentum: that it would have without contacts, linear [kg m/s] and angular [kg m^2/s].
-        place: its number.
+        nearest: of the bodies that it touches, and itself, the number of the first one.
     """
 
     __slots__ = ("impulse", "inertia", "mass", "momentum", "nearest")
 
-    def __init__(self, mass: float, inertia: list[list[float]], momentum: list[float], place: int) -> None:
-        self.mass, self.inertia, self.momentum, self.nearest = mass, inertia, momentum, place
+    def __init__(self, mass: float, inertia: list[list[float]], momentum: list[float], nearest: int) -> None:
+        self.mass, self.inertia, self.momentum, self.nearest = mass, inertia, momentum, nearest
         self.impulse = [0.0] * MOTIONS
 
 
@@ -53,9 +54,7 @@ class RestingPoint:
         self.sides, self.aim, self.slack, self.mu = sides, aim, slack, mu
         self.active = True
         self.impulse = [0.0] * DIRECTIONS
-        self.weight = [
-            0.0 if k and not mu[k - 1] > 0.0 else 1.0 / (softness[k] + slack[k]) for k in range(DIRECTIONS)
-        ]
+        self.weight = [0.0 if k and not mu[k - 1] > 0.0 else 1.0 / (softness[k] + slack[k]) for k in range(DIRECTIONS)]
 
     def target(self, k: int) -> float:
         """Velocity that is to be reached in a direction, with the impulse that was found before [m/s]."""
@@ -73,7 +72,7 @@ class RestingPoint:
 
 def solve_resting(bodies: list[RestingBody], points: list[RestingPoint]) -> bool:
     """Find the impulses of points and bodies; false if contacts slide."""
-    for _ in range(_SELECTIONS):
+    for selection in range(_MOST_SELECTIONS):
         lines = _assemble(bodies, points)
         if not _factorize(lines):
             return False
@@ -83,7 +82,10 @@ def solve_resting(bodies: list[RestingBody], points: list[RestingPoint]) -> bool
                 break
         else:
             return False
-        if _select_points(points, solution):
+        changed = _select_points(points, solution)
+        if changed == _LEFT_OUT and selection >= _SELECTIONS:
+            return False
+        if changed:
             continue
         if not _within_friction(points):
             return False
@@ -107,8 +109,8 @@ def _assemble(bodies: list[RestingBody], points: list[RestingPoint]) -> list[_Li
         if not point.active:
             continue
         (one, _), (two, _) = point.sides
-        for side, body in enumerate((one, two)):
-            if body >= 0:
+        for side, number in enumerate((one, two)):
+            if number >= 0:
                 _add_block(lines, point, side, side)
         if one >= 0 and two >= 0:
             _add_block(lines, point, int(one < two), int(one > two))
@@ -184,12 +186,13 @@ def _repeat(lines: list[_Line], bodies: list[RestingBody], points: list[RestingP
     return moved, solution
 
 
-def _select_points(points: list[RestingPoint], solution: list[float]) -> bool:
-    """Leave out what pulls, and take back what bodies would enter; whether anything changed."""
-    changed = False
+def _select_points(points: list[RestingPoint], solution: list[float]) -> int:
+    """Leave out what pulls, and take back what bodies would enter."""
+    changed = _UNCHANGED
     for point in points:
         active = point.impulse[0] >= 0.0 if point.active else point.speed(0, solution) < point.aim
-        changed = changed or active != point.active
+        if active != point.active and changed != _LEFT_OUT:
+            changed = _TAKEN if active else _LEFT_OUT
         point.active = active
         if not active:
             point.impulse = [0.0] * DIRECTIONS

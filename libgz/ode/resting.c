@@ -12,8 +12,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SELECTIONS = 4, PASSES = 8 };
-#define SETTLED 1e-10 /* [m/s] */
+enum { SELECTIONS = 12, MOST_SELECTIONS = 100, PASSES = 8 };
+enum { UNCHANGED, TAKEN, LEFT_OUT }; /* what became of points in a selection, in this order of weight */
+#define SETTLED 1e-8 /* [m/s] */
 
 /* All are guarded by ode_lock of step.c, and kept from one step to the next. */
 static double *factor, *solution;
@@ -187,15 +188,16 @@ static double repeat(const resting_body *bodies, int64_t body_count, resting_poi
     return moved;
 }
 
-/* Leave out what pulls, and take back what bodies would enter; returns whether anything changed. */
+/* Leave out what pulls, and take back what bodies would enter. */
 static int select_points(resting_point *points, int64_t count)
 {
-    int changed = 0, k;
+    int changed = UNCHANGED, k;
     int64_t i;
     for (i = 0; i < count; i++) {
         resting_point *p = points + i;
         int active = p->active ? p->impulse[0] >= 0.0 : speed(p, 0) < p->aim;
-        changed |= active != p->active;
+        if (active != p->active && changed != LEFT_OUT)
+            changed = active ? TAKEN : LEFT_OUT;
         p->active = active;
         if (!active)
             for (k = 0; k < DIRECTIONS; k++)
@@ -236,7 +238,7 @@ static void add_up(resting_body *bodies, int64_t body_count, const resting_point
 int gz_solve_resting(resting_body *bodies, int64_t body_count, resting_point *points, int64_t point_count)
 {
     int64_t i;
-    int selection, pass, k;
+    int selection, pass, k, changed;
     for (i = 0; i < point_count; i++) {
         resting_point *p = points + i;
         p->active = 1;
@@ -245,7 +247,7 @@ int gz_solve_resting(resting_body *bodies, int64_t body_count, resting_point *po
             p->weight[k] = k && !(p->mu[k - 1] > 0.0) ? 0.0 : 1.0 / (p->softness[k] + p->slack[k]);
         }
     }
-    for (selection = 0; selection < SELECTIONS; selection++) {
+    for (selection = 0; selection < MOST_SELECTIONS; selection++) {
         if (!have_memory(bodies, body_count))
             return 0;
         assemble(bodies, body_count, points, point_count);
@@ -256,7 +258,10 @@ int gz_solve_resting(resting_body *bodies, int64_t body_count, resting_point *po
                 break;
         if (pass == PASSES)
             return 0;
-        if (select_points(points, point_count))
+        changed = select_points(points, point_count);
+        if (changed == LEFT_OUT && selection >= SELECTIONS)
+            return 0; /* where points are only taken back, there is an end: a stack lands from bottom to top */
+        if (changed)
             continue;
         if (!within_friction(points, point_count))
             return 0;

@@ -1243,7 +1243,8 @@ typedef struct {
     int64_t next;               /* body of the island, or -1 */
     int64_t first, last;        /* body of the island, in the root's; -1 before it has any */
     int64_t touch, last_touch;  /* first and last touch of the island, in the root's; -1 without any */
-    int64_t place;         /* among the island's bodies */
+    int64_t place;              /* among the island's bodies */
+    double fallen;              /* its position along gravity [m^2/s^2] */
 } member;
 
 static member alone(int64_t row, int fast)
@@ -1296,11 +1297,13 @@ static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetDat
 
 /* What contacts may have, to be solved by resting.c: no bouncing and no torsion. */
 enum { PLAIN = MU2 | FDIR1 | SOFT_ERP | SOFT_CFM | MOTION_N | SLIP1 | SLIP2 | APPROX1 };
-#define SLACK 1e-6 /* [-] of the inverse mass, that every direction yields at least while a system is solved */
+enum { RESTING_WORK = 400 }; /* bodies squared, in the profile of larger islands: what a stack of a hundred takes */
+#define SLACK 1e-5 /* [-] of the inverse mass, that every direction yields at least while a system is solved */
 
 static resting_body *resting_bodies; /* guarded by ode_lock */
 static resting_point *resting_points;
-static int64_t resting_body_capacity, resting_point_capacity;
+static int64_t *ranked; /* rows of an island's bodies, by place */
+static int64_t resting_body_capacity, resting_point_capacity, ranked_capacity;
 
 /* List the bodies and touches of each island, in their order. */
 static void list_members(const context *c)
@@ -1423,52 +1426,78 @@ static void describe_point(const context *c, const touch_record *t, const contac
     found->mu[1] = s->mode & MU2 ? s->mu2 : s->mu;
 }
 
-/* Describe an island to resting.c; the number of its points, 0 if it is of another kind. */
-static int64_t describe_island(const context *c, const member *root, int64_t *body_count)
+/* Number the bodies of an island from top to bottom, so that those that touch are near each other; how many there are, 0 if
+ * some do not move or are asleep. */
+static int64_t rank_bodies(const context *c, const member *root)
 {
-    double world_cfm = dWorldGetCFM(c->world), fastest = dWorldGetContactMaxCorrectingVel(c->world);
-    int64_t i, k, bodies = 0, points = 0;
-    void *grown;
+    int64_t i, k, count = 0;
     for (i = root->first; i >= 0; i = members[i].next) {
-        if (!dBodyIsEnabled(c->bodies[i]) || dBodyIsKinematic(c->bodies[i]))
+        int64_t *grown = enlarged(ranked, &ranked_capacity, count + 1, sizeof *ranked);
+        double fallen = dot(dBodyGetPosition(c->bodies[i]), c->gravity);
+        if (!grown || !dBodyIsEnabled(c->bodies[i]) || dBodyIsKinematic(c->bodies[i]))
             return 0;
-        members[i].place = bodies++;
+        ranked = grown;
+        members[i].fallen = fallen;
+        for (k = count++; k > 0 && members[ranked[k - 1]].fallen > fallen; k--)
+            ranked[k] = ranked[k - 1];
+        ranked[k] = i;
     }
+    for (i = 0; i < count; i++)
+        members[ranked[i]].place = i;
+    return count;
+}
+
+/* Count and number the members of an island, and find which are near each other; 0 if it is of another kind. */
+static int survey_island(const context *c, const member *root, int64_t *bodies, int64_t *points)
+{
+    int64_t i, k, work = 0;
+    void *grown;
+    *points = 0;
+    *bodies = rank_bodies(c, root);
+    if (!*bodies)
+        return 0;
+    grown = enlarged(resting_bodies, &resting_body_capacity, *bodies, sizeof *resting_bodies);
+    if (!grown)
+        return 0;
+    resting_bodies = grown;
+    for (i = 0; i < *bodies; i++)
+        resting_bodies[i].nearest = i;
     for (i = root->touch; i >= 0; i = c->touches[i].next) {
         const touch_record *t = c->touches + i;
+        int64_t one = members[t->body1].place, two = t->body2 < 0 ? one : members[t->body2].place;
+        resting_body *later = resting_bodies + (one > two ? one : two);
         if (t->first + t->count > c->point_count)
             return 0;
         for (k = 0; k < t->count; k++)
             if (c->points[t->first + k].point.surface.mode & ~PLAIN)
                 return 0;
-        points += t->count;
+        later->nearest = later->nearest < one ? later->nearest : one;
+        later->nearest = later->nearest < two ? later->nearest : two;
+        *points += t->count;
     }
-    grown = enlarged(resting_bodies, &resting_body_capacity, bodies, sizeof *resting_bodies);
-    if (!grown)
+    for (i = 0; i < *bodies; i++)
+        work += (i - resting_bodies[i].nearest + 1) * (i - resting_bodies[i].nearest + 1);
+    return root->rows <= EXACT_ROWS || work <= RESTING_WORK;
+}
+
+/* Describe an island to resting.c; the number of its points, 0 if it is of another kind. */
+static int64_t describe_island(const context *c, const member *root, int64_t *body_count)
+{
+    double world_cfm = dWorldGetCFM(c->world), fastest = dWorldGetContactMaxCorrectingVel(c->world);
+    int64_t i, k, points;
+    resting_point *p;
+    void *grown;
+    if (!survey_island(c, root, body_count, &points))
         return 0;
-    resting_bodies = grown;
     grown = enlarged(resting_points, &resting_point_capacity, points, sizeof *resting_points);
     if (!grown)
         return 0;
-    resting_points = grown;
-    *body_count = bodies;
-    for (i = root->first; i >= 0; i = members[i].next) {
+    p = resting_points = grown;
+    for (i = root->first; i >= 0; i = members[i].next)
         describe_body(c, c->bodies[i], resting_bodies + members[i].place);
-        resting_bodies[members[i].place].nearest = members[i].place;
-    }
-    points = 0;
-    for (i = root->touch; i >= 0; i = c->touches[i].next) {
-        const touch_record *t = c->touches + i;
-        for (k = 0; k < t->count; k++)
-            describe_point(c, t, &c->points[t->first + k].point, world_cfm, fastest, resting_points + points++);
-        if (t->body2 >= 0) {
-            int64_t one = members[t->body1].place, two = members[t->body2].place;
-            resting_body *later = resting_bodies + (one > two ? one : two);
-            int64_t earlier = one > two ? two : one;
-            if (earlier < later->nearest)
-                later->nearest = earlier;
-        }
-    }
+    for (i = root->touch; i >= 0; i = c->touches[i].next)
+        for (k = 0; k < c->touches[i].count; k++)
+            describe_point(c, c->touches + i, &c->points[c->touches[i].first + k].point, world_cfm, fastest, p++);
     return points;
 }
 
@@ -1520,7 +1549,7 @@ static void solve_resting(context *c)
     for (i = 0; i < c->body_count; i++) {
         member *root = members + i;
         int64_t points, bodies;
-        if (!c->bodies[i] || root->root != i || root->fast || root->joined || root->touch < 0 || root->rows > EXACT_ROWS)
+        if (!c->bodies[i] || root->root != i || root->fast || root->joined || root->touch < 0)
             continue;
         points = describe_island(c, root, &bodies);
         if (points && gz_solve_resting(resting_bodies, bodies, resting_points, points)) {

@@ -326,6 +326,8 @@ class FullContacts:
             local, geom = second, geom2
         if _dot(local, local) == 0.0:
             return False
+        if self._ode.dGeomGetClass(geom) == GeomClass.PLANE:
+            return _set_friction_direction(point, local)
         m = self._ode.dGeomGetRotation(geom).contents
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
         return _set_friction_direction(point, aim)

@@ -488,7 +488,7 @@ static int set_friction_direction(contact *point, const double *aim)
     return 1;
 }
 
-/* The direction in which mu applies: that of the geom with the smaller mu. */
+/* The direction in which mu applies: that of the geom with the smaller mu; of a plane, which has no frame, a global one. */
 static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
 {
     const double *local = a + SURFACE_FDIR1, *other = b + SURFACE_FDIR1, *r;
@@ -502,6 +502,8 @@ static int friction_direction(const double *a, const double *b, void *geom1, voi
     }
     if (dot(local, local) == 0.0)
         return 0;
+    if (dGeomGetClass(geom) == PLANE_CLASS)
+        return set_friction_direction(point, local);
     r = dGeomGetRotation(geom);
     for (k = 0; k < 3; k++)
         aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];

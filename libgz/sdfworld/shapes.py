@@ -13,7 +13,7 @@ from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.files import is_file
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
-from libgz.physics.check import LARGEST, finite_tuple, positive
+from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.physics.image_files import open_image
@@ -53,7 +53,7 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
     pose = element.Get(GzPose, "pose")
     if shape.name == "plane":
         placed = GzCoordPoseAdd(pose, body.GetPose())
-        normal = rotate(placed.rot, shape.Get(GzVector, "normal"))
+        normal = rotate(placed.rot, GzVector(*unit_axis(shape.Get(GzVector, "normal"), "normal")))
         altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
         return PlaneGeom(body, space, altitude, normal)
     geom = _simple(body, space, shape, note)

@@ -230,3 +230,19 @@ def test_a_plane_has_normals_of_any_length_and_a_friction_direction(load, monkey
         assert speed == pytest.approx(expected, rel=0.02, abs=1e-3)
         x, _, z = made.body("b0").GetPosition()
         assert math.sin(slope) * x + math.cos(slope) * (z - 3.0) == pytest.approx(0.1, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        "<box><size>0 0 0</size></box>",
+        "<box><size>1 1 0</size></box>",
+        "<sphere><radius>0</radius></sphere>",
+        "<cylinder><radius>0.5</radius><length>0</length></cylinder>",
+    ],
+)
+def test_a_shape_with_a_length_of_0_falls_through_the_ground_as_in_gazebo(load, caplog, shape):
+    made = load(world(GROUND, model("m", link("l", inertial(), collision(shape)), pose="0 0 0.5 0 0 0")))
+    made.step(1000)
+    assert made.body("m").GetPosition().z == pytest.approx(0.5 - 4.9, abs=0.01)
+    assert "touches nothing" in caplog.text

@@ -134,6 +134,8 @@ NO_EFFECT: dict[str, str] = {
     "surface/friction/torsional/ode/slip": "kept",
     "visual/meta": "kept",
     "material/shader": "rendered without it",
+    "joint/axis/initial_position": "warning: as in Gazebo, poses of links decide",
+    "joint/axis2/initial_position": "warning: as in Gazebo, poses of links decide",
     "joint/axis/limit/stiffness": "stops are hard",
     "joint/axis/limit/dissipation": "stops are hard",
     "joint/axis2/limit/stiffness": "stops are hard",

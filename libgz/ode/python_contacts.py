@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.python_islands import is_calm
+from libgz.ode.python_islands import Touch, TouchPoint, is_calm
 from libgz.ode.python_overlaps import Overlap
 from libgz.ode.tables import Tables
 from libgz.ode.types import (
@@ -86,6 +86,17 @@ class ContactLog:
         self._records.append((*rows, tuple(point.pos[:3]), tuple(point.normal[:3]), depth))
         self._joints.append((joint, reversed_))
 
+    @property
+    def count(self) -> int:
+        """The number of points so far."""
+        return len(self._records)
+
+    def set_efforts(self, record: int, *efforts: list[float]) -> None:
+        """Set the efforts of a point that is not solved by ODE, as its joint's bodies have them."""
+        result = self._feedback[record]
+        for (force, torque), effort in zip(((result.f1, result.t1), (result.f2, result.t2)), efforts, strict=False):
+            force[:3], torque[:3] = effort[:3], effort[3:]
+
     def request_feedback(self, ode_: OdeLibrary) -> None:
         """Request the forces of this step from ODE."""
         if not self._joints:
@@ -128,7 +139,7 @@ class FullContacts:
         self._ode: OdeLibrary = ode()
         self._points = (Contact * MOST_CONTACTS)()
         self.log = ContactLog()
-        self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
+        self.touches: list[Touch] = []
         self.overlaps: list[Overlap] = []
         self.held: set[int] = set()  # handles of bodies that a joint connects with the world
         self.count = 0
@@ -170,7 +181,7 @@ class FullContacts:
             limits = max_vel, max(min_depth, context.surface_layer)
             rigid = self._make_rigid(a, b, (body1, body2), surface)
             if not ghost:
-                self.touches.append((body1 or body2, body2 if body1 else 0, count))
+                self.touches.append(Touch(body1 or body2, body2 if body1 else 0, []))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint, withheld = points[i], 0, 0.0
@@ -183,6 +194,10 @@ class FullContacts:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
+                if classic:
+                    record = self.log.count if context.record_contacts else -1
+                    copy = Contact.from_buffer_copy(point)
+                    self.touches[-1].points.append(TouchPoint(copy, joint, record))
                 if withheld > 0.0 and context.exact_rest:
                     softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
                     normal = tuple(point.geom.normal[:3])
@@ -311,6 +326,8 @@ class FullContacts:
             local, geom = second, geom2
         if _dot(local, local) == 0.0:
             return False
+        if self._ode.dGeomGetClass(geom) == GeomClass.PLANE:
+            return _set_friction_direction(point, local)
         m = self._ode.dGeomGetRotation(geom).contents
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
         return _set_friction_direction(point, aim)

@@ -48,7 +48,7 @@ TURN = 2.0 * math.pi
 # h^2 k / m and h d / m up to which an implicit spring and damper are applied as efforts, which is stable up to 4 and 2.
 GENTLE = 0.05
 # What an axis has beside its direction.
-NUMBERS = ("lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference", "initial")
+NUMBERS = ("lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference")
 # What makes sense to ODE; values outside are replaced by the nearest bound.
 RANGES = {
     **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
@@ -117,9 +117,6 @@ class SdfJoint:
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
         self._step_time = engine.step_time  # [s] that `_refresh` has used
         self._attach(plan.anchor)
-        for index, axis in enumerate(self.axes):
-            if axis.initial != 0.0 and self.joint is not None:
-                self.set_position(axis.initial, index)
 
     @property
     def parent(self) -> Body | None:
@@ -229,7 +226,7 @@ class SdfJoint:
     def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace) -> JointPlan:
         """What to make for a joint that a state has."""
         _, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, _ = state
-        made = [Axis(GzVector(*numbers[:3]), *numbers[3:-1]) for numbers in axes]  # it moves nothing to its initial
+        made = [Axis(GzVector(*numbers[:3]), *numbers[3:]) for numbers in axes]
         frame = find(child) or find(parent)
         anchor = frame.GetPose() if frame is not None else GzPose()
         return JointPlan(

@@ -124,7 +124,7 @@ def set_transparency(look: Appearance, transparency: float) -> None:
 
 
 def set_light(light: LightGeom, element: Element, note: Note) -> None:
-    """Apply a `<light>` to a light; one without `<attenuation>` does not fade."""
+    """Apply a `<light>` to a light; one without `<attenuation>` fades by SDF's defaults, as in Gazebo."""
     light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
     light.SetSpecularColor(element.Get(GzColor, "specular"))
     light.SetAmbientColor(GzColor())  # ambient light is the scene's
@@ -134,13 +134,12 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
     light.kind = kind if kind in KINDS else "point"
     light.direction = element.Get(GzVector, "direction")
     light.cast_shadows = element.Get(bool, "cast_shadows")
-    if element.HasElement("attenuation"):
-        fading = element.child("attenuation")
-        try:
-            light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
-        except ParameterError as error:
-            note(fading, f"{error}; the light does not fade")
-        light.range = fading.Get(float, "range")
+    fading = element.child("attenuation")
+    try:
+        light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+    except ParameterError as error:
+        note(fading, f"{error}; the light does not fade")
+    light.range = fading.Get(float, "range")
     if element.HasElement("spot"):
         cone = element.child("spot")
         light.spot = (cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))

@@ -34,6 +34,7 @@ from libgz.physics.mass import given_mass
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
 FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
+MOST_ERROR = 2e-3  # [rad] between gears that a step corrects
 RACK = 0.1  # mass of a gear's rack as a share of what it drives
 LEVER = 20.0  # radii at the rack, in radii of gyration
 MOMENT = 1.0  # inertia of a rack on a base that moves, as a share of what it drives
@@ -282,7 +283,8 @@ class Gears:
         ]
         self._place_rack(poses[1], along, self._radii[1] * rates[1], step)
         first, second = (angle - reference for angle, reference in zip(self.angles, self.references, strict=True))
-        error = self._radii[1] * (second + self.ratio * first)
+        # A larger error, as new references may cause, is corrected in many steps: at once it would disturb the rack.
+        error = self._radii[1] * min(max(second + self.ratio * first, -MOST_ERROR), MOST_ERROR)
         for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
             line.place(point, along, off)
 

@@ -522,8 +522,8 @@ class SdfJoint:
 
         fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
         cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
-        gearbox_ratio, from which on the angles of a gearbox count anew; ratio of a gearbox, which leaves the angles, and
-        reference_angle1, reference_angle2 [rad], from which they count.
+        gearbox_ratio, from which on the angles of a gearbox count anew; ratio of a gearbox, which leaves the angles,
+        and reference_angle1, reference_angle2 [rad], from which they count.
 
         Raises:
             ParameterError: there is no such key, this kind of joint has none, or the value is NaN.

@@ -33,7 +33,7 @@ class TrackedVehiclePlugin(ModelPlugin):
         tracks_separation: [m] (0.4).
         max_linear_speed: of the vehicle and of each track [m/s] (1).
         max_angular_speed: [rad/s] (1).
-        track_mu, track_mu2: friction coefficients of the tracks, along and across them; by default as the file has them.
+        track_mu, track_mu2: friction coefficients along and across the tracks; by default those of the file.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("speeds",)
@@ -59,7 +59,9 @@ class TrackedVehiclePlugin(ModelPlugin):
             if not value > 0.0:
                 raise ParameterError(f"{sdf.where}: {what} must be positive; it is {value:g}")
         if not self.fastest_turn >= 0.0:
-            raise ParameterError(f"{sdf.where}: Maximum angular speed must be non-negative; it is {self.fastest_turn:g}")
+            raise ParameterError(
+                f"{sdf.where}: Maximum angular speed must be non-negative; it is {self.fastest_turn:g}"
+            )
         self.friction = [
             sdf.Get(float, tag) if sdf.HasElement(tag) else None for tag in ("track_mu", "track_mu2")
         ]  # along and across

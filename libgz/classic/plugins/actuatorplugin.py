@@ -74,7 +74,9 @@ class ActuatorPlugin(ModelPlugin):
         for element in sdf.named("actuator"):
             joint, index = named_joint(model, element, "joint"), element.Get(int, "index", 0)[0]
             if not 0 <= index < joint.DOF():
-                raise ParameterError(f"{element.where}: <index> is {index}; joint {joint.GetName()!r} has {joint.DOF()}")
+                raise ParameterError(
+                    f"{element.where}: <index> is {index}; joint {joint.GetName()!r} has {joint.DOF()}"
+                )
             kind = element.Get(str, "type", "null")[0].strip()
             if kind not in MODELS:
                 raise ParameterError(

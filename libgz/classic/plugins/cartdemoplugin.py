@@ -25,12 +25,13 @@ class _Axis:
 
     STATE = ("pid",)
 
-    def __init__(self, model: Model, sdf: Element, tag: str) -> None:
+    def __init__(self, model: Model, sdf: Element, tag: str, limited: bool = False) -> None:
         self.joint = named_joint(model, sdf, tag)
         self.position, self.velocity = sdf.Get(float, f"{tag}_pos"), sdf.Get(float, f"{tag}_vel")
         self.effort = sdf.Get(float, f"{tag}_eff")
         low, high = sdf.Get(Vector2d, f"{tag}_ilim")
-        self.pid = PID(*sdf.Get(Vector3d, f"{tag}_pid"), high, low)
+        limits = (self.effort, -self.effort) if limited else ()
+        self.pid = PID(*sdf.Get(Vector3d, f"{tag}_pid"), high, low, *limits)
 
     def hold(self, seconds: float) -> None:
         """Apply the effort that leads to the position."""
@@ -51,7 +52,7 @@ class CartDemoPlugin(ModelPlugin):
     """Steers a cart with two driven wheels, which are at rest until 10 s of sim time.
 
     They accelerate with their effort until 20 s, brake and reverse with it until 40 s, and accelerate again until 50 s;
-    a PID controls their velocity until 60 s, and from then on their position. The steering joint is held at its position.
+    a PID controls their velocity until 60 s, and then their position. The steering joint is held at its position.
 
     Elements:
         steer, right, left: the joints.
@@ -59,7 +60,7 @@ class CartDemoPlugin(ModelPlugin):
         steer_ilim, ...: the least and the most of the integral term.
         steer_pos, ...: the position [rad] to which the joint is controlled.
         right_vel, left_vel: the velocity [rad/s].
-        right_eff, left_eff: the effort [N m].
+        right_eff, left_eff: the effort [N m]; steer_eff: the most of that of the steering joint.
     """
 
     STATE = ("last", "steer", "wheels")
@@ -70,7 +71,7 @@ class CartDemoPlugin(ModelPlugin):
         Raises:
             NotFoundError: a joint is missing.
         """
-        self.steer = _Axis(model, sdf, "steer")
+        self.steer = _Axis(model, sdf, "steer", limited=True)
         self.wheels = [_Axis(model, sdf, tag) for tag in ("right", "left")]
         self.last: float | None = None
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)

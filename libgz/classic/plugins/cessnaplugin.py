@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 SURFACES = ("left_aileron", "left_flap", "right_aileron", "right_flap", "elevators", "rudder")
 TURN = 2.0 * math.pi
+PROPELLER_LIMIT, SURFACES_LIMIT = 20000.0, 20.0  # of the efforts [N m]
 
 
 class CessnaPlugin(ModelPlugin):
@@ -31,8 +32,8 @@ class CessnaPlugin(ModelPlugin):
     Elements:
         propeller, left_aileron, left_flap, right_aileron, right_flap, elevators, rudder: the joints.
         propeller_max_rpm: the propeller's maximum speed [1/min].
-        propeller_p_gain, propeller_i_gain, propeller_d_gain: (50, 0.1, 1), of the effort per rad/s.
-        surfaces_p_gain, surfaces_i_gain, surfaces_d_gain: (50, 0.1, 1), of the effort per rad.
+        propeller_p_gain, propeller_i_gain, propeller_d_gain: (50, 0.1, 1); the effort is at most 20000 N m.
+        surfaces_p_gain, surfaces_i_gain, surfaces_d_gain: (50, 0.1, 1); the effort is at most 20 N m.
     """
 
     STATE = ("commands", "pids", "last")
@@ -50,7 +51,7 @@ class CessnaPlugin(ModelPlugin):
         if self.most == 0.0:
             raise ParameterError(f"{sdf.where}: Maximum propeller RPMs cannot be 0")
         self.joints = {name: named_joint(model, sdf, name) for name in ("propeller", *SURFACES)}
-        self.pids = {name: PID(*self._gains(sdf, name)) for name in self.joints}
+        self.pids = {name: self._pid(sdf, name) for name in self.joints}
         self.commands = dict.fromkeys(self.joints, 0.0)
         self.last: float | None = None
         self.node = transport.Node()
@@ -60,10 +61,11 @@ class CessnaPlugin(ModelPlugin):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     @staticmethod
-    def _gains(sdf: Element, name: str) -> list[float]:
-        prefix = "propeller" if name == "propeller" else "surfaces"
+    def _pid(sdf: Element, name: str) -> PID:
+        prefix, limit = ("propeller", PROPELLER_LIMIT) if name == "propeller" else ("surfaces", SURFACES_LIMIT)
         defaults = {"p": 50.0, "i": 0.1, "d": 1.0}
-        return [sdf.Get(float, f"{prefix}_{gain}_gain", value)[0] for gain, value in defaults.items()]
+        gains = [sdf.Get(float, f"{prefix}_{gain}_gain", value)[0] for gain, value in defaults.items()]
+        return PID(*gains, 0.0, 0.0, limit, -limit)
 
     def Reset(self) -> None:
         """Set all commands to zero."""

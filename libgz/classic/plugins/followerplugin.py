@@ -25,8 +25,8 @@ TURN = 1.0  # [rad/s], at most
 class FollowerPlugin(ModelPlugin):
     """Drives towards the nearest point in the middle row of the model's depth camera, and turns to it.
 
-    The speed is 0.5 m/s for a point 5 m away and decreases to zero at 0.5 m; the turn rate is 1 rad/s for a point at the
-    edge of the image. Nothing within 5 m: the wheels stop.
+    The speed is 0.5 m/s for a point 5 m away and decreases to zero at 0.5 m; the turn rate is 1 rad/s for a point at
+    the edge of the image. Nothing within 5 m: the wheels stop.
 
     Elements:
         left_joint, right_joint: names of the wheels' joints; without them, the first two joints whose names have
@@ -64,8 +64,8 @@ class FollowerPlugin(ModelPlugin):
         found = next((joint for joint in model.all_joints() if side in joint.GetName()), None)
         if found is None:
             raise NotFoundError(
-                f"{sdf.where}: left or right joint not found! Model {model.GetName()!r} has no joint with {side!r} in its "
-                f"name, and the plugin no <{side}_joint>"
+                f"{sdf.where}: left or right joint not found! Model {model.GetName()!r} has no joint with {side!r} in "
+                f"its name, and the plugin no <{side}_joint>"
             )
         return found
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.classic.event import Events
-from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 class PressurePlugin(ContactPlugin):
     """Publishes the pressure on each box of a contact sensor on ~/<sensor>/tactile, a msgs.Tactile.
 
-    The pressure [Pa] is the normal force of all contacts over the area of the largest side of the box. As in Gazebo, only
-    boxes have one, and there is a message only while something presses.
+    The pressure [Pa] is the normal force of all contacts over the area of the largest side of the box. As in Gazebo,
+    only boxes have one, and there is a message only while something presses.
     """
 
     STATE = ()

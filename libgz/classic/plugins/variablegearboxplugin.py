@@ -47,7 +47,8 @@ class VariableGearboxPlugin(ModelPlugin):
         for before, after in pairwise(self.points):
             if not before[0] < after[0]:
                 raise ParameterError(
-                    f"{sdf.where}: Out of order x_y_dydx element detected: {before[0]:g} should be less than {after[0]:g}"
+                    f"{sdf.where}: Out of order x_y_dydx element detected: {before[0]:g} should be less than "
+                    f"{after[0]:g}"
                 )
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
@@ -61,8 +62,8 @@ class VariableGearboxPlugin(ModelPlugin):
         if len(found) != 1:
             names = ", ".join(joint.GetName() for joint in found) or "none"
             raise ParameterError(
-                f"{sdf.where}: link {link.GetName()!r} of the gearbox must be the child of one other joint; it is that of "
-                f"{names}"
+                f"{sdf.where}: link {link.GetName()!r} of the gearbox must be the child of one other joint; it is "
+                f"that of {names}"
             )
         return found[0]
 

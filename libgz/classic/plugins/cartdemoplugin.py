@@ -30,8 +30,9 @@ class _Axis:
         self.position, self.velocity = sdf.Get(float, f"{tag}_pos"), sdf.Get(float, f"{tag}_vel")
         self.effort = sdf.Get(float, f"{tag}_eff")
         low, high = sdf.Get(Vector2d, f"{tag}_ilim")
-        limits = (self.effort, -self.effort) if limited else ()
-        self.pid = PID(*sdf.Get(Vector3d, f"{tag}_pid"), high, low, *limits)
+        p, i, d = sdf.Get(Vector3d, f"{tag}_pid")
+        most, least = (self.effort, -self.effort) if limited else (-1.0, 0.0)  # none
+        self.pid = PID(p, i, d, high, low, most, least)
 
     def hold(self, seconds: float) -> None:
         """Apply the effort that leads to the position."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +50,7 @@ class CessnaGUIPlugin(GUIPlugin):
         """Add the buttons, and subscribe to keys and the state."""
         self.commands: dict[str, float] = {}
         for name in PRESETS:
-            self.gui.AddButton(name, lambda name=name: self.preset(name))
+            self.gui.AddButton(name, functools.partial(self.preset, name))
         self.node = transport.Node()
         self.node.Init(gui.get_world())
         self.publisher = self.node.Advertise(msgs.Cessna, f"~/{MODEL}/control")

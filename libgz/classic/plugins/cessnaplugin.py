@@ -64,8 +64,8 @@ class CessnaPlugin(ModelPlugin):
     def _pid(sdf: Element, name: str) -> PID:
         prefix, limit = ("propeller", PROPELLER_LIMIT) if name == "propeller" else ("surfaces", SURFACES_LIMIT)
         defaults = {"p": 50.0, "i": 0.1, "d": 1.0}
-        gains = [sdf.Get(float, f"{prefix}_{gain}_gain", value)[0] for gain, value in defaults.items()]
-        return PID(*gains, 0.0, 0.0, limit, -limit)
+        p, i, d = (sdf.Get(float, f"{prefix}_{gain}_gain", value)[0] for gain, value in defaults.items())
+        return PID(p, i, d, 0.0, 0.0, limit, -limit)
 
     def Reset(self) -> None:
         """Set all commands to zero."""

@@ -46,7 +46,9 @@ class FollowerPlugin(ModelPlugin):
         self.left = Wheel(left)
         self.right = Wheel(right, radius=self.left.radius)
         name = f"{model.GetScopedName()}::"
-        sensors = [s for s in SensorManager.Instance().GetSensors() if s.Type() == "depth" and name in s.ScopedName()]
+        sensors: list[Any] = [
+            s for s in SensorManager.Instance().GetSensors() if s.Type() == "depth" and name in s.ScopedName()
+        ]
         if not sensors:
             raise NotFoundError(f"{sdf.where}: depth sensor not found! Model {model.GetName()!r} has none")
         self.Reset()

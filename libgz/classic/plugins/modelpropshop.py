@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs, transport
 from libgz.classic.common.console import gzerr, gzmsg
@@ -18,8 +18,6 @@ from libgz.rendering.framing import free_camera
 from libgz.rendering.image import write_image
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from libgz.classic.physics import Model, World
 
 # Directions from which the images look: from above at a corner, above, front, side, back.
@@ -38,14 +36,15 @@ class ModelPropShop(SystemPlugin):
 
     STATE = ()
 
-    def Load(self, argc: int = 0, argv: Sequence[str] = ()) -> None:
+    def Load(self, argc: int = 0, argv: list[str] | None = None) -> None:
         """Read the command line.
 
         Raises:
             NotFoundError: there is no such file.
         """
-        words = dict(pairwise(argv))
-        words |= dict(word.split("=", 1) for word in argv if word.startswith("--propshop-") and "=" in word)
+        given = argv or []
+        words = dict(pairwise(given))
+        words |= dict(word.split("=", 1) for word in given if word.startswith("--propshop-") and "=" in word)
         self.folder = Path(words.get("--propshop-save", "."))
         self.file = words.get("--propshop-model")
         if self.file is not None and not Path(self.file).is_file():
@@ -100,8 +99,10 @@ class ModelPropShop(SystemPlugin):
 
 def _bounds(model: Model) -> tuple[Vector3d, Vector3d]:
     """The least and the greatest coordinates of what is visible of a model [m]; its origin where that has no size."""
-    corners = [corner for link in model.family_links() for geom in link.visuals() for corner in geom.bounds()]
-    corners = [corner for corner in corners if all(map(math.isfinite, corner))] or [model.WorldPose().Pos()]
+    corners: list[Any] = [
+        corner for link in model.family_links() for geom in link.visuals() for corner in geom.bounds()
+    ]
+    corners = [corner for corner in corners if all(map(math.isfinite, corner))] or [tuple(model.WorldPose().Pos())]
     low, high = (Vector3d(*(side(corner[k] for corner in corners) for k in range(3))) for side in (min, max))
     return low, high
 

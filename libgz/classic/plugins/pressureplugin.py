@@ -28,7 +28,7 @@ class PressurePlugin(ContactPlugin):
         self.areas: dict[str, float] = {}
         for i in range(sensor.GetCollisionCount()):
             name = sensor.GetCollisionName(i)
-            collision = world.EntityByName(name)
+            collision: Any = world.EntityByName(name)
             shape = collision.GetShape() if collision is not None else None
             if isinstance(shape, BoxShape):
                 _, width, length = sorted(shape.Size())

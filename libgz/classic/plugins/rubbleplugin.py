@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from libgz.classic.math import Pose3d, Rand, Vector3d
+from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.errors import ParameterError
 
@@ -67,7 +67,7 @@ class RubblePlugin(WorldPlugin):
         shape = f"<geometry><box><size>{size}</size></box></geometry>"
         return (
             f"<sdf version='1.6'><model name='{name}'><allow_auto_disable>true</allow_auto_disable>"
-            f"<pose>{Pose3d(*place, *turn)}</pose><link name='link'>"
+            f"<pose>{Pose3d(place, Quaterniond(*turn))}</pose><link name='link'>"
             "<velocity_decay><linear>0.01</linear><angular>0.01</angular></velocity_decay>"
             f"<inertial><mass>{mass}</mass><inertia>{inertia}</inertia></inertial>"
             f"<collision name='collision'>{shape}</collision><visual name='visual'>{shape}</visual>"

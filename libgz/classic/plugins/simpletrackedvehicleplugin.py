@@ -77,10 +77,10 @@ class SimpleTrackedVehiclePlugin(TrackedVehiclePlugin):
     def OnUpdate(self) -> None:
         """Set the speeds of the surfaces, and the point about which the vehicle turns by them."""
         left, right = self.speeds
-        kind, pivot = 1.0, (0.0, 0.0, 0.0)
+        kind, pivot = 1.0, Vector3d()
         if left != right:
             radius = (left + right) / (right - left) * self.separation / 2.0  # to the left
-            kind, pivot = 2.0, tuple(self.body.WorldPose().CoordPositionAdd(Vector3d(0.0, radius, 0.0)))
+            kind, pivot = 2.0, self.body.WorldPose().CoordPositionAdd(Vector3d(0.0, radius, 0.0))
         for geoms, speed in zip(self.tracks, self.speeds, strict=True):
             for geom in geoms:
                 geom.set_surface(Surface.TRACK, kind)

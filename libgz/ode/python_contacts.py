@@ -313,9 +313,15 @@ class FullContacts:
             local, geom = second, geom2
         if _dot(local, local) == 0.0:
             return False
-        m = self._ode.dGeomGetRotation(geom).contents
+        m = self._rotation_of(geom)
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
         return _set_friction_direction(point, aim)
+
+    def _rotation_of(self, geom: int) -> Any:
+        """rotation_of in step.c."""
+        return (
+            _UNTURNED if self._ode.dGeomGetClass(geom) == GeomClass.PLANE else self._ode.dGeomGetRotation(geom).contents
+        )
 
     def _set_track(
         self, rows: tuple[list[float], list[float]], geoms: tuple[int, int], bodies: tuple[int, int], point: Any
@@ -328,7 +334,7 @@ class FullContacts:
         for row, geom, sign in zip(rows, geoms, (-1.0, 1.0), strict=True):
             if row[Surface.TRACK] == 0.0:
                 continue
-            local, m = row[Surface.FDIR1 : Surface.FDIR1 + 3], self._ode.dGeomGetRotation(geom).contents
+            local, m = row[Surface.FDIR1 : Surface.FDIR1 + 3], self._rotation_of(geom)
             axis = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
             way = [sign * v for v in _cross(axis, n)]
             size = math.sqrt(_dot(way, way))
@@ -481,6 +487,9 @@ def _set_friction_direction(point: Any, aim: list[float]) -> bool:
 
 def _dot(a: list[float], b: list[float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+_UNTURNED = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 
 
 def _cross(a: list[float], b: list[float]) -> list[float]:

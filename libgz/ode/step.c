@@ -474,6 +474,13 @@ static int set_friction_direction(contact *point, const double *aim)
     return 1;
 }
 
+/* The rotation of a geom; a plane has none in ODE, and its friction direction is global. */
+static const double *rotation_of(void *geom)
+{
+    static const double none[12] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+    return dGeomGetClass(geom) == PLANE_CLASS ? none : dGeomGetRotation(geom);
+}
+
 /* The direction in which mu applies: that of the geom with the smaller mu. */
 static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
 {
@@ -488,7 +495,7 @@ static int friction_direction(const double *a, const double *b, void *geom1, voi
     }
     if (dot(local, local) == 0.0)
         return 0;
-    r = dGeomGetRotation(geom);
+    r = rotation_of(geom);
     for (k = 0; k < 3; k++)
         aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
     return set_friction_direction(point, aim);
@@ -497,7 +504,7 @@ static int friction_direction(const double *a, const double *b, void *geom1, voi
 /* The direction in which the surface of a track runs at a contact whose normal points out of it; 0: it has none. */
 static int track_direction(const double *row, void *geom, const double *normal, double sign, double *way)
 {
-    const double *r = dGeomGetRotation(geom), *local = row + SURFACE_FDIR1;
+    const double *r = rotation_of(geom), *local = row + SURFACE_FDIR1;
     double axis[3], size;
     int k;
     for (k = 0; k < 3; k++)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.commands import PausedSteps
+from libgz.classic.describe import entity_message
 from libgz.classic.loading import LoadedPlugin, Missing, called, new_plugin, reload_all
 from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
@@ -580,6 +581,10 @@ class WorldServer:
         """The sensors that a link carries, or that measure a joint."""
         found = self.sensors.sensors.values() if self.sensors is not None else ()
         return [sensor for sensor in found if sensor.parent is holder]
+
+    def described(self, entity: object) -> Any:
+        """The message that describes a model, link, joint, collision or light; None for anything else."""
+        return entity_message(entity)
 
     def sensor_names(self) -> list[str]:
         """The full scoped names of all sensors."""

@@ -258,9 +258,11 @@ class FullContacts:
             surface.mode |= ContactMode.SLIP1
         if surface.slip2 > 0.0:
             surface.mode |= ContactMode.SLIP2
-        aimed = self._friction_direction(a, b, *geoms, point)
-        if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
-            surface.mode |= ContactMode.FDIR1
+        tracks = a[Surface.TRACK] != 0.0 or b[Surface.TRACK] != 0.0
+        if not (tracks and self._set_track((a, b), geoms, bodies, point)):
+            aimed = self._friction_direction(a, b, *geoms, point)
+            if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
+                surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
         stiffness = _elastic_stiffness(a, b, found)
         if stiffness > 0.0:
@@ -326,11 +328,47 @@ class FullContacts:
             local, geom = second, geom2
         if _dot(local, local) == 0.0:
             return False
-        if self._ode.dGeomGetClass(geom) == GeomClass.PLANE:
-            return _set_friction_direction(point, local)
-        m = self._ode.dGeomGetRotation(geom).contents
+        m = self._rotation_of(geom)
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
         return _set_friction_direction(point, aim)
+
+    def _rotation_of(self, geom: int) -> Any:
+        """rotation_of in step.c."""
+        return (
+            _UNTURNED if self._ode.dGeomGetClass(geom) == GeomClass.PLANE else self._ode.dGeomGetRotation(geom).contents
+        )
+
+    def _set_track(
+        self, rows: tuple[list[float], list[float]], geoms: tuple[int, int], bodies: tuple[int, int], point: Any
+    ) -> bool:
+        """set_track in step.c."""
+        n, motion = point.geom.normal[:3], [0.0, 0.0, 0.0]
+        first = 1.0 if bodies[0] else -1.0
+        found: list[float] | None = None
+        pivot: list[float] | None = None
+        for row, geom, sign in zip(rows, geoms, (-1.0, 1.0), strict=True):
+            if row[Surface.TRACK] == 0.0:
+                continue
+            local, m = row[Surface.FDIR1 : Surface.FDIR1 + 3], self._rotation_of(geom)
+            axis = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
+            way = [sign * v for v in _cross(axis, n)]
+            size = math.sqrt(_dot(way, way))
+            if size < 1e-9:
+                continue
+            if row[Surface.TRACK] == 2.0:
+                pivot = row[Surface.PIVOT : Surface.PIVOT + 3]
+            way = [v / size for v in way]
+            motion = [v + first * sign * row[Surface.TRACK_SPEED] * w for v, w in zip(motion, way, strict=True)]
+            found = found or way
+        if found is None:
+            return False
+        point.fdir1[:3] = found
+        if pivot is not None:
+            arm = [v - w for v, w in zip(point.geom.pos[:3], pivot, strict=True)]
+            _set_friction_direction(point, _cross(n, arm))
+        point.surface.motion1 = _dot(motion, point.fdir1[:3])
+        point.surface.mode |= ContactMode.FDIR1 | ContactMode.MOTION1
+        return True
 
     def _sliding_direction(self, bodies: tuple[int, int], point: Any) -> bool:
         """sliding_direction in step.c."""
@@ -464,3 +502,10 @@ def _set_friction_direction(point: Any, aim: list[float]) -> bool:
 
 def _dot(a: list[float], b: list[float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+_UNTURNED = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

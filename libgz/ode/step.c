@@ -292,7 +292,7 @@ enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5
 enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3, PLANE_CLASS = 4, RAY_CLASS = 5, HEIGHTFIELD_CLASS = 9 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
-enum { MOTION_N = 0x080, ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
+enum { MOTION1 = 0x020, MOTION_N = 0x080, ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
 /* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
 enum {
     SURFACE_KP,
@@ -316,7 +316,10 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COMPLIANCE, /* [1/Pa] (1 - nu^2) / E; 0: not elastic */
     SURFACE_CURVATURE,  /* [1/m] of its shape; 0: flat */
-    SURFACE_COLUMNS = 24
+    SURFACE_TRACK,       /* 1: the surface runs round the axis fdir1; 2: and what it carries turns about a pivot */
+    SURFACE_TRACK_SPEED, /* [m/s] at which it runs, by the right-hand rule */
+    SURFACE_PIVOT,       /* global; three columns */
+    SURFACE_COLUMNS = SURFACE_PIVOT + 3
 };
 /* A body beyond these has diverged. */
 #define MAX_SPEED 1e7      /* [m/s] and [rad/s], before a step */
@@ -488,7 +491,14 @@ static int set_friction_direction(contact *point, const double *aim)
     return 1;
 }
 
-/* The direction in which mu applies: that of the geom with the smaller mu; of a plane, which has no frame, a global one. */
+/* The rotation of a geom; a plane has none in ODE, and its friction direction is global. */
+static const double *rotation_of(void *geom)
+{
+    static const double none[12] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+    return dGeomGetClass(geom) == PLANE_CLASS ? none : dGeomGetRotation(geom);
+}
+
+/* The direction in which mu applies: that of the geom with the smaller mu. */
 static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
 {
     const double *local = a + SURFACE_FDIR1, *other = b + SURFACE_FDIR1, *r;
@@ -502,12 +512,68 @@ static int friction_direction(const double *a, const double *b, void *geom1, voi
     }
     if (dot(local, local) == 0.0)
         return 0;
-    if (dGeomGetClass(geom) == PLANE_CLASS)
-        return set_friction_direction(point, local);
-    r = dGeomGetRotation(geom);
+    r = rotation_of(geom);
     for (k = 0; k < 3; k++)
         aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
     return set_friction_direction(point, aim);
+}
+
+/* The direction in which the surface of a track runs at a contact whose normal points out of it; 0: it has none. */
+static int track_direction(const double *row, void *geom, const double *normal, double sign, double *way)
+{
+    const double *r = rotation_of(geom), *local = row + SURFACE_FDIR1;
+    double axis[3], size;
+    int k;
+    for (k = 0; k < 3; k++)
+        axis[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
+    way[0] = sign * (axis[1] * normal[2] - axis[2] * normal[1]);
+    way[1] = sign * (axis[2] * normal[0] - axis[0] * normal[2]);
+    way[2] = sign * (axis[0] * normal[1] - axis[1] * normal[0]);
+    size = sqrt(dot(way, way));
+    if (size < 1e-9)
+        return 0;
+    for (k = 0; k < 3; k++)
+        way[k] = way[k] / size;
+    return 1;
+}
+
+/* Friction on a surface that runs: mu acts along the way of the track, or round the pivot, and mu2 across. */
+static int set_track(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+{
+    const double *n = point->geom.normal, *pivot = NULL, *rows[2];
+    double way[3], motion[3] = {0.0, 0.0, 0.0}, arm[3], aim[3], first, sign;
+    void *geoms[2];
+    int found = 0, i, k;
+    rows[0] = a, rows[1] = b, geoms[0] = geom1, geoms[1] = geom2;
+    first = dGeomGetBody(geom1) ? 1.0 : -1.0; /* the joint measures velocities of its first body against the other */
+    for (i = 0; i < 2; i++) {
+        sign = i ? 1.0 : -1.0; /* the normal points into geom 1 */
+        if (rows[i][SURFACE_TRACK] == 0.0 || !track_direction(rows[i], geoms[i], n, sign, way))
+            continue;
+        if (rows[i][SURFACE_TRACK] == 2.0)
+            pivot = rows[i] + SURFACE_PIVOT;
+        for (k = 0; k < 3; k++) {
+            motion[k] = motion[k] + first * sign * rows[i][SURFACE_TRACK_SPEED] * way[k];
+            if (!found)
+                point->fdir1[k] = way[k];
+        }
+        found = 1;
+    }
+    if (!found)
+        return 0;
+    if (pivot) {
+        for (k = 0; k < 3; k++)
+            arm[k] = point->geom.pos[k] - pivot[k];
+        aim[0] = n[1] * arm[2] - n[2] * arm[1];
+        aim[1] = n[2] * arm[0] - n[0] * arm[2];
+        aim[2] = n[0] * arm[1] - n[1] * arm[0];
+        memcpy(way, point->fdir1, sizeof way);
+        if (!set_friction_direction(point, aim)) /* the pivot itself */
+            memcpy(point->fdir1, way, sizeof way);
+    }
+    point->surface.motion1 = dot(motion, point->fdir1);
+    point->surface.mode |= FDIR1 | MOTION1;
+    return 1;
 }
 
 /* Velocity of a body at a point at the end of the step if nothing but gravity acts, added with a sign. */
@@ -744,9 +810,11 @@ static void refine_point(const context *c, touching *t, int count, double found,
         s->mode |= SLIP1;
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
-    if (friction_direction(a, b, t->geom1, t->geom2, point) ||
-        (c->cone && sliding_direction(c, t->body1, t->body2, point)))
-        s->mode |= FDIR1;
+    if ((a[SURFACE_TRACK] == 0.0 && b[SURFACE_TRACK] == 0.0) || !set_track(a, b, t->geom1, t->geom2, point)) {
+        if (friction_direction(a, b, t->geom1, t->geom2, point) ||
+            (c->cone && sliding_direction(c, t->body1, t->body2, point)))
+            s->mode |= FDIR1;
+    }
     add_torsion(a, b, point);
     t->withheld = 0.0;
     set_depth(c, t, found, point);

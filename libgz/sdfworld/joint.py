@@ -24,6 +24,7 @@ from libgz.geometry import (
 )
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
+from libgz.physics.couplings import Gears
 from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
 from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
@@ -56,6 +57,7 @@ RANGES = {
     "fmax": (0.0, 1e16),
     "vel": (-1e6, 1e6),
 }
+GEARS = ("reference_angle1", "reference_angle2", "ratio")  # keys of a gearbox that may change in each step
 
 
 # What a state has of a joint.
@@ -496,15 +498,29 @@ class SdfJoint:
             return {"hi_stop": axis.upper, "lo_stop": axis.lower, "friction": axis.friction}[key]
         if key in ("thread_pitch", "gearbox_ratio"):
             return self.plan.pitch if key == "thread_pitch" else self.plan.ratio
+        if key in GEARS:
+            gears = self._gears(key)
+            return gears.ratio if key == "ratio" else gears.references[GEARS.index(key)]
         number = self._known_number(key, index)
         return self.joint.GetParam(number) if self.attached and self.joint is not None else 0.0
+
+    def _gears(self, key: str) -> Gears:
+        """The gears of a gearbox.
+
+        Raises:
+            ParameterError: it is no gearbox, or holds no links together.
+        """
+        if not isinstance(self._mechanism, GearboxMechanism):
+            raise ParameterError(f"joint {self.name!r}: {key!r} is a key of gearboxes; this is a {self.kind} joint")
+        return self._mechanism.gears
 
     def set_param(self, key: str, value: float, index: int = 0) -> None:
         """Set a parameter by its classic key.
 
         fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
         cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
-        gearbox_ratio.
+        gearbox_ratio, from which on the angles of a gearbox count anew; ratio of a gearbox, which leaves the angles,
+        and reference_angle1, reference_angle2 [rad], from which they count.
 
         Raises:
             ParameterError: there is no such key, this kind of joint has none, or the value is NaN.
@@ -534,6 +550,13 @@ class SdfJoint:
             self.plan.ratio = number
             if isinstance(self._mechanism, GearboxMechanism):
                 self._mechanism.gears.set_ratio(number)
+        elif key in GEARS:
+            gears = self._gears(key)
+            if key == "ratio":
+                gears.vary_ratio(number)
+            else:
+                index = GEARS.index(key)
+                gears.references = [*gears.references[:index], number, *gears.references[index + 1 :]]
         else:
             ode_parameter = self._known_number(key, index)
             least, most = RANGES.get(key, (-math.inf, math.inf))

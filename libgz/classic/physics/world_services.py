@@ -45,6 +45,9 @@ class WorldServices(Protocol):
     scene: Any
     stopped: bool
 
+    def described(self, entity: object) -> Any:
+        """The message that describes a model, link, joint, collision or light; None for anything else."""
+
     def all_sensors(self) -> Any:
         """The sensors, created on first use."""
 

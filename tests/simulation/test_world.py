@@ -9,7 +9,7 @@ import textwrap
 import pytest
 
 import libgz
-from libgz.errors import NotFoundError, WorldFileError
+from libgz.errors import NotFoundError, ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorSub
 
 HEAD = """<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p' xmlns:params='p'>"""
@@ -157,6 +157,24 @@ def test_a_dummy_attached_at_run_time_follows():
             truth.Detach()
         world.step(5)
         assert truth.GetPose().pos.x == pytest.approx(0.2)
+
+
+def test_a_model_attached_again_has_one_parent_and_one_weld():
+    with world_of("".join(SOLID.format(name, f"{x} 0 5", "") for x, name in enumerate("abc", 1))) as world:
+        a, b, c = (world.model(name) for name in "abc")
+        before = len(world.engine.joints)
+        for parent in (b, c, c):
+            a.SetParent(parent, parent.GetBody())
+            a.Attach()
+            a.Attach()
+        assert (b.children, c.children, len(world.engine.joints)) == ([], [a], before + 1)
+        with pytest.raises(ParameterError, match=r"'c' cannot be attached to .*, which belongs to it"):
+            c.SetParent(a, a.GetBody())
+        with pytest.raises(ParameterError, match=r"'c' cannot be attached to .*, which belongs to it"):
+            c.SetParent(c, c.GetBody())
+        with pytest.raises(ParameterError, match="which is no body of <SimpleSolid"):
+            c.SetParent(b, a.GetBody())
+        world.set_state(world.get_state())
 
 
 def test_parent_bodies_by_name():

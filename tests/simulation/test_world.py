@@ -426,3 +426,22 @@ def test_many_bodies_that_fall_are_one_message(caplog):
         world.step(1000)
         (line,) = [record.getMessage() for record in caplog.records if "fell" in record.getMessage()]
         assert "s4::canonical and 3 more bodies fell below" in line
+
+
+def test_falls_of_a_world_that_is_reset_again_and_again_are_counted(caplog):
+    with caplog.at_level(logging.WARNING, "libgz"), world_of(SOLID.format("s", "0 0 -1100", "")) as world:
+        for _ in range(120):
+            world.step(260)
+            world.reset()
+    lines = [record.getMessage() for record in caplog.records if "fell" in record.getMessage()]
+    assert len(lines) == 2
+    assert lines[1] == "s::canonical fell below -1000 m (100 times so far): is there ground under it?"
+
+
+def test_falls_of_ever_new_bodies_are_counted(caplog):
+    with caplog.at_level(logging.WARNING, "libgz"), world_of("") as world:
+        for number in range(150):
+            world.InsertModel(SOLID.format(f"s{number}", "0 0 -1100", ""))
+            world.step(256)
+            world.DeleteModel(f"s{number}")
+    assert len([record for record in caplog.records if "fell" in record.getMessage()]) <= 102

@@ -13,6 +13,7 @@ from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
 from libgz.simulation.plugins import own_place, own_traceback
+from libgz.simulation.running_code import names
 from libgz.simulation.updates import UpdateRows, replaced, set_part
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 from libgz.worldfile.file import WorldFile
@@ -338,3 +339,8 @@ class Model(Entity):
         for body in (*self.bodies, *self._unregistered):
             body.close()
         self.modelSpaceId.close()
+
+
+names(Model.MasterLoad, lambda values: f"Load of model {values['self'].GetId()!r}")
+names(Model.MasterInit, lambda values: f"Init of model {values['self'].GetId()!r}")
+names(Model._call_fini, lambda values: f"Fini of model {values['self'].GetId()!r}")

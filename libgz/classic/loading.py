@@ -38,6 +38,7 @@ class LoadedPlugin:
         path: its file.
         events: those of the world that it belongs to; None: those of all worlds.
         entity: the model that it is a plugin of; its `error` is then what the plugin raises.
+        where: ``file:line`` of its element; empty if it has none.
 
     Attributes:
         plugin: the instance; None once it has failed or was dropped.
@@ -53,8 +54,9 @@ class LoadedPlugin:
         path: Path,
         events: WorldEvents | None,
         entity: Entity | None = None,
+        where: str = "",
     ) -> None:
-        self.plugin_class, self.entity = plugin_class, entity
+        self.plugin_class, self.entity, self.where = plugin_class, entity, where
         self.filename, self.name, self.path, self.events = filename, name, path, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.source = ""
@@ -217,10 +219,11 @@ class LoadedPlugin:
         text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
-        note(str(self), where, error)
+        note(str(self), where, error, self.where)
         if self.entity is not None:
             self.entity.plugin_error = error
-        log.error("Exception occured in %s of %s. This plugin will not run.\n%s", where, self, text, extra=NOTED)
+        place, words = _place(self.where), "%sException occured in %s of %s. This plugin will not run.\n%s"
+        log.error(words, place, where, self, text, extra=NOTED)
         self.drop()
 
     def drop(self) -> None:
@@ -260,8 +263,8 @@ class Missing:
         self._reported: set[str] = set()
         self._places_known = False
 
-    def report(self, filename: str, error: MissingPluginError) -> None:
-        """Log that a plugin has no file, unless that is known."""
+    def report(self, filename: str, error: MissingPluginError, where: str) -> None:
+        """Log that a plugin has no file, unless that is known; `where` is ``file:line`` of its element."""
         known = absence(filename)
         text = known or (f"{error.summary} the places above" if self._places_known else str(error))
         key = known or filename
@@ -269,7 +272,7 @@ class Missing:
             return
         self._reported.add(key)
         self._places_known = self._places_known or known is None
-        log.log(logging.WARNING if known else logging.ERROR, "%s", text)
+        log.log(logging.WARNING if known else logging.ERROR, "%s%s", _place(where), text)
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:
@@ -304,6 +307,7 @@ def new_plugin(
     beside: str | None = None,
     entity: Entity | None = None,
     missing: Missing | None = None,
+    where: str = "",
 ) -> LoadedPlugin | None:
     """Find a plugin, run its file, and construct its class; None if that fails, which is logged.
 
@@ -315,29 +319,36 @@ def new_plugin(
         beside: the world's file.
         entity: the model that it is a plugin of.
         missing: logs that there is no such file.
+        where: ``file:line`` of its element.
     """
     try:
         path = find_plugin(filename, beside)
         plugin_class = _load_class(path)
     except MissingPluginError as error:
-        (missing or Missing()).report(filename, error)
+        (missing or Missing()).report(filename, error, where)
         return None
     except PluginError as error:
-        log.error("%s", error)
+        log.error("%s%s", _place(where), error)
         return None
     if plugin_class.kind != kind:
         at_name = f" name[{name}]" if kind not in ("System", "GUI") else ""
         log.error(
-            "%s is attempting to load a plugin, but detected an incorrect plugin type. Plugin filename[%s]%s; "
+            "%s%s is attempting to load a plugin, but detected an incorrect plugin type. Plugin filename[%s]%s; "
             "it is a %sPlugin",
+            _place(where),
             holder,
             filename,
             at_name or ".",
             plugin_class.kind,
         )
         return None
-    loaded = LoadedPlugin(plugin_class, filename, name, path, events, entity)
+    loaded = LoadedPlugin(plugin_class, filename, name, path, events, entity, where)
     return loaded if loaded.plugin is not None else None
+
+
+def _place(where: str) -> str:
+    """What begins a message about the element of a plugin, as diagnostics do."""
+    return f"{where}: <plugin>: " if where else ""
 
 
 def _load_class(path: Path) -> type[PluginT]:

@@ -188,6 +188,7 @@ class Engine:
         return float(self._context.step)
 
     @step_time.setter
+    @exclusive
     def step_time(self, seconds: float) -> None:
         self._context.step = self.tables.record.step = positive(seconds, "stepTime [s]")
 
@@ -210,6 +211,7 @@ class Engine:
         return SOLVERS[self._context.quick]
 
     @solver.setter
+    @exclusive
     def solver(self, name: str) -> None:
         if name not in SOLVERS:
             raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
@@ -221,6 +223,7 @@ class Engine:
         return int(self._context.seed)
 
     @seed.setter
+    @exclusive
     def seed(self, value: int) -> None:
         self._context.seed = int(value) & 0xFFFFFFFF
 
@@ -272,6 +275,7 @@ class Engine:
         return bool(self._context.count_turns)
 
     @count_turns.setter
+    @exclusive
     def count_turns(self, value: bool) -> None:
         self._context.count_turns = int(value)
 
@@ -284,6 +288,7 @@ class Engine:
         return bool(self._context.check_divergence)
 
     @check_divergence.setter
+    @exclusive
     def check_divergence(self, value: bool) -> None:
         self._context.check_divergence = int(value)
 
@@ -314,6 +319,7 @@ class Engine:
         return ContactRule(self._context.contact_rule)
 
     @contact_rule.setter
+    @exclusive
     def contact_rule(self, rule: ContactRule) -> None:
         self._context.contact_rule = ContactRule(rule)
         self._context.no_cylinder_pairs = rule == ContactRule.LEGACY or not self._ode.collides_cylinders
@@ -325,6 +331,7 @@ class Engine:
         return int(self._context.max_contacts)
 
     @max_contacts.setter
+    @exclusive
     def max_contacts(self, value: int) -> None:
         self._context.max_contacts = max(0, int(value))
 
@@ -334,6 +341,7 @@ class Engine:
         return bool(self._context.cone)
 
     @cone.setter
+    @exclusive
     def cone(self, value: bool) -> None:
         self._context.cone = int(value)
 
@@ -348,6 +356,7 @@ class Engine:
         return bool(self._context.exact_rest)
 
     @exact_rest.setter
+    @exclusive
     def exact_rest(self, value: bool) -> None:
         self._context.exact_rest = int(value)
 
@@ -362,6 +371,7 @@ class Engine:
         return bool(self._context.record_contacts)
 
     @record_contacts.setter
+    @exclusive
     def record_contacts(self, value: bool) -> None:
         self._context.record_contacts = int(value)
 
@@ -398,7 +408,8 @@ class Engine:
         """Height of the lowest body [m], closed ones included; 0 if all are above that."""
         bodies = self.tables.bodies
         if not self.tables.fresh_after_step:
-            self.step_form.read()
+            with self.lock:
+                self.step_form.read()
         return float(bodies.state[: bodies.used, 2].min(initial=0.0))
 
     @property

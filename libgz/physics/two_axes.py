@@ -117,6 +117,7 @@ class Hinge2Joint(TwoAxisJoint):
     @exclusive
     def Attach(self, one: Body | None, two: Body | None) -> None:
         """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
+        self._check_bodies(one, two)
         if one is None or two is None or one.dummy or two.dummy:
             raise ParameterError(f"{self.label} joins two bodies; neither may be the world or a dummy")
         super().Attach(one, two)

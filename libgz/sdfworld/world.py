@@ -361,14 +361,16 @@ class SdfWorld(Era):
 
         Raises:
             NotFoundError: there is none of this name.
+            WorldFileError: a value in it is not allowed.
         """
         settings = self.settings
         if name not in settings.profiles:
             known = ", ".join(settings.profiles) or "none"
             hint = nearest(name, settings.profiles)
             raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
-        settings.physics = settings.profiles[name]
-        apply_physics(self.world, settings.physics, Diagnostics())
+        settings.physics, diagnostics = settings.profiles[name], Diagnostics()
+        apply_physics(self.world, settings.physics, diagnostics)
+        diagnostics.raise_errors()
 
 
 def _family(element: Element) -> list[Element]:

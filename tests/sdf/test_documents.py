@@ -179,7 +179,7 @@ def test_all_errors_at_once_with_their_lines():
     )
     assert [str(f) for f in file.diagnostics.errors] == [
         "x.sdf:2: <model>: attribute 'name' is missing and must be given",
-        "x.sdf:4: <pose>: '1 a' is not allowed; it must be 6 numbers: x y z [m] roll pitch yaw [rad]",
+        "x.sdf:4: <pose>: '1 a' is not allowed; it must be 6 finite numbers: x y z [m] roll pitch yaw [rad]",
         "x.sdf:6: <gravity>: 'maybe' is not allowed; it must be true, false, 1 or 0",
         "x.sdf:7: <joint>: <child> is missing and must be given",
     ]

@@ -1,5 +1,9 @@
 """The live viewer: what it costs the server and itself, with robots that drive and one client connected.
 
+CPU times of the server per step are compared: with the viewer, with a stopped viewer, and with a stopped viewer beside
+a process that has nothing to do with the server and uses as much of a core. What that one costs is the machine's: cores
+that share caches and memory. Rounds of all three alternate.
+
 python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers at 30 Hz, then 400 robots)
 python benchmarks/view.py page              how long a page takes in headless Chromium until it shows the robot,
                                             a live one and a replay (Debian's chromium; pip install playwright)
@@ -9,6 +13,7 @@ import asyncio
 import io
 import os
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -20,6 +25,7 @@ import msgspec.msgpack
 import numpy as np
 import viser
 import websockets
+from laser_robots import ratio_text
 from PIL import Image
 
 import libgz
@@ -27,11 +33,24 @@ from libgz.files import installed_worlds
 from libgz.recording.capture import Capture
 from libgz.transport.server import free_server_id
 
-ROUNDS, SPAN = 5, 4.0  # [s]
+ROUNDS, SPAN = 16, 3.0  # [s]
+LOADS = 5  # of a page
 FLAGS = ["--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 SIZE = {"width": 800, "height": 600}
 LONGEST = 120.0  # [s]
 TICKS = os.sysconf("SC_CLK_TCK")
+BUSY = """
+import sys, time
+import numpy as np
+share, rate = float(sys.argv[1]), float(sys.argv[2])
+data, text = np.zeros(50_000), "x" * 1000
+while True:
+    end = time.thread_time() + share / rate
+    while time.thread_time() < end:
+        data += 1.0
+        [text + str(i) for i in range(200)]
+    time.sleep((1.0 - share) / rate)
+"""
 HEAD = (
     '<?xml version="1.0"?><gz:world xmlns:gz="http://playerstage.sourceforge.net/gazebo/xmlschema/#gz" '
     'xmlns:model="http://playerstage.sourceforge.net/gazebo/xmlschema/#model" '
@@ -124,24 +143,33 @@ def run(robots, rate, lasers):
 async def _measured(server, viewer, page, observer, robots, rate):
     receiving = asyncio.create_task(page.receive())
     await asyncio.sleep(4.0)
-    ratios, shares, rates, costs = [], [], [], []
-    for _ in range(ROUNDS):
+    pairs, neutral, shares, rates = [], [], [], []
+    for i in range(ROUNDS):
         seen, share, frames = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
-        os.kill(viewer.pid, 19)  # SIGSTOP: the same server without a viewer at work
-        alone, _, _ = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
-        os.kill(viewer.pid, 18)
-        await asyncio.sleep(0.5)
-        ratios.append(seen / alone)
         shares.append(share)
         rates.append(frames)
-        costs.append(alone)
+        costs = {}
+        os.kill(viewer.pid, signal.SIGSTOP)  # the same server without a viewer at work
+        for busy in (False, True) if i % 2 else (True, False):
+            other = subprocess.Popen([sys.executable, "-c", BUSY, str(share), str(rate)]) if busy else None
+            await asyncio.sleep(0.5)
+            costs[busy], _, _ = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
+            if other is not None:
+                other.kill()
+                other.wait()
+        os.kill(viewer.pid, signal.SIGCONT)
+        await asyncio.sleep(0.5)
+        pairs.append((costs[False], seen))
+        neutral.append((costs[False], costs[True]))
     page.ended = True
     await asyncio.gather(receiving, return_exceptions=True)
+    alone = statistics.median(cost for cost, _ in pairs)
     print(
         f"{robots} robots, {rate} Hz wanted: {statistics.median(rates):.1f} frames/s, viewer "
-        f"{100 * statistics.median(shares):.0f} % of a core, step of the server {statistics.median(costs):.0f} us, "
-        f"with viewer / without {statistics.median(ratios):.3f}"
+        f"{100 * statistics.median(shares):.0f} % of a core, step of the server {alone:.0f} us"
     )
+    print(f"  with the viewer:                 {ratio_text(pairs)}")
+    print(f"  with a process that is as busy:  {ratio_text(neutral)}", flush=True)
 
 
 # Pages ---------------------------------------------------------------------------------------------------------------
@@ -162,7 +190,7 @@ def shows_robot(page):
 def load_times(chromium, url):
     """From the request of a page to the image of the robot [s], of some loads; the first one in a new browser."""
     found = []
-    for _ in range(ROUNDS):
+    for _ in range(LOADS):
         page = chromium.new_page(viewport=SIZE)
         page.set_default_timeout(1000.0 * LONGEST)
         begin = time.monotonic()

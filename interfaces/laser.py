@@ -46,10 +46,10 @@ class LaserData(SampleData):
     intensity: Array[int] = int32(SERVER, "", "1 where a retro-reflector is hit", GZ_LASER_MAX_RANGES)
     cmd_new_angle: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
     cmd_new_length: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
-    cmd_max_range: float = double(CLIENT, "m", "wanted maximum range")
+    cmd_max_range: float = double(CLIENT, "m", "wanted maximum range; 0: as it is")
     cmd_min_angle: float = double(CLIENT, "rad", "wanted direction of the first reading")
     cmd_max_angle: float = double(CLIENT, "rad", "wanted direction of the last reading")
-    cmd_range_count: int = int32(CLIENT, "", "wanted number of readings")
+    cmd_range_count: int = int32(CLIENT, "", "wanted number of readings; 0: as it is")
 
 
 class Laser(SampleInterface[LaserData]):

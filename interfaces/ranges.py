@@ -18,6 +18,8 @@ R = TypeVar("R", bound="RangeData")
 class RangeData(SampleData):
     """Base of the structs of range sensors; each declares `max_range` itself."""
 
+    __slots__ = ()
+
     max_range: float
 
 

@@ -15,6 +15,8 @@ S = TypeVar("S", bound="SampleData")
 class SampleData(Data):
     """Base of the structs whose first field after the head is `time`; each declares it itself."""
 
+    __slots__ = ()
+
     time: float
 
 

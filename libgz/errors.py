@@ -140,6 +140,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return "; did you mean " + " or ".join(repr(lower[match]) for match in found) + "?"
 
 
+MOST_ALIKE = 5  # warnings of a file that differ only in names, paths and numbers, in a log
+_VARIABLE = re.compile(r"'[^']*'|\[[^\]]*\]|[/~][^\s,;]*,?|\S*\d\S*|; did you mean .*")
 MOST_LISTED = 100  # elements without effect that are listed, of each file
 UNFORESEEN = "libgz cannot handle it"
 
@@ -231,6 +233,7 @@ class Diagnostics:
     found: dict[Diagnostic, None] = field(default_factory=dict)
     listed: int = 0  # elements without effect among them
     unlisted: int = 0  # further ones, which are only counted
+    most_alike: int = MOST_ALIKE  # warnings of a kind in the summary
     _first_unlisted: Located | None = None
 
     def error(self, where: Located, message: str) -> None:
@@ -300,6 +303,24 @@ class Diagnostics:
             rest = f"this and {self.unlisted - 1} more elements have no effect, either" if self.unlisted > 1 else ""
             found.append(Diagnostic.at(self._first_unlisted, rest or "has no effect, either", "warning"))
         return found
+
+    def summary(self) -> list[str]:
+        """The warnings for a log: of those alike but for names, paths and numbers a few, and how many follow."""
+        lines: list[str] = []
+        groups: dict[tuple[str, str], list[Diagnostic]] = {}
+        for warning in self.warnings:
+            group = groups.setdefault((warning.element, _VARIABLE.sub("", warning.message)), [])
+            group.append(warning)
+            if len(group) <= self.most_alike:
+                lines.append(str(warning))
+        for group in groups.values():
+            if (more := len(group) - self.most_alike) > 0:
+                first = group[0]
+                lines.append(
+                    f"{first.file}: <{first.element}>: {more} more warnings are like that of line {first.line}; "
+                    f"`libgz sdf --check {first.file}` lists all"
+                )
+        return lines
 
     def raise_errors(self) -> None:
         """Raise all errors together, one line each; warnings alone raise nothing.

@@ -159,6 +159,7 @@ class LinkRecord(ctypes.Structure):
         ("kept", c_void_p),
         ("found", c_void_p),
         ("kept_any", c_int64),
+        ("exchanges", c_int64),
         ("head_size", c_int64),
         ("head", c_char * HEAD_SIZE),
     ]

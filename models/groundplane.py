@@ -24,8 +24,10 @@ class GroundPlaneAttributes:
     color: GzColor = color(0.0, 0.5, 0.0, help="colour")
     textureFile: Path | None = file(help="image file of the texture")
     textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="size of one repetition of the texture")
-    surfaceHardness: tuple[float, ...] = numbers(math.inf, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
-    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+    surfaceHardness: tuple[float, ...] = numbers(
+        math.inf, 0.0, unit="N/m, N s/m", least=0.0, infinite=1, help="spring and damper"
+    )
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, infinite=2, help="Coulomb coefficients")
 
 
 class GroundPlane(Model):
@@ -38,6 +40,10 @@ class GroundPlane(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(GroundPlaneAttributes, node)
+        for name, moves in ("xyz", values.normal), ("rpy", (1.0, 1.0, 0.0)):  # other shifts and turns do not show
+            child = node.GetChild(name)
+            if child is not None and any(a * b for a, b in zip(node.GetPosition(name), moves, strict=True)):
+                child.warn("has no effect on a GroundPlane; <height> and <normal> place it")
         self.fixed = True
         body = add_body(self, dummy=True)
         self.plane = PlaneGeom(body, self.modelSpaceId, values.height, values.normal)

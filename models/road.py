@@ -27,8 +27,10 @@ class RoadAttributes:
     color: GzColor = color(0.7, 0.7, 0.7, help="colour")
     textureFile: Path | None = file(help="image file of the texture")
     textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="size of one repetition of the texture, along and across")
-    surfaceHardness: tuple[float, ...] = numbers(1e4, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
-    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+    surfaceHardness: tuple[float, ...] = numbers(
+        1e4, 0.0, unit="N/m, N s/m", least=0.0, infinite=1, help="spring and damper"
+    )
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, infinite=2, help="Coulomb coefficients")
 
 
 class Road(Model):

@@ -218,6 +218,7 @@ class SickLMS200(Model):
         self.laser.unlock()
         if wanted is None:
             return
+        wanted = self._completed(*wanted)
         number = self.guard.number
         low = number("cmd_min_angle", wanted[0], self.minAngle, math.pi)
         high = number("cmd_max_angle", wanted[1], self.maxAngle, math.pi)
@@ -233,6 +234,12 @@ class SickLMS200(Model):
         self.minAngle, self.maxAngle, self.rangeMax = low, high, far
         self.rangeCount = int(number("cmd_range_count", wanted[3], self.rangeCount, MOST_READINGS))
         self._aim()
+
+    def _completed(self, low: float, high: float, far: float, count: int) -> tuple[float, float, float, int]:
+        """A command with the present values for those that a client never wrote: many set angles or range only."""
+        if count == 0 and low == high == 0.0:
+            low, high = self.minAngle, self.maxAngle
+        return low, high, far or self.rangeMax, count or self.rangeCount
 
     @property
     def _limits(self) -> tuple[float, float, float]:

@@ -42,8 +42,10 @@ class SimpleSolidAttributes:
     mass: float = number(1.0, unit="kg", above=0.0, help="mass")
     color: GzColor = color(1.0, 1.0, 1.0, help="colour; alpha is used only if transparent is true")
     transparent: bool = boolean(False, help="whether alpha is used")
-    surfaceHardness: tuple[float, ...] = numbers(1e6, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
-    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+    surfaceHardness: tuple[float, ...] = numbers(
+        1e6, 0.0, unit="N/m, N s/m", least=0.0, infinite=1, help="spring and damper"
+    )
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, infinite=2, help="Coulomb coefficients")
     textureFile: Path | None = file(help="image file of the texture")
     skinFile: Path | None = file(help="mesh that is rendered instead of the shape")
     skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="position of the mesh, relative to the solid's centre")

@@ -33,8 +33,10 @@ class TerrainAttributes:
     )
     color: GzColor = color(0.7, 0.7, 0.7, help="colour")
     textureFile: Path | None = file(help="image file of the texture")
-    surfaceHardness: tuple[float, ...] = numbers(math.inf, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
-    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+    surfaceHardness: tuple[float, ...] = numbers(
+        math.inf, 0.0, unit="N/m, N s/m", least=0.0, infinite=1, help="spring and damper"
+    )
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, infinite=2, help="Coulomb coefficients")
 
 
 class Terrain(Model):

@@ -95,8 +95,6 @@ def meaning(parser: argparse.ArgumentParser, action: argparse.Action) -> str:
 
 # Path -> why libgz does not act on the element, and what is below it. The text "" stands for that of the path above.
 NO_EFFECT: dict[str, str] = {
-    "world/road": "kept, not simulated",
-    "road": "kept, not simulated",
     "physics/real_time_factor": "kept; Gazebo did not use it, either",
     "physics/bullet": "ODE only",
     "physics/simbody": "ODE only",
@@ -136,6 +134,8 @@ NO_EFFECT: dict[str, str] = {
     "surface/friction/torsional/ode/slip": "kept",
     "visual/meta": "kept",
     "material/shader": "rendered without it",
+    "joint/axis/initial_position": "warning: as in Gazebo, poses of links decide",
+    "joint/axis2/initial_position": "warning: as in Gazebo, poses of links decide",
     "joint/axis/limit/stiffness": "stops are hard",
     "joint/axis/limit/dissipation": "stops are hard",
     "joint/axis2/limit/stiffness": "stops are hard",

@@ -39,3 +39,19 @@ def test_elements_are_places_and_those_of_no_file_are_strings():
 def test_nearest_names():
     assert nearest("radus", ["radius", "mass"]) == "; did you mean 'radius'?"
     assert nearest("xyz", ["radius", "mass"]) == ""
+
+
+def test_a_log_has_a_few_warnings_of_a_kind():
+    diagnostics = Diagnostics()
+    for line in range(1, 10):
+        diagnostics.warn(
+            Place("a.sdf", line, "mesh"), f"Unable to find uri[model://m{line}]; looked for /a/m{line}, /b"
+        )
+        diagnostics.warn(Place("a.sdf", line, "size"), f"is '{line}'; did you mean {line + 1}?")
+    diagnostics.warn(Place("a.sdf", 20, "size"), "is another kind")
+    lines = diagnostics.summary()
+    assert len(lines) == 2 * 5 + 1 + 2
+    assert lines[-2] == "a.sdf: <mesh>: 4 more warnings are like that of line 1; `libgz sdf --check a.sdf` lists all"
+    diagnostics.most_alike = 100
+    assert lines[:2] == diagnostics.summary()[:2]
+    assert len(diagnostics.summary()) == 19

@@ -14,7 +14,7 @@ from typing import NoReturn
 from libgz._version import __version__
 from libgz.apps.console import Hints, LogFile
 from libgz.classic.common import ConsoleHandler, LogFormatter
-from libgz.classic.loading import new_plugin
+from libgz.classic.loading import Missing, new_plugin
 from libgz.classic.server import system_plugins
 from libgz.classic.transport import Link, publicized_address
 from libgz.closing import Closing
@@ -165,8 +165,9 @@ class SystemPlugins(Closing):
     """
 
     def __init__(self, filenames: Sequence[str]) -> None:
+        missing = Missing()
         for filename in filter(None, filenames):
-            plugin = new_plugin("System", filename, filename, "System", None)
+            plugin = new_plugin("System", filename, filename, "System", None, missing=missing)
             if plugin is not None:
                 system_plugins.append(plugin)
 

@@ -21,7 +21,7 @@ __all__ = ["configure", "run"]
 
 SPEED, TURN = 0.3, 0.4  # [m/s], [rad/s]
 PATIENCE = 20.0  # [s] to wait for the server
-
+NOT_YET = "-"  # instead of a value that the server has not posted
 HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m]  battery [V]  real-time factor"
 
 
@@ -99,12 +99,12 @@ def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
             if sim.sim_time < next_line:
                 continue
             next_line += seconds / 10.0
-            factor = sim.sim_time / sim.real_time if sim.real_time > 0.0 else math.nan
-            nearest_sonar = float(sonar.ranges.min()) if len(sonar.ranges) else math.nan
-            nearest_beam = float(laser.ranges.min()) if len(laser.ranges) else math.nan
+            nearest_sonar = f"{sonar.ranges.min():.3f}" if len(sonar.ranges) else NOT_YET
+            nearest_beam = f"{laser.ranges.min():.3f}" if len(laser.ranges) else NOT_YET
+            factor = f"{sim.sim_time / sim.real_time:.3f}" if sim.real_time > 0.0 else NOT_YET
             print(
-                f"{sim.sim_time:10.2f}{x:10.3f}{y:10.3f}{math.degrees(yaw):11.1f}{nearest_sonar:15.3f}"
-                f"{nearest_beam:15.3f}{power.level:13.4f}{factor:18.3f}",
+                f"{sim.sim_time:10.2f}{x:10.3f}{y:10.3f}{math.degrees(yaw):11.1f}{nearest_sonar:>15}"
+                f"{nearest_beam:>15}{power.level:13.4f}{factor:>18}",
                 flush=True,
             )
         robot.command()

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from libgz.errors import ServerError
-from libgz.transport.control import SOCKET, ask
-from libgz.transport.paths import server_directory
+from libgz.transport.control import ask
+from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 __all__ = ["configure", "run"]
 
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     if options.server_id is not None:
         answers = [_ask_server(options.server_id, options.name)]
     else:
-        served = Path(server_directory(0), SOCKET).exists()
+        served = Path(server_directory(0), CONTROL_SOCKET).exists()
         answers = [_ask_server(0, options.name)] if served else []
         answers += _ask_topics(options.name)
     if not answers:

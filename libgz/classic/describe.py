@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from libgz.classic import msgs
+from libgz.classic.common import Time
 from libgz.classic.looks import collision_visual, entity_visual, fill_geometry, fill_scene, visual_messages
 from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.base import Entity
@@ -28,6 +29,7 @@ __all__ = [
     "heights_message",
     "joint_message",
     "light_message",
+    "link_data_message",
     "model_message",
     "physics_message",
     "place_message",
@@ -49,6 +51,18 @@ def statistics_message(world: World) -> Any:
     msgs.Set(message.sim_time, world.SimTime())
     msgs.Set(message.pause_time, world.PauseTime())
     msgs.Set(message.real_time, world.RealTime())
+    if world.played is not None:
+        for field, seconds in zip(("start_time", "end_time"), world.played(), strict=True):
+            msgs.Set(getattr(message.log_playback_stats, field), Time(seconds))
+    return message
+
+
+def link_data_message(link: Link) -> Any:
+    """~/MODEL::LINK: the velocities of a link [m/s], [rad/s]."""
+    message = msgs.LinkData(name=link.GetScopedName())
+    msgs.Set(message.time, link.GetWorld().SimTime())
+    msgs.Set(message.linear_velocity, link.WorldLinearVel())
+    msgs.Set(message.angular_velocity, link.WorldAngularVel())
     return message
 
 

@@ -12,7 +12,7 @@ from weakref import WeakSet
 
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
-from libgz.classic.ros_names import stand_in
+from libgz.classic.ros_names import absence, stand_in
 from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
@@ -21,7 +21,7 @@ from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
 from libgz.simulation.state import carry_state, declares, fields, get_state, seldom, set_state
 
-__all__ = ["LoadedPlugin", "called", "find_plugin", "new_plugin", "reload_all"]
+__all__ = ["LoadedPlugin", "Missing", "MissingPluginError", "called", "find_plugin", "new_plugin", "reload_all"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -38,6 +38,7 @@ class LoadedPlugin:
         path: its file.
         events: those of the world that it belongs to; None: those of all worlds.
         entity: the model that it is a plugin of; its `error` is then what the plugin raises.
+        where: ``file:line`` of its element; empty if it has none.
 
     Attributes:
         plugin: the instance; None once it has failed or was dropped.
@@ -56,8 +57,9 @@ class LoadedPlugin:
         path: Path,
         events: WorldEvents | None,
         entity: Entity | None = None,
+        where: str = "",
     ) -> None:
-        self.plugin_class, self.entity = plugin_class, entity
+        self.plugin_class, self.entity, self.where = plugin_class, entity, where
         self.filename, self.name, self.path, self.events = filename, name, path, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.source = ""
@@ -223,10 +225,11 @@ class LoadedPlugin:
         text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
-        note(str(self), where, error)
+        note(str(self), where, error, self.where)
         if self.entity is not None:
             self.entity.plugin_error = error
-        log.error("Exception occured in %s of %s. This plugin will not run.\n%s", where, self, text, extra=NOTED)
+        place, words = _place(self.where), "%sException occured in %s of %s. This plugin will not run.\n%s"
+        log.error(words, place, where, self, text, extra=NOTED)
         self.drop()
 
     def drop(self) -> None:
@@ -245,13 +248,46 @@ names(LoadedPlugin._call, lambda values: f"{values['name']} of {values['self']}"
 names(LoadedPlugin._construct, lambda values: f"the constructor of {values['self']}")
 
 
+class MissingPluginError(PluginError):
+    """There is no file of a plugin.
+
+    Attributes:
+        summary: the message without the places.
+    """
+
+    def __init__(self, name: str, tried: Sequence[str]) -> None:
+        self.summary = (
+            f"Failed to load plugin {name}: {name}: cannot open shared object file: No such file or directory; tried"
+        )
+        super().__init__("\n".join([self.summary, *tried]))
+
+
+class Missing:
+    """Logs which plugins have no file: each name once a world, and once where they were searched for."""
+
+    def __init__(self, _world: object = None) -> None:
+        self._reported: set[str] = set()
+        self._places_known = False
+
+    def report(self, filename: str, error: MissingPluginError, where: str) -> None:
+        """Log that a plugin has no file, unless that is known; `where` is ``file:line`` of its element."""
+        known = absence(filename)
+        text = known or (f"{error.summary} the places above" if self._places_known else str(error))
+        key = known or filename
+        if key in self._reported:
+            return
+        self._reported.add(key)
+        self._places_known = self._places_known or known is None
+        log.log(logging.WARNING if known else logging.ERROR, "%s%s", _place(where), text)
+
+
 def find_plugin(filename: str, beside: str | None = None) -> Path:
     """The Python file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
 
     `libX.so` means `libX.py` or `X.py`.
 
     Raises:
-        PluginError: there is no such file; the message is classic's, with every place that was searched.
+        MissingPluginError: there is no such file; the message is classic's, with every place that was searched.
     """
     name = filename.strip()
     places = [("GAZEBO_PLUGIN_PATH", Path(folder)) for folder in SystemPaths.Instance().GetPluginPaths()]
@@ -264,10 +300,7 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
     if found is None and (ready := stand_in(name)) is not None:
         found = READY / f"{ready}.py"
     if found is None:
-        raise PluginError(
-            f"Failed to load plugin {name}: {name}: cannot open shared object file: No such file or directory; tried\n"
-            + "\n".join(tried)
-        )
+        raise MissingPluginError(name, tried)
     return found
 
 
@@ -279,6 +312,8 @@ def new_plugin(
     events: WorldEvents | None,
     beside: str | None = None,
     entity: Entity | None = None,
+    missing: Missing | None = None,
+    where: str = "",
 ) -> LoadedPlugin | None:
     """Find a plugin, run its file, and construct its class; None if that fails, which is logged.
 
@@ -289,26 +324,37 @@ def new_plugin(
         events: those of the world that it belongs to; None: those of all worlds.
         beside: the world's file.
         entity: the model that it is a plugin of.
+        missing: logs that there is no such file.
+        where: ``file:line`` of its element.
     """
     try:
         path = find_plugin(filename, beside)
         plugin_class = _load_class(path)
+    except MissingPluginError as error:
+        (missing or Missing()).report(filename, error, where)
+        return None
     except PluginError as error:
-        log.error("%s", error)
+        log.error("%s%s", _place(where), error)
         return None
     if plugin_class.kind != kind:
         at_name = f" name[{name}]" if kind not in ("System", "GUI") else ""
         log.error(
-            "%s is attempting to load a plugin, but detected an incorrect plugin type. Plugin filename[%s]%s; "
+            "%s%s is attempting to load a plugin, but detected an incorrect plugin type. Plugin filename[%s]%s; "
             "it is a %sPlugin",
+            _place(where),
             holder,
             filename,
             at_name or ".",
             plugin_class.kind,
         )
         return None
-    loaded = LoadedPlugin(plugin_class, filename, name, path, events, entity)
+    loaded = LoadedPlugin(plugin_class, filename, name, path, events, entity, where)
     return loaded if loaded.plugin is not None else None
+
+
+def _place(where: str) -> str:
+    """What begins a message about the element of a plugin, as diagnostics do."""
+    return f"{where}: <plugin>: " if where else ""
 
 
 def _load_class(path: Path) -> type[PluginT]:

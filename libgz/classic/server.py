@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.commands import PausedSteps
-from libgz.classic.loading import LoadedPlugin, called, new_plugin, reload_all
+from libgz.classic.describe import entity_message
+from libgz.classic.loading import LoadedPlugin, Missing, called, new_plugin, reload_all
 from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
@@ -222,7 +223,7 @@ class WorldServer:
     def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a World plugin; returns whether it runs."""
         with self.core.hold():
-            plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
+            plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]", sdf)
             if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
                 plugin.source = _source(sdf, self.element)
                 self._world_plugins.append(plugin)
@@ -232,7 +233,7 @@ class WorldServer:
     def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a Model plugin; returns whether it runs."""
         with self.core.hold():
-            plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]", model.core)
+            plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]", sdf, model.core)
             if plugin is not None and plugin.start(model, sdf or Element("plugin")):
                 plugin.source = _source(sdf, model.GetSDF())
                 self._model_plugins.setdefault(model, []).append(plugin)
@@ -240,12 +241,14 @@ class WorldServer:
         return False
 
     def new_plugin(
-        self, kind: str, filename: str, name: str, holder: str, entity: CoreModel | None = None
+        self, kind: str, filename: str, name: str, holder: str, sdf: Element | None, entity: CoreModel | None = None
     ) -> LoadedPlugin | None:
         """A plugin of this world, constructed; None if that fails, which is logged."""
         if is_ros_name(filename):
             notice(self.core)
-        return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity)
+        missing = self.core.extension(Missing)
+        where = sdf.where if sdf is not None and sdf.line else ""
+        return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity, missing, where)
 
     def remove_world_plugin(self, name: str) -> None:
         """Remove a World plugin; of several with one name the first.
@@ -623,6 +626,10 @@ class WorldServer:
         """The sensors that a link carries, or that measure a joint."""
         found = self.sensors.sensors.values() if self.sensors is not None else ()
         return [sensor for sensor in found if sensor.parent is holder]
+
+    def described(self, entity: object) -> Any:
+        """The message that describes a model, link, joint, collision or light; None for anything else."""
+        return entity_message(entity)
 
     def sensor_names(self) -> list[str]:
         """The full scoped names of all sensors."""

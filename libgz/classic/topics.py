@@ -15,6 +15,7 @@ from libgz.classic.describe import (
     diagnostics_message,
     joint_message,
     light_message,
+    link_data_message,
     model_message,
     poses_message,
     skeleton_message,
@@ -25,6 +26,7 @@ from libgz.classic.looks import gui_message, road_messages
 from libgz.classic.msgs.convert import CreateRequest
 from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.light import Light
+from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
@@ -58,14 +60,21 @@ class _Periodic:
 
 
 class _Skeletons:
-    """The topic of actors' poses: a message for each new one, while there are subscribers."""
+    """The topic of actors' poses: a message for each new one, while there are subscribers.
 
-    def __init__(self, publisher: Publisher) -> None:
-        self._publisher = publisher
+    Args:
+        node: that advertises the topic as soon as there is an actor.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher: Publisher | None = None
         self._framed: dict[Actor, float] = {}  # sim time of the last pose that was published [s]
 
     def add(self, actor: Actor) -> None:
         """Publish the poses of an actor."""
+        if self._publisher is None:
+            self._publisher = self._node.Advertise(msgs.PoseAnimation, "~/skeleton_pose/info", 10)
         self._framed[actor] = -math.inf
 
     def remove(self, entity: Model | Light) -> None:
@@ -75,7 +84,7 @@ class _Skeletons:
 
     def update(self) -> None:
         """Publish new poses."""
-        if self._framed and self._publisher.HasConnections():
+        if self._framed and self._publisher is not None and self._publisher.HasConnections():
             for actor, framed in self._framed.items():
                 if actor.core.framed != framed:
                     self._framed[actor] = actor.core.framed
@@ -108,7 +117,12 @@ class WorldTopics:
         self._user_commands = self._node.Advertise(msgs.UserCmdStats, "~/user_cmd_stats")
         self._light_factory = self._node.Advertise(msgs.Light, "~/factory/light")
         self._parts: dict[Model | Light, list[Subscriber]] = {}
-        self._skeletons = _Skeletons(self._node.Advertise(msgs.PoseAnimation, "~/skeleton_pose/info", 10))
+        self._model_changes = self._node.Advertise(msgs.Model, "~/model/modify")
+        self._light_changes = self._node.Advertise(msgs.Light, "~/light/modify")
+        self._worlds = self._node.Advertise(msgs.WorldModify, "/gazebo/world/modify")
+        self._skeletons = _Skeletons(self._node)
+        self._links: dict[Model, list[tuple[Link, Publisher]]] = {}  # whose velocities are published
+        self._published_links = world.core.engine.steps
         self._periodic = [
             _Periodic(publisher, period, functools.partial(make, world))
             for publisher, period, make in (
@@ -132,7 +146,8 @@ class WorldTopics:
     def _gui(self) -> Iterator[Any]:
         """What the world's file says of the client's window."""
         sdf = self._world.SDF()
-        yield from (gui_message(gui) for gui in sdf.named("gui")) if sdf is not None else ()
+        found = [gui_message(gui) for gui in sdf.named("gui")] if sdf is not None else []
+        yield from found or [msgs.GUI(fullscreen=False)]
 
     def _roads(self) -> Iterator[Any]:
         sdf = self._world.SDF()
@@ -146,7 +161,12 @@ class WorldTopics:
     def _subscribe(self, commands: Commands) -> list[Subscriber]:
         user = UserCommands(
             self._world,
-            Handlers(commands.model_modify, commands.light_modify, commands.world_control, commands.wrench),
+            Handlers(
+                functools.partial(_also, self._model_changes, commands.model_modify),
+                functools.partial(_also, self._light_changes, commands.light_modify),
+                commands.world_control,
+                commands.wrench,
+            ),
             self._user_commands.Publish,
         )
         handlers = {
@@ -207,6 +227,11 @@ class WorldTopics:
         """Subscribe to the topics of an entity; publish it if it was inserted."""
         if isinstance(entity, Model):
             self._parts[entity] = self._subscribe_parts(entity)
+            self._links[entity] = [
+                (link, self._node.Advertise(msgs.LinkData, f"~/{link.GetScopedName()}"))
+                for link in entity.GetLinks()
+                if _has_imu(link)
+            ]
         if isinstance(entity, Actor):
             self._skeletons.add(entity)
         if not announce:
@@ -235,6 +260,9 @@ class WorldTopics:
         """End the topics of an entity, and publish that it was deleted."""
         for subscriber in self._parts.pop(entity, ()):
             subscriber.Unsubscribe()
+        if isinstance(entity, Model):
+            for _, publisher in self._links.pop(entity, ()):
+                publisher.Fini()
         self._skeletons.remove(entity)
         self._requests.Publish(CreateRequest("entity_delete", entity.GetScopedName()), here=False)
 
@@ -246,6 +274,7 @@ class WorldTopics:
             if (topic.subscribers or topic.remote) and now >= one.due:
                 one.publish(now)
         self._skeletons.update()
+        self._publish_links()
         manager = self._world.Physics().GetContactManager()
         if self._contacts.HasConnections() != self._records:
             self._records = not self._records
@@ -256,6 +285,17 @@ class WorldTopics:
         manager.PublishContacts()
         self._manager.ProcessNodes()
 
+    def _publish_links(self) -> None:
+        """Publish the velocities of links with an IMU, in each iteration."""
+        step = self._world.core.engine.steps
+        if step == self._published_links:
+            return
+        self._published_links = step
+        for links in self._links.values():
+            for link, publisher in links:
+                if publisher.HasConnections():
+                    publisher.Publish(link_data_message(link))
+
     def close(self) -> None:
         """End the topics; the namespace stays if another world of this process has the same name."""
         name = self._world.core.topic_space
@@ -265,3 +305,15 @@ class WorldTopics:
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]
         if not any(core.topic_space == name for core in others):
             self._manager.RemoveTopicNamespace(name)
+
+
+def _has_imu(link: Link) -> bool:
+    """Whether a link has an IMU; then Gazebo publishes its velocities, too."""
+    sdf = link.GetSDF()
+    return sdf is not None and any(sensor.Get(str, "type") == "imu" for sensor in sdf.named("sensor"))
+
+
+def _also(publisher: Publisher, handler: Callable[[Any], None], message: Any) -> None:
+    """Handle a change, and publish it to other processes, which hear of user commands so."""
+    handler(message)
+    publisher.Publish(message, here=False)

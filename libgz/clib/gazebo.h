@@ -475,10 +475,10 @@ typedef struct gz_laser_data {
     int intensity[401]; /* [S] 1 where a retro-reflector is hit */
     int cmd_new_angle; /* [C] 1: apply the cmd_ fields below; the server clears it */
     int cmd_new_length; /* [C] 1: apply the cmd_ fields below; the server clears it */
-    double cmd_max_range; /* [C] wanted maximum range [m] */
+    double cmd_max_range; /* [C] wanted maximum range; 0: as it is [m] */
     double cmd_min_angle; /* [C] wanted direction of the first reading [rad] */
     double cmd_max_angle; /* [C] wanted direction of the last reading [rad] */
-    int cmd_range_count; /* [C] wanted number of readings */
+    int cmd_range_count; /* [C] wanted number of readings; 0: as it is */
 } gz_laser_data_t;
 
 typedef struct gz_laser {

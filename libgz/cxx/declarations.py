@@ -7,6 +7,7 @@ the C++ code in `public` and `protected`. A name that ends with `_` makes an ove
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 __all__ = ["CLASSES", "FUNCTIONS", "CxxClass"]
@@ -56,37 +57,76 @@ def _passed(parameter: str) -> str:
     return f"{name}.x, {name}.y, {name}.z" if kind == "GzVector" else name
 
 
-def _joint(name: str, help: str, methods: str, public: str = "", functions: str = "") -> CxxClass:
-    constructor = (
-        public
-        or f"""\
-  public: {name}( World *world )
+def _joint(name: str, help: str, methods: str) -> CxxClass:
+    public = "".join(
+        f"""\
+  public: {name}( {world}, JointGroup *group = NULL )
     {{
-      this->libgz_handle = libgz_bound->{name}_new( this, libgz_handle_of( world ) );
+      this->libgz_handle = libgz_bound->{name}_new( this, {passed}, libgz_handle_of( group ) );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
       libgz_check();
     }}
 """
+        for world, passed in (("World *world", "world ? world->worldId : NULL"), ("dWorldID world", "world"))
     )
     if name == "HingeJoint":  # of which libgz makes some itself
-        constructor += """\
+        public += """\
   public: HingeJoint( libgz_wrapping, long handle )
     {
       this->libgz_wrap( handle );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( handle );
     }
 """
-    owner = "dWorldID world, JointGroup *group" if public else "World *world"
     return CxxClass(
         name,
         help,
         methods,
         base="Joint",
         includes=("Joint.hh", "JointGroup.hh", "World.hh"),
-        public=constructor,
-        functions=f"long {name}_new(void *pointer, {owner})\n{functions}",
+        public=public + _both_forms(methods),
+        functions=f"long {name}_new(void *pointer, dWorldID world, JointGroup *group)\n",
     )
 
+
+def _both_forms(methods: str) -> str:
+    """Overloads for axes and anchors: some versions had them as a GzVector, others as three numbers and a dVector3."""
+    code = ""
+    for setter in re.findall(r"void (Set\w+)\( GzVector \w+ \)", methods):
+        code += f"""
+  /// The same by three numbers.
+  public: void {setter}( double x, double y, double z ) {{ this->{setter}( GzVectorSet( x, y, z ) ); }}
+"""
+    for setter in re.findall(r"void (Set\w+)\( double x, double y, double z \)", methods):
+        code += f"""
+  /// The same by a vector.
+  public: void {setter}( GzVector v ) {{ this->{setter}( v.x, v.y, v.z ); }}
+"""
+    for getter in re.findall(r"GzVector (Get\w+)\(\) const", methods):
+        code += f"""
+  /// The same by three numbers.
+  public: void {getter}( dVector3 result ) const
+    {{
+      GzVector found = this->{getter}();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
+    }}
+"""
+    return code
+
+
+_JOINT = """
+int GetType() const; ODE's number of the kind
+Body *GetJointBody( int index ) const; the first (0) or second (1) body; NULL for the world
+bool AreConnected( Body *one, Body *two ) const; whether a joint connects two bodies
+void SetFixed(); keep the bodies as they are; an error but for fixed joints
+void Attach( Body *one, Body *two ); join two bodies; NULL is the world
+void Detach(); detach both bodies
+virtual void SetAnchor( GzVector anchor ); place the joint [m]
+virtual GzVector GetAnchor() const; the anchor [m]
+virtual void SetParam( int parameter, double value ); set a parameter such as dParamVel [rad/s or m/s]
+virtual double GetParam( int parameter ) const; the value of a parameter
+"""
 
 CLASSES = (
     CxxClass(
@@ -757,22 +797,11 @@ void Empty(); destroy all joints of the group
     CxxClass(
         "Joint",
         "Base of all joints. Anchors and axes are global at the time of the call.",
-        """
-int GetType() const; ODE's number of the kind
-Body *GetJointBody( int index ) const; the first (0) or second (1) body; NULL for the world
-bool AreConnected( Body *one, Body *two ) const; whether a joint connects two bodies
-void SetFixed(); keep the bodies as they are; an error but for fixed joints
-void Attach( Body *one, Body *two ); join two bodies; NULL is the world
-void Detach(); detach both bodies
-virtual void SetAnchor( GzVector anchor ); place the joint [m]
-virtual GzVector GetAnchor() const; the anchor [m]
-virtual void SetParam( int parameter, double value ); set a parameter such as dParamVel [rad/s or m/s]
-virtual double GetParam( int parameter ) const; the value of a parameter
-""",
+        _JOINT,
         includes=("Vector.hh", "Ode.hh"),
         forward=("Body", "World"),
         functions="dJointID Joint_GetJointId(Joint *self)\n",
-        public="",
+        public=_both_forms(_JOINT),
         protected="""\
   protected: Joint() : jointId( NULL ) {}
   protected: dJointID jointId;
@@ -825,30 +854,11 @@ virtual void SetTorque( double torque1, double torque2 ); add torques for one st
         "One axis of translation.",
         """
 void SetAxis( double x, double y, double z ); set the axis
+GzVector GetAxis() const; the axis
 double GetPosition() const; the position [m]
 double GetPositionRate() const; the velocity [m/s]
 void SetSliderForce( double force ); add a force for one step [N]
 """,
-        public="""\
-  public: SliderJoint( dWorldID world, JointGroup *group = NULL )
-    {
-      this->libgz_handle = libgz_bound->SliderJoint_new( this, world, libgz_handle_of( group ) );
-      this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
-      libgz_check();
-    }
-
-  /// The axis.
-  public: void GetAxis( dVector3 result ) const
-    {
-      double out[3];
-      libgz_bound->SliderJoint_GetAxis( this->libgz_handle, out );
-      libgz_check();
-      result[0] = out[0];
-      result[1] = out[1];
-      result[2] = out[2];
-    }
-""",
-        functions="GzVector SliderJoint_GetAxis(SliderJoint *self)\n",
     ),
     CxxClass(
         "Sensor",

@@ -310,10 +310,11 @@ def TerrainGeom_Load(
 
 
 def _new_joint(kind: Callable[..., Joint]) -> Callable[..., int]:
-    def make(pointer: int, world: World | None) -> int:
-        if world is None:
-            raise ParameterError("a joint needs its model's world, not NULL")
-        return enter(kind(world), pointer)
+    def make(pointer: int, world: int | None, group: JointGroup | None) -> int:
+        own = current().world
+        if world != own.engine.world:
+            raise ParameterError("a joint needs its model's world: this->world, or this->world->worldId")
+        return enter(kind(own, group), pointer)
 
     return make
 
@@ -322,13 +323,7 @@ HingeJoint_new = _new_joint(HingeJoint)
 Hinge2Joint_new = _new_joint(Hinge2Joint)
 UniversalJoint_new = _new_joint(UniversalJoint)
 BallJoint_new = _new_joint(BallJoint)
-
-
-def SliderJoint_new(pointer: int, world: int | None, group: JointGroup | None) -> int:
-    own = current().world
-    if world != own.engine.world:
-        raise ParameterError("a SliderJoint needs this->world->worldId")
-    return enter(SliderJoint(own, group), pointer)
+SliderJoint_new = _new_joint(SliderJoint)
 
 
 def JointGroup_new(pointer: int) -> int:

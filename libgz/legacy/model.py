@@ -7,12 +7,13 @@ import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
+from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, pass_interrupt
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVectorSub
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
 from libgz.simulation.plugins import own_place, own_traceback
+from libgz.simulation.running_code import names
 from libgz.simulation.updates import UpdateRows, replaced, set_part
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 from libgz.worldfile.file import WorldFile
@@ -250,7 +251,16 @@ class Model(Entity):
     # Parent ------------------------------------------------------------------------------------------------------
 
     def SetParent(self, parent: Model, body: Body) -> None:
-        """Note which model, and which of its bodies, this one is attached to."""
+        """Note which model, and which of its bodies, this one is attached to, in place of a previous one.
+
+        Raises:
+            ParameterError: the body is none of the parent's, or the parent is this model or attached to it.
+        """
+        if body not in parent.bodies:
+            raise ParameterError(f"model {self._id!r} cannot be attached to {body!r}, which is no body of {parent!r}")
+        if parent in self.with_attached():
+            raise ParameterError(f"model {self._id!r} cannot be attached to {parent!r}, which belongs to it")
+        self.Detach()
         self.parent, self.parentBody = parent, body
         parent.children.append(self)
 
@@ -261,6 +271,9 @@ class Model(Entity):
         """
         if self.parentBody is None:
             return
+        if self._weld is not None:
+            self._weld.close()
+            self._weld = None
         body = self.GetBody()
         self.relPose = GzCoordPoseSub(body.GetPose(), self.parentBody.GetPose())
         if body.dummy or self.parentBody.dummy:
@@ -326,3 +339,8 @@ class Model(Entity):
         for body in (*self.bodies, *self._unregistered):
             body.close()
         self.modelSpaceId.close()
+
+
+names(Model.MasterLoad, lambda values: f"Load of model {values['self'].GetId()!r}")
+names(Model.MasterInit, lambda values: f"Init of model {values['self'].GetId()!r}")
+names(Model._call_fini, lambda values: f"Fini of model {values['self'].GetId()!r}")

@@ -196,7 +196,7 @@ class LegacyWorld(Era):
         self.loader.visit(file.GetRootNode())
         warn_of_sweeps(self.models, warn_of_overlaps(self.models))
         warn_of_contacts(self.models)
-        file.note_foreign(not self.world.models)
+        file.note_foreign()
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
             log.warning("%s", warning)

@@ -104,6 +104,9 @@ class StepContext(ctypes.Structure):
         ("surface_layer", c_double),
         ("resting", c_int64),
         ("next_checked", c_int64),
+        ("point_count", c_int64),
+        ("point_capacity", c_int64),
+        ("points", c_void_p),
     ]
 
 

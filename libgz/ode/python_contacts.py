@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.python_islands import is_calm
+from libgz.ode.python_islands import Touch, TouchPoint, is_calm
 from libgz.ode.python_overlaps import Overlap
 from libgz.ode.tables import Tables
 from libgz.ode.types import (
@@ -86,6 +86,17 @@ class ContactLog:
         self._records.append((*rows, tuple(point.pos[:3]), tuple(point.normal[:3]), depth))
         self._joints.append((joint, reversed_))
 
+    @property
+    def count(self) -> int:
+        """The number of points so far."""
+        return len(self._records)
+
+    def set_efforts(self, record: int, *efforts: list[float]) -> None:
+        """Set the efforts of a point that is not solved by ODE, as its joint's bodies have them."""
+        result = self._feedback[record]
+        for (force, torque), effort in zip(((result.f1, result.t1), (result.f2, result.t2)), efforts, strict=False):
+            force[:3], torque[:3] = effort[:3], effort[3:]
+
     def request_feedback(self, ode_: OdeLibrary) -> None:
         """Request the forces of this step from ODE."""
         if not self._joints:
@@ -128,7 +139,7 @@ class FullContacts:
         self._ode: OdeLibrary = ode()
         self._points = (Contact * MOST_CONTACTS)()
         self.log = ContactLog()
-        self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
+        self.touches: list[Touch] = []
         self.overlaps: list[Overlap] = []
         self.held: set[int] = set()  # handles of bodies that a joint connects with the world
         self.count = 0
@@ -170,7 +181,7 @@ class FullContacts:
             limits = max_vel, max(min_depth, context.surface_layer)
             rigid = self._make_rigid(a, b, (body1, body2), surface)
             if not ghost:
-                self.touches.append((body1 or body2, body2 if body1 else 0, count))
+                self.touches.append(Touch(body1 or body2, body2 if body1 else 0, []))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint, withheld = points[i], 0, 0.0
@@ -183,6 +194,10 @@ class FullContacts:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
+                if classic:
+                    record = self.log.count if context.record_contacts else -1
+                    copy = Contact.from_buffer_copy(point)
+                    self.touches[-1].points.append(TouchPoint(copy, joint, record))
                 if withheld > 0.0 and context.exact_rest:
                     softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
                     normal = tuple(point.geom.normal[:3])
@@ -243,9 +258,11 @@ class FullContacts:
             surface.mode |= ContactMode.SLIP1
         if surface.slip2 > 0.0:
             surface.mode |= ContactMode.SLIP2
-        aimed = self._friction_direction(a, b, *geoms, point)
-        if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
-            surface.mode |= ContactMode.FDIR1
+        tracks = a[Surface.TRACK] != 0.0 or b[Surface.TRACK] != 0.0
+        if not (tracks and self._set_track((a, b), geoms, bodies, point)):
+            aimed = self._friction_direction(a, b, *geoms, point)
+            if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
+                surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
         stiffness = _elastic_stiffness(a, b, found)
         if stiffness > 0.0:
@@ -311,9 +328,47 @@ class FullContacts:
             local, geom = second, geom2
         if _dot(local, local) == 0.0:
             return False
-        m = self._ode.dGeomGetRotation(geom).contents
+        m = self._rotation_of(geom)
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
         return _set_friction_direction(point, aim)
+
+    def _rotation_of(self, geom: int) -> Any:
+        """rotation_of in step.c."""
+        return (
+            _UNTURNED if self._ode.dGeomGetClass(geom) == GeomClass.PLANE else self._ode.dGeomGetRotation(geom).contents
+        )
+
+    def _set_track(
+        self, rows: tuple[list[float], list[float]], geoms: tuple[int, int], bodies: tuple[int, int], point: Any
+    ) -> bool:
+        """set_track in step.c."""
+        n, motion = point.geom.normal[:3], [0.0, 0.0, 0.0]
+        first = 1.0 if bodies[0] else -1.0
+        found: list[float] | None = None
+        pivot: list[float] | None = None
+        for row, geom, sign in zip(rows, geoms, (-1.0, 1.0), strict=True):
+            if row[Surface.TRACK] == 0.0:
+                continue
+            local, m = row[Surface.FDIR1 : Surface.FDIR1 + 3], self._rotation_of(geom)
+            axis = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
+            way = [sign * v for v in _cross(axis, n)]
+            size = math.sqrt(_dot(way, way))
+            if size < 1e-9:
+                continue
+            if row[Surface.TRACK] == 2.0:
+                pivot = row[Surface.PIVOT : Surface.PIVOT + 3]
+            way = [v / size for v in way]
+            motion = [v + first * sign * row[Surface.TRACK_SPEED] * w for v, w in zip(motion, way, strict=True)]
+            found = found or way
+        if found is None:
+            return False
+        point.fdir1[:3] = found
+        if pivot is not None:
+            arm = [v - w for v, w in zip(point.geom.pos[:3], pivot, strict=True)]
+            _set_friction_direction(point, _cross(n, arm))
+        point.surface.motion1 = _dot(motion, point.fdir1[:3])
+        point.surface.mode |= ContactMode.FDIR1 | ContactMode.MOTION1
+        return True
 
     def _sliding_direction(self, bodies: tuple[int, int], point: Any) -> bool:
         """sliding_direction in step.c."""
@@ -447,3 +502,10 @@ def _set_friction_direction(point: Any, aim: list[float]) -> bool:
 
 def _dot(a: list[float], b: list[float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+_UNTURNED = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

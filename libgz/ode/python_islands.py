@@ -5,18 +5,56 @@ Islands are bodies that joints and contacts connect.
 
 from __future__ import annotations
 
+import ctypes
 import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 from libgz.ode.context import StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.python_resting import DIRECTIONS, MOTIONS, RestingBody, RestingPoint, solve_resting
 from libgz.ode.tables import Tables
-from libgz.ode.types import ContactRule
+from libgz.ode.types import ContactMode, ContactRule, Mass
 
-__all__ = ["Islands", "is_calm"]
+__all__ = ["Efforts", "Islands", "Touch", "TouchPoint", "is_calm"]
 
 _EXACT_ROWS, _FAST_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 60, 6, 3
 _CALM_SPEED = 0.1  # [m/s] and [rad/s]
 _FALLING_STEPS = 2.0
+_SLACK, _RESTING_WORK = 1e-5, 400  # explained in step.c, as is _PLAIN
+_PLAIN = (
+    ContactMode.MU2
+    | ContactMode.FDIR1
+    | ContactMode.SOFT_ERP
+    | ContactMode.SOFT_CFM
+    | ContactMode.MOTION_N
+    | ContactMode.SLIP1
+    | ContactMode.SLIP2
+    | ContactMode.APPROX1
+)
+
+
+class TouchPoint(NamedTuple):
+    """A contact: a copy of ODE's `Contact`, its joint, and the number of its record or -1."""
+
+    contact: Any
+    joint: int
+    record: int
+
+
+class Touch(NamedTuple):
+    """Two bodies that touch; the second is 0 for the world."""
+
+    body1: int
+    body2: int
+    points: list[TouchPoint]
+
+
+class Efforts(Protocol):
+    """Where the efforts of a contact are recorded that is not solved by ODE."""
+
+    def set_efforts(self, record: int, *efforts: list[float]) -> None:
+        """Force [N] and torque [N m] on the joint's first body and, unless that is the world, on its second."""
 
 
 def is_calm(context: StepContext, ode_: OdeLibrary, body: int) -> bool:
@@ -31,13 +69,15 @@ def is_calm(context: StepContext, ode_: OdeLibrary, body: int) -> bool:
 class _Member:
     """A body, and what is known of its island if it is the root of that."""
 
-    __slots__ = ("fast", "root", "rows", "touching")
+    __slots__ = ("fast", "joined", "root", "rows", "solved", "touching")
 
     def __init__(self, fast: bool) -> None:
         self.root = self
         self.rows = 0
         self.fast = fast
         self.touching = False
+        self.joined = False
+        self.solved = False
 
     @property
     def iterated(self) -> bool:
@@ -55,11 +95,11 @@ class _Member:
 class Islands:
     """Moves a world by the exact solver, the quick one, or both."""
 
-    def __init__(self, context: StepContext, tables: Tables) -> None:
-        self._context, self._tables = context, tables
+    def __init__(self, context: StepContext, tables: Tables, efforts: Efforts) -> None:
+        self._context, self._tables, self._efforts = context, tables, efforts
         self._ode: OdeLibrary = ode()
 
-    def move(self, touches: list[tuple[int, int, int]]) -> int:
+    def move(self, touches: list[Touch]) -> int:
         """Move everything; 0 when ODE ran out of memory."""
         context, ode_ = self._context, self._ode
         exact, quick = not context.quick, bool(context.quick)
@@ -78,7 +118,7 @@ class Islands:
         self._bring_back(aside)
         return int(done)
 
-    def _sort(self, touches: list[tuple[int, int, int]]) -> tuple[bool, bool, tuple[list[int], list[int]]]:
+    def _sort(self, touches: list[Touch]) -> tuple[bool, bool, tuple[list[int], list[int]]]:
         """Whether bodies that are awake are solved exactly, and by iteration; all bodies of either kind."""
         context, ode_, tables = self._context, self._ode, self._tables
         members = {}
@@ -87,19 +127,140 @@ class Islands:
                 members[body] = _Member(not is_calm(context, ode_, body))
         for joint in tables.joints.ids[: context.joint_count].tolist():
             if joint:
-                one, two = (ode_.dJointGetBody(joint, k) or 0 for k in (0, 1))
-                _connect(members.get(one), members.get(two), _ROWS_OF_JOINT, touching=False)
-        for one, two, count in touches:
-            _connect(members.get(one), members.get(two), _ROWS_OF_POINT * count, touching=True)
+                one, two = (members.get(ode_.dJointGetBody(joint, k) or 0) for k in (0, 1))
+                _connect(one, two, _ROWS_OF_JOINT, touching=False)
+        for touch in touches:
+            one, two = members.get(touch.body1), members.get(touch.body2)
+            _connect(one, two, _ROWS_OF_POINT * len(touch.points), touching=True)
+        self._solve_resting(members, touches)
         exact = quick = False
         both: tuple[list[int], list[int]] = [], []
         for body, member in members.items():
             root = member.find()
             iterated = root.iterated
             both[iterated].append(body)
-            if root.rows and ode_.dBodyIsEnabled(body):
+            if root.rows and not root.solved and ode_.dBodyIsEnabled(body):
                 exact, quick = exact or not iterated, quick or iterated
         return exact or not quick, quick, both
+
+    def _solve_resting(self, members: dict[int, _Member], touches: list[Touch]) -> None:
+        """solve_resting in step.c."""
+        bodies: dict[_Member, list[int]] = {}
+        parts: dict[_Member, list[Touch]] = {}
+        for body, member in members.items():
+            bodies.setdefault(member.find(), []).append(body)
+        for touch in touches:
+            parts.setdefault(members[touch.body1].find(), []).append(touch)
+        for root, found in parts.items():
+            if root.fast or root.joined:
+                continue
+            described = self._describe_island(bodies[root], found, small=root.rows <= _EXACT_ROWS)
+            if described and solve_resting(*described):
+                root.solved = True
+                self._apply_solution(bodies[root], found, *described)
+
+    def _describe_island(
+        self, handles: list[int], touches: list[Touch], *, small: bool
+    ) -> tuple[list[RestingBody], list[RestingPoint]] | None:
+        """describe_island in step.c."""
+        ode_ = self._ode
+        if any(not ode_.dBodyIsEnabled(body) or ode_.dBodyIsKinematic(body) for body in handles):
+            return None
+        if any(point.contact.surface.mode & ~_PLAIN for touch in touches for point in touch.points):
+            return None
+        gravity = self._context.gravity
+        handles.sort(key=lambda body: _dot(ode_.dBodyGetPosition(body).contents, gravity))
+        places = {body: i for i, body in enumerate(handles)}
+        nearest = list(range(len(handles)))
+        for touch in touches:
+            numbers = [places[body] for body in (touch.body1, touch.body2) if body]
+            nearest[max(numbers)] = min(nearest[max(numbers)], *numbers)
+        if not small and sum((i - first + 1) ** 2 for i, first in enumerate(nearest)) > _RESTING_WORK:
+            return None
+        bodies = [self._describe_body(body, first) for body, first in zip(handles, nearest, strict=True)]
+        points = []
+        world_cfm, fastest = (
+            get(self._context.world) for get in (ode_.dWorldGetCFM, ode_.dWorldGetContactMaxCorrectingVel)
+        )
+        for touch in touches:
+            pair = [(handle, places.get(handle, -1)) for handle in (touch.body1, touch.body2)]
+            mass = min(bodies[place].mass for _, place in pair if place >= 0)
+            for point in touch.points:
+                points.append(self._describe_point(pair, mass, point.contact, world_cfm, fastest))
+        return bodies, points
+
+    def _describe_body(self, body: int, nearest: int) -> RestingBody:
+        """describe_body in step.c."""
+        ode_, h, gravity = self._ode, self._context.step, self._context.gravity
+        r = ode_.dBodyGetRotation(body).contents
+        v, w, force, torque = (
+            get(body).contents
+            for get in (ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel, ode_.dBodyGetForce, ode_.dBodyGetTorque)
+        )
+        falls = ode_.dBodyGetGravityMode(body)
+        m = Mass()
+        ode_.dBodyGetMass(body, ctypes.addressof(m))
+        own = m.I
+        turned = [
+            [r[4 * i] * own[k] + r[4 * i + 1] * own[4 + k] + r[4 * i + 2] * own[8 + k] for k in range(3)]
+            for i in range(3)
+        ]
+        inertia = [[_dot(turned[i], r[4 * k : 4 * k + 3]) for k in range(3)] for i in range(3)]
+        angular = [_dot(inertia[i], w) for i in range(3)]
+        gyroscopic = _cross(w, angular)
+        momentum = [m.mass * v[i] + h * (force[i] + (m.mass * gravity[i] if falls else 0.0)) for i in range(3)]
+        momentum += [angular[i] + h * (torque[i] - gyroscopic[i]) for i in range(3)]
+        return RestingBody(m.mass, inertia, momentum, nearest)
+
+    def _describe_point(
+        self, pair: list[tuple[int, int]], mass: float, contact: Any, world_cfm: float, fastest: float
+    ) -> RestingPoint:
+        """describe_point in step.c."""
+        h, surface = self._context.step, contact.surface
+        directions, pos = _directions(contact), contact.geom.pos
+        sides: list[tuple[int, list[list[float]]]] = []
+        for side, (handle, number) in enumerate(pair):
+            if number < 0:
+                sides.append((-1, []))
+                continue
+            place = self._ode.dBodyGetPosition(handle).contents
+            arm = [pos[k] - place[k] for k in range(3)]
+            rows = [[*direction, *_cross(arm, direction)] for direction in directions]
+            sides.append((number, [[-value for value in row] for row in rows] if side else rows))
+        mode = surface.mode
+        aim = surface.soft_erp * contact.geom.depth / h + (surface.motionN if mode & ContactMode.MOTION_N else 0.0)
+        softness = [
+            surface.soft_cfm / h,
+            (surface.slip1 if mode & ContactMode.SLIP1 else world_cfm) / h,
+            (surface.slip2 if mode & ContactMode.SLIP2 else world_cfm) / h,
+        ]
+        slack = [max(0.0, _SLACK / mass - value) for value in softness]
+        mu = surface.mu, surface.mu2 if mode & ContactMode.MU2 else surface.mu
+        return RestingPoint(sides, min(aim, fastest), softness, slack, mu)
+
+    def _apply_solution(
+        self, handles: list[int], touches: list[Touch], bodies: list[RestingBody], points: list[RestingPoint]
+    ) -> None:
+        """apply_solution in step.c."""
+        ode_, h = self._ode, self._context.step
+        for handle, body in zip(handles, bodies, strict=True):
+            force, torque = (get(handle).contents for get in (ode_.dBodyGetForce, ode_.dBodyGetTorque))
+            ode_.dBodySetForce(handle, *(force[k] + body.impulse[k] / h for k in range(3)))
+            ode_.dBodySetTorque(handle, *(torque[k] + body.impulse[3 + k] / h for k in range(3)))
+        found = [point for touch in touches for point in touch.points]
+        for (_, joint, record), point in zip(found, points, strict=True):
+            ode_.dJointDisable(joint)
+            if record >= 0:
+                self._efforts.set_efforts(record, *(self._effort(point, rows) for n, rows in point.sides if n >= 0))
+
+    def _effort(self, point: RestingPoint, rows: list[list[float]]) -> list[float]:
+        """find_effort in step.c: force and torque."""
+        effort = [0.0] * MOTIONS
+        for a in range(MOTIONS):
+            for k in range(DIRECTIONS):
+                effort[a] = effort[a] + rows[k][a] * point.impulse[k]
+            effort[a] = effort[a] / self._context.step
+        return effort
 
     def _set_aside(self, bodies: list[int]) -> list[int]:
         """Disable those that are awake; returns them."""
@@ -130,6 +291,7 @@ def _connect(one: _Member | None, two: _Member | None, rows: int, *, touching: b
     one = one.find()
     one.rows += rows
     one.touching = one.touching or touching
+    one.joined = one.joined or not touching
     if two is None:
         return
     two = two.find()
@@ -138,3 +300,26 @@ def _connect(one: _Member | None, two: _Member | None, rows: int, *, touching: b
         one.rows += two.rows
         one.fast = one.fast or two.fast
         one.touching = one.touching or two.touching
+        one.joined = one.joined or two.joined
+
+
+def _directions(contact: Any) -> list[list[float]]:
+    """find_directions in step.c."""
+    n = list(contact.geom.normal[:3])
+    if contact.surface.mode & ContactMode.FDIR1:
+        one = list(contact.fdir1[:3])
+    elif math.fabs(n[2]) > 0.70710678118654752:
+        scale = 1.0 / math.sqrt(n[1] * n[1] + n[2] * n[2])
+        one = [0.0, -n[2] * scale, n[1] * scale]
+    else:
+        scale = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1])
+        one = [-n[1] * scale, n[0] * scale, 0.0]
+    return [n, one, _cross(n, one)]
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

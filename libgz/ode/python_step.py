@@ -61,7 +61,7 @@ class PythonStep:
         self._contact_arrays: dict[tuple[float, ...], tuple[Any, list[tuple[c_void_p, ...]]]] = {}
         self._full = FullContacts(context, tables)
         self._limits = MotionLimits(self._ode)
-        self._islands = Islands(context, tables)
+        self._islands = Islands(context, tables, self._full.log)
         self._contact_count = 0
         self._near = self._make_near()
 

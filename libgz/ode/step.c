@@ -5,6 +5,8 @@
  * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories
  * are equal to the last bit; a test compares them.
  */
+#include "resting.h"
+
 #include <float.h>
 #include <math.h>
 #include <pthread.h>
@@ -113,6 +115,10 @@ typedef struct {
     X(unsigned long, dRandGetSeed, (void))                                      \
     X(message_handler *, dGetDebugHandler, (void))                              \
     X(void, dSetDebugHandler, (message_handler *))                              \
+    X(double, dWorldGetCFM, (void *))                                           \
+    X(double, dWorldGetContactMaxCorrectingVel, (void *))                       \
+    X(void, dJointDisable, (void *))                                            \
+    X(const double *, dBodyGetRotation, (void *))                               \
     X(const double *, dBodyGetPosition, (void *))                               \
     X(const double *, dBodyGetQuaternion, (void *))                             \
     X(const double *, dBodyGetLinearVel, (void *))                              \
@@ -204,7 +210,16 @@ typedef struct {
 /* Bodies that touch in a step, by row, and in how many points; body2 is -1 where the world is touched. */
 typedef struct {
     int64_t body1, body2, count;
+    int64_t first; /* of its points */
+    int64_t next;  /* of the same island, or -1 */
 } touch_record;
+
+/* A contact of such bodies. */
+typedef struct {
+    contact point;
+    void *joint;
+    int64_t record; /* or -1 */
+} touch_point;
 
 /* A contact point that may not push its bodies apart as fast as it should; one of them may be NULL, the world. */
 typedef struct {
@@ -264,6 +279,8 @@ typedef struct {
     double surface_layer;     /* [m] of depth that is not corrected under the classic rule */
     int64_t resting;          /* steps in a row, at most 2, after which no body was awake; 0 after any change from outside */
     int64_t next_checked;     /* body that is looked at next while all rest */
+    int64_t point_count, point_capacity;
+    touch_point *points;      /* of the touches */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -275,7 +292,7 @@ enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5
 enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3, PLANE_CLASS = 4, RAY_CLASS = 5, HEIGHTFIELD_CLASS = 9 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
-enum { MOTION_N = 0x080, ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
+enum { MOTION1 = 0x020, MOTION_N = 0x080, ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
 /* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
 enum {
     SURFACE_KP,
@@ -299,7 +316,10 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COMPLIANCE, /* [1/Pa] (1 - nu^2) / E; 0: not elastic */
     SURFACE_CURVATURE,  /* [1/m] of its shape; 0: flat */
-    SURFACE_COLUMNS = 24
+    SURFACE_TRACK,       /* 1: the surface runs round the axis fdir1; 2: and what it carries turns about a pivot */
+    SURFACE_TRACK_SPEED, /* [m/s] at which it runs, by the right-hand rule */
+    SURFACE_PIVOT,       /* global; three columns */
+    SURFACE_COLUMNS = SURFACE_PIVOT + 3
 };
 /* A body beyond these has diverged. */
 #define MAX_SPEED 1e7      /* [m/s] and [rad/s], before a step */
@@ -471,6 +491,13 @@ static int set_friction_direction(contact *point, const double *aim)
     return 1;
 }
 
+/* The rotation of a geom; a plane has none in ODE, and its friction direction is global. */
+static const double *rotation_of(void *geom)
+{
+    static const double none[12] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+    return dGeomGetClass(geom) == PLANE_CLASS ? none : dGeomGetRotation(geom);
+}
+
 /* The direction in which mu applies: that of the geom with the smaller mu. */
 static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
 {
@@ -485,10 +512,68 @@ static int friction_direction(const double *a, const double *b, void *geom1, voi
     }
     if (dot(local, local) == 0.0)
         return 0;
-    r = dGeomGetRotation(geom);
+    r = rotation_of(geom);
     for (k = 0; k < 3; k++)
         aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
     return set_friction_direction(point, aim);
+}
+
+/* The direction in which the surface of a track runs at a contact whose normal points out of it; 0: it has none. */
+static int track_direction(const double *row, void *geom, const double *normal, double sign, double *way)
+{
+    const double *r = rotation_of(geom), *local = row + SURFACE_FDIR1;
+    double axis[3], size;
+    int k;
+    for (k = 0; k < 3; k++)
+        axis[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
+    way[0] = sign * (axis[1] * normal[2] - axis[2] * normal[1]);
+    way[1] = sign * (axis[2] * normal[0] - axis[0] * normal[2]);
+    way[2] = sign * (axis[0] * normal[1] - axis[1] * normal[0]);
+    size = sqrt(dot(way, way));
+    if (size < 1e-9)
+        return 0;
+    for (k = 0; k < 3; k++)
+        way[k] = way[k] / size;
+    return 1;
+}
+
+/* Friction on a surface that runs: mu acts along the way of the track, or round the pivot, and mu2 across. */
+static int set_track(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+{
+    const double *n = point->geom.normal, *pivot = NULL, *rows[2];
+    double way[3], motion[3] = {0.0, 0.0, 0.0}, arm[3], aim[3], first, sign;
+    void *geoms[2];
+    int found = 0, i, k;
+    rows[0] = a, rows[1] = b, geoms[0] = geom1, geoms[1] = geom2;
+    first = dGeomGetBody(geom1) ? 1.0 : -1.0; /* the joint measures velocities of its first body against the other */
+    for (i = 0; i < 2; i++) {
+        sign = i ? 1.0 : -1.0; /* the normal points into geom 1 */
+        if (rows[i][SURFACE_TRACK] == 0.0 || !track_direction(rows[i], geoms[i], n, sign, way))
+            continue;
+        if (rows[i][SURFACE_TRACK] == 2.0)
+            pivot = rows[i] + SURFACE_PIVOT;
+        for (k = 0; k < 3; k++) {
+            motion[k] = motion[k] + first * sign * rows[i][SURFACE_TRACK_SPEED] * way[k];
+            if (!found)
+                point->fdir1[k] = way[k];
+        }
+        found = 1;
+    }
+    if (!found)
+        return 0;
+    if (pivot) {
+        for (k = 0; k < 3; k++)
+            arm[k] = point->geom.pos[k] - pivot[k];
+        aim[0] = n[1] * arm[2] - n[2] * arm[1];
+        aim[1] = n[2] * arm[0] - n[0] * arm[2];
+        aim[2] = n[0] * arm[1] - n[1] * arm[0];
+        memcpy(way, point->fdir1, sizeof way);
+        if (!set_friction_direction(point, aim)) /* the pivot itself */
+            memcpy(point->fdir1, way, sizeof way);
+    }
+    point->surface.motion1 = dot(motion, point->fdir1);
+    point->surface.mode |= FDIR1 | MOTION1;
+    return 1;
 }
 
 /* Velocity of a body at a point at the end of the step if nothing but gravity acts, added with a sign. */
@@ -725,9 +810,11 @@ static void refine_point(const context *c, touching *t, int count, double found,
         s->mode |= SLIP1;
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
-    if (friction_direction(a, b, t->geom1, t->geom2, point) ||
-        (c->cone && sliding_direction(c, t->body1, t->body2, point)))
-        s->mode |= FDIR1;
+    if ((a[SURFACE_TRACK] == 0.0 && b[SURFACE_TRACK] == 0.0) || !set_track(a, b, t->geom1, t->geom2, point)) {
+        if (friction_direction(a, b, t->geom1, t->geom2, point) ||
+            (c->cone && sliding_direction(c, t->body1, t->body2, point)))
+            s->mode |= FDIR1;
+    }
     add_torsion(a, b, point);
     t->withheld = 0.0;
     set_depth(c, t, found, point);
@@ -828,6 +915,21 @@ static void note_touch(context *c, void *body1, void *body2, int count)
     t->body1 = (intptr_t)dBodyGetData(body1 ? body1 : body2);
     t->body2 = body1 && body2 ? (intptr_t)dBodyGetData(body2) : -1;
     t->count = count;
+    t->first = c->point_count;
+    t->next = -1;
+}
+
+/* Note a contact of the bodies that were noted last. Without memory it is missing, and its island is solved by ODE. */
+static void note_point(context *c, const contact *point, void *joint)
+{
+    touch_point *p = enlarged(c->points, &c->point_capacity, c->point_count + 1, sizeof *p);
+    if (!p)
+        return;
+    c->points = p;
+    p += c->point_count++;
+    p->point = *point;
+    p->joint = joint;
+    p->record = c->record_contacts ? c->record_count : -1;
 }
 
 /* Note a point whose bodies are to be set apart. Without memory it is not noted. */
@@ -887,6 +989,8 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
             dJointAttach(joint, body1, body2);
             c->contact_count++;
+            if (classic && solves_islands(c))
+                note_point(c, &points[i], joint);
             if (pair.withheld > 0.0 && c->exact_rest)
                 note_overlap(c, &pair, &points[i]);
         }
@@ -1039,7 +1143,7 @@ static void read_joints(const context *c, double *state)
 static void find_contacts(context *c)
 {
     int64_t i;
-    c->contact_count = c->record_count = c->touch_count = c->overlap_count = 0;
+    c->contact_count = c->record_count = c->touch_count = c->point_count = c->overlap_count = 0;
     if (c->exact_rest && c->contact_rule == CLASSIC_RULE) {
         for (i = 0; i < c->body_count; i++)
             if (c->bodies[i])
@@ -1099,6 +1203,9 @@ void gz_free_contacts(context *c)
     free(c->pending);
     free(c->touches);
     free(c->overlaps);
+    free(c->points);
+    c->points = NULL;
+    c->point_count = c->point_capacity = 0;
     c->overlaps = NULL;
     c->overlap_count = c->overlap_capacity = 0;
     c->records = NULL;
@@ -1188,8 +1295,9 @@ static void free_step_memory(context *c)
 }
 
 /* Islands: bodies that joints and contacts connect. Those that are small and calm are solved exactly, for they rest in
- * no other way; those that are fast only if they have no contacts, for the exact solver does not let wheels slip as they
- * should; and if they are so small that it is the quicker way. */
+ * no other way, by resting.c where there are no joints and nothing slides; those that are fast only if they have no
+ * contacts, for the exact solver does not let wheels slip as they should; and if they are so small that it is the quicker
+ * way. */
 enum { EXACT_ROWS = 150, FAST_ROWS = 60, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
 enum { ALL_EXACT, ALL_QUICK, MIXED };
 
@@ -1198,9 +1306,21 @@ typedef struct {
     int64_t rows; /* of the solver, in the root's */
     int fast;     /* 1: a body of the island is, in the root's */
     int touching; /* 1: the island has contacts, in the root's */
+    int joined;   /* 1: it has joints, in the root's */
     int quick;    /* 1: to be solved by iteration */
+    int solved;   /* 1: its contacts were solved by resting.c, in the root's */
     int aside;    /* 1: the body was awake and is disabled for a part of the step */
+    int64_t next;               /* body of the island, or -1 */
+    int64_t first, last;        /* body of the island, in the root's; -1 before it has any */
+    int64_t touch, last_touch;  /* first and last touch of the island, in the root's; -1 without any */
+    int64_t place;              /* among the island's bodies */
+    double fallen;              /* its position along gravity [m^2/s^2] */
 } member;
+
+static member alone(int64_t row, int fast)
+{
+    return (member){.root = row, .fast = fast, .next = -1, .first = -1, .last = -1, .touch = -1, .last_touch = -1};
+}
 
 static member *members; /* by row of body; guarded by ode_lock */
 static int64_t member_capacity;
@@ -1230,6 +1350,7 @@ static void connect(const context *c, int64_t one, int64_t two, int64_t rows, in
     one = root_of(one);
     members[one].rows += rows;
     members[one].touching |= touching;
+    members[one].joined |= !touching;
     if (two < 0 || !c->bodies[two])
         return;
     two = root_of(two);
@@ -1239,19 +1360,284 @@ static void connect(const context *c, int64_t one, int64_t two, int64_t rows, in
     members[one].rows += members[two].rows;
     members[one].fast |= members[two].fast;
     members[one].touching |= members[two].touching;
+    members[one].joined |= members[two].joined;
 }
 
 static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetData(body) : -1; }
 
+/* What contacts may have, to be solved by resting.c: no bouncing and no torsion. */
+enum { PLAIN = MU2 | FDIR1 | SOFT_ERP | SOFT_CFM | MOTION_N | SLIP1 | SLIP2 | APPROX1 };
+enum { RESTING_WORK = 400 }; /* bodies squared, in the profile of larger islands: what a stack of a hundred takes */
+#define SLACK 1e-5 /* [-] of the inverse mass, that every direction yields at least while a system is solved */
+
+static resting_body *resting_bodies; /* guarded by ode_lock */
+static resting_point *resting_points;
+static int64_t *ranked; /* rows of an island's bodies, by place */
+static int64_t resting_body_capacity, resting_point_capacity, ranked_capacity;
+
+/* List the bodies and touches of each island, in their order. */
+static void list_members(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        member *root;
+        if (!c->bodies[i])
+            continue;
+        root = members + root_of(i);
+        if (root->first < 0)
+            root->first = i;
+        else
+            members[root->last].next = i;
+        root->last = i;
+    }
+    for (i = 0; i < c->touch_count; i++) {
+        touch_record *t = c->touches + i;
+        member *root = members + root_of(t->body1);
+        if (root->touch < 0)
+            root->touch = i;
+        else
+            c->touches[root->last_touch].next = i;
+        root->last_touch = i;
+    }
+}
+
+static void cross(const double *a, const double *b, double *out)
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Momentum and inertia of a body that has no contacts. */
+static void describe_body(const context *c, void *body, resting_body *b)
+{
+    const double *r = dBodyGetRotation(body), *v = dBodyGetLinearVel(body), *w = dBodyGetAngularVel(body);
+    const double *force = dBodyGetForce(body), *torque = dBodyGetTorque(body);
+    double turned[3][3], angular[3], gyroscopic[3];
+    int i, k, falls = dBodyGetGravityMode(body);
+    body_mass m;
+    dBodyGetMass(body, &m);
+    b->mass = m.mass;
+    for (i = 0; i < 3; i++)
+        for (k = 0; k < 3; k++)
+            turned[i][k] = r[4 * i] * m.inertia[k] + r[4 * i + 1] * m.inertia[4 + k] + r[4 * i + 2] * m.inertia[8 + k];
+    for (i = 0; i < 3; i++)
+        for (k = 0; k < 3; k++)
+            b->inertia[i][k] = dot(turned[i], r + 4 * k);
+    for (i = 0; i < 3; i++)
+        angular[i] = dot(b->inertia[i], w);
+    cross(w, angular, gyroscopic);
+    for (i = 0; i < 3; i++) {
+        b->momentum[i] = m.mass * v[i] + c->step * (force[i] + (falls ? m.mass * c->gravity[i] : 0.0));
+        b->momentum[3 + i] = angular[i] + c->step * (torque[i] - gyroscopic[i]);
+    }
+}
+
+/* The directions of a contact as ODE has them: the normal, and two of friction. */
+static void find_directions(const contact *p, double directions[DIRECTIONS][3])
+{
+    const double *n = p->geom.normal;
+    double *one = directions[1], *two = directions[2];
+    double size, scale;
+    memcpy(directions[0], n, 3 * sizeof(double));
+    if (p->surface.mode & FDIR1)
+        memcpy(one, p->fdir1, 3 * sizeof(double));
+    else if (fabs(n[2]) > 0.70710678118654752) {
+        size = n[1] * n[1] + n[2] * n[2];
+        scale = 1.0 / sqrt(size);
+        one[0] = 0.0;
+        one[1] = -n[2] * scale;
+        one[2] = n[1] * scale;
+    } else {
+        size = n[0] * n[0] + n[1] * n[1];
+        scale = 1.0 / sqrt(size);
+        one[0] = -n[1] * scale;
+        one[1] = n[0] * scale;
+        one[2] = 0.0;
+    }
+    cross(n, one, two);
+}
+
+static void describe_point(const context *c, const touch_record *t, const contact *p, double world_cfm, double fastest,
+                           resting_point *found)
+{
+    const surface_parameters *s = &p->surface;
+    double directions[DIRECTIONS][3], mass = HUGE_VAL;
+    int side, k, i;
+    find_directions(p, directions);
+    for (side = 0; side < 2; side++) {
+        int64_t row = side ? t->body2 : t->body1;
+        const double *place;
+        double arm[3];
+        found->body[side] = row < 0 ? -1 : members[row].place;
+        if (row < 0)
+            continue;
+        place = dBodyGetPosition(c->bodies[row]);
+        mass = smaller(mass, resting_bodies[members[row].place].mass);
+        for (k = 0; k < 3; k++)
+            arm[k] = p->geom.pos[k] - place[k];
+        for (k = 0; k < DIRECTIONS; k++) {
+            double *line = found->rows[side][k];
+            memcpy(line, directions[k], 3 * sizeof(double));
+            cross(arm, directions[k], line + 3);
+            if (side)
+                for (i = 0; i < MOTIONS; i++)
+                    line[i] = -line[i];
+        }
+    }
+    found->aim = s->soft_erp * p->geom.depth / c->step + (s->mode & MOTION_N ? s->motionN : 0.0);
+    found->aim = smaller(found->aim, fastest);
+    found->softness[0] = s->soft_cfm / c->step;
+    found->softness[1] = (s->mode & SLIP1 ? s->slip1 : world_cfm) / c->step;
+    found->softness[2] = (s->mode & SLIP2 ? s->slip2 : world_cfm) / c->step;
+    for (k = 0; k < DIRECTIONS; k++)
+        found->slack[k] = larger(0.0, SLACK / mass - found->softness[k]);
+    found->mu[0] = s->mu;
+    found->mu[1] = s->mode & MU2 ? s->mu2 : s->mu;
+}
+
+/* Number the bodies of an island from top to bottom, so that those that touch are near each other; how many there are, 0 if
+ * some do not move or are asleep. */
+static int64_t rank_bodies(const context *c, const member *root)
+{
+    int64_t i, k, count = 0;
+    for (i = root->first; i >= 0; i = members[i].next) {
+        int64_t *grown = enlarged(ranked, &ranked_capacity, count + 1, sizeof *ranked);
+        double fallen = dot(dBodyGetPosition(c->bodies[i]), c->gravity);
+        if (!grown || !dBodyIsEnabled(c->bodies[i]) || dBodyIsKinematic(c->bodies[i]))
+            return 0;
+        ranked = grown;
+        members[i].fallen = fallen;
+        for (k = count++; k > 0 && members[ranked[k - 1]].fallen > fallen; k--)
+            ranked[k] = ranked[k - 1];
+        ranked[k] = i;
+    }
+    for (i = 0; i < count; i++)
+        members[ranked[i]].place = i;
+    return count;
+}
+
+/* Count and number the members of an island, and find which are near each other; 0 if it is of another kind. */
+static int survey_island(const context *c, const member *root, int64_t *bodies, int64_t *points)
+{
+    int64_t i, k, work = 0;
+    void *grown;
+    *points = 0;
+    *bodies = rank_bodies(c, root);
+    if (!*bodies)
+        return 0;
+    grown = enlarged(resting_bodies, &resting_body_capacity, *bodies, sizeof *resting_bodies);
+    if (!grown)
+        return 0;
+    resting_bodies = grown;
+    for (i = 0; i < *bodies; i++)
+        resting_bodies[i].nearest = i;
+    for (i = root->touch; i >= 0; i = c->touches[i].next) {
+        const touch_record *t = c->touches + i;
+        int64_t one = members[t->body1].place, two = t->body2 < 0 ? one : members[t->body2].place;
+        resting_body *later = resting_bodies + (one > two ? one : two);
+        if (t->first + t->count > c->point_count)
+            return 0;
+        for (k = 0; k < t->count; k++)
+            if (c->points[t->first + k].point.surface.mode & ~PLAIN)
+                return 0;
+        later->nearest = later->nearest < one ? later->nearest : one;
+        later->nearest = later->nearest < two ? later->nearest : two;
+        *points += t->count;
+    }
+    for (i = 0; i < *bodies; i++)
+        work += (i - resting_bodies[i].nearest + 1) * (i - resting_bodies[i].nearest + 1);
+    return root->rows <= EXACT_ROWS || work <= RESTING_WORK;
+}
+
+/* Describe an island to resting.c; the number of its points, 0 if it is of another kind. */
+static int64_t describe_island(const context *c, const member *root, int64_t *body_count)
+{
+    double world_cfm = dWorldGetCFM(c->world), fastest = dWorldGetContactMaxCorrectingVel(c->world);
+    int64_t i, k, points;
+    resting_point *p;
+    void *grown;
+    if (!survey_island(c, root, body_count, &points))
+        return 0;
+    grown = enlarged(resting_points, &resting_point_capacity, points, sizeof *resting_points);
+    if (!grown)
+        return 0;
+    p = resting_points = grown;
+    for (i = root->first; i >= 0; i = members[i].next)
+        describe_body(c, c->bodies[i], resting_bodies + members[i].place);
+    for (i = root->touch; i >= 0; i = c->touches[i].next)
+        for (k = 0; k < c->touches[i].count; k++)
+            describe_point(c, c->touches + i, &c->points[c->touches[i].first + k].point, world_cfm, fastest, p++);
+    return points;
+}
+
+/* Force and torque of a contact on one of its bodies. */
+static void find_effort(const context *c, const resting_point *p, int side, double *force, double *torque)
+{
+    int a, k;
+    for (a = 0; a < 3; a++) {
+        force[a] = torque[a] = 0.0;
+        for (k = 0; k < DIRECTIONS; k++) {
+            force[a] = force[a] + p->rows[side][k][a] * p->impulse[k];
+            torque[a] = torque[a] + p->rows[side][k][3 + a] * p->impulse[k];
+        }
+        force[a] = force[a] / c->step;
+        torque[a] = torque[a] / c->step;
+    }
+}
+
+/* Let the contacts of an island act as efforts; their joints have no part in the step. */
+static void apply_solution(context *c, const member *root)
+{
+    const resting_point *p = resting_points;
+    int64_t i, k;
+    for (i = root->first; i >= 0; i = members[i].next) {
+        const double *impulse = resting_bodies[members[i].place].impulse;
+        const double *force = dBodyGetForce(c->bodies[i]), *torque = dBodyGetTorque(c->bodies[i]);
+        dBodySetForce(c->bodies[i], force[0] + impulse[0] / c->step, force[1] + impulse[1] / c->step,
+                      force[2] + impulse[2] / c->step);
+        dBodySetTorque(c->bodies[i], torque[0] + impulse[3] / c->step, torque[1] + impulse[4] / c->step,
+                       torque[2] + impulse[5] / c->step);
+    }
+    for (i = root->touch; i >= 0; i = c->touches[i].next)
+        for (k = 0; k < c->touches[i].count; k++, p++) {
+            const touch_point *point = c->points + c->touches[i].first + k;
+            dJointDisable(point->joint);
+            if (point->record >= 0 && point->record < c->record_count) {
+                feedback *result = &c->pending[point->record].result;
+                find_effort(c, p, 0, result->f1, result->t1);
+                if (p->body[1] >= 0)
+                    find_effort(c, p, 1, result->f2, result->t2);
+            }
+        }
+}
+
+/* Solve calm islands of bodies that only touch; those that cannot be solved so are left to ODE. */
+static void solve_resting(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        member *root = members + i;
+        int64_t points, bodies;
+        if (!c->bodies[i] || root->root != i || root->fast || root->joined || root->touch < 0)
+            continue;
+        points = describe_island(c, root, &bodies);
+        if (points && gz_solve_resting(resting_bodies, bodies, resting_points, points)) {
+            root->solved = 1;
+            apply_solution(c, root);
+        }
+    }
+}
+
 /* Find the islands, and which of them are solved exactly. */
-static int sort_islands(const context *c)
+static int sort_islands(context *c)
 {
     int64_t i;
     int exact = 0, quick = 0;
     for (i = 0; i < c->body_count; i++) {
         if (!c->bodies[i])
             continue;
-        members[i] = (member){i, 0, !is_calm(c, c->bodies[i]), 0, 0, 0};
+        members[i] = alone(i, !is_calm(c, c->bodies[i]));
         dBodySetData(c->bodies[i], (void *)(intptr_t)i);
     }
     for (i = 0; i < c->joint_count; i++)
@@ -1260,13 +1646,15 @@ static int sort_islands(const context *c)
                     0);
     for (i = 0; i < c->touch_count; i++)
         connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
+    list_members(c);
+    solve_resting(c);
     for (i = 0; i < c->body_count; i++) {
         const member *root;
         if (!c->bodies[i])
             continue;
         root = members + root_of(i);
         members[i].quick = root->rows > (root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS);
-        if (!root->rows || !dBodyIsEnabled(c->bodies[i]))
+        if (!root->rows || root->solved || !dBodyIsEnabled(c->bodies[i]))
             continue;
         exact |= !members[i].quick;
         quick |= members[i].quick;
@@ -1367,7 +1755,7 @@ static void find_groups(const context *c)
     int64_t i;
     for (i = 0; i < c->body_count; i++)
         if (c->bodies[i]) {
-            members[i] = (member){i, 0, 0, 0, 0, 0};
+            members[i] = alone(i, 0);
             groups[i] = (group){0.0, {0.0, 0.0, 0.0}};
         }
     for (i = 0; i < c->joint_count; i++)

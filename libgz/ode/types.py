@@ -92,6 +92,7 @@ class ContactMode(enum.IntFlag):
     BOUNCE = 0x004
     SOFT_ERP = 0x008
     SOFT_CFM = 0x010
+    MOTION1 = 0x020
     MOTION_N = 0x080
     SLIP1 = 0x100
     SLIP2 = 0x200
@@ -146,9 +147,12 @@ class Surface(enum.IntEnum):
     RADIUS = 20  # [m] of the surface's curvature; 0 is flat
     COMPLIANCE = 21  # [1/Pa] (1 - nu^2) / E of an elastic surface; 0: not elastic
     CURVATURE = 22  # [1/m] of the shape of an elastic surface; 0: flat
+    TRACK = 23  # 1: the surface runs round the axis FDIR1, as a track; 2: and what it carries turns about a pivot
+    TRACK_SPEED = 24  # [m/s] at which it runs, by the right-hand rule; MU acts along its way, or round the pivot
+    PIVOT = 25  # three columns, global [m]
 
 
-SURFACE_COLUMNS = 24
+SURFACE_COLUMNS = 28
 
 
 class JointType(enum.IntEnum):

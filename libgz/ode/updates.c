@@ -68,6 +68,7 @@ typedef struct {
     int64_t command_count;
     char *kept, *found; /* commands when the file was last found whole; space for a copy */
     int64_t kept_any;
+    int64_t exchanges; /* grows with each release of the lock, of a server */
     int64_t head_size;
     char head[HEAD]; /* as the server wrote it */
 } link_record;
@@ -140,6 +141,7 @@ static void keep_commands(link_record *l)
 
 static void give_back(link_record *l)
 {
+    l->exchanges++;
     if (l->descriptor < 0)
         return;
     if (l->keeps)

@@ -127,14 +127,22 @@ class Body(Edited):
         Raises:
             ClosedError: the body was closed.
         """
-        if self._closed:
-            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
+        self._require_open()
         return self._id or 0
 
     @property
     def closed(self) -> bool:
         """Whether it was destroyed."""
         return self._closed
+
+    def _require_open(self) -> None:
+        """Check that the body was not closed: its row may belong to another one.
+
+        Raises:
+            ClosedError: it was.
+        """
+        if self._closed:
+            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
 
     @property
     def label(self) -> str:
@@ -171,14 +179,21 @@ class Body(Edited):
     # State -------------------------------------------------------------------------------------------------------
 
     def _values(self, first: int, last: int) -> list[float]:
-        """Columns of this body's row; see `Engine.states`. The row of a closed body may belong to another one."""
+        """Columns of this body's row; see `Engine.states`."""
         if self._closed:
-            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
+            self._require_open()
         table, row = self._table, self.row
         if not table.fresh[row]:
-            table.read(row)
+            self._read()
         values: list[float] = table.values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
         return values
+
+    @exclusive
+    def _read(self) -> None:
+        """Copy the state from ODE: another thread may be stepping it, or have destroyed the body."""
+        self._require_open()
+        if not self._table.fresh[self.row]:
+            self._table.read(self.row)
 
     def GetPose(self) -> GzPose:
         """Global pose of the body frame [m]."""
@@ -229,11 +244,11 @@ class Body(Edited):
 
     def SetPosition(self, position: VectorLike) -> None:
         """Move the body frame to a global position [m]."""
-        self.SetPose(GzPose(GzVector(*position), self.GetRotation()))
+        self.SetPose(GzPose(GzVector(*finite_tuple(position, 3, "position [m]")), self.GetRotation()))
 
     def SetRotation(self, rotation: QuaternLike) -> None:
         """Turn the body about its frame's origin."""
-        self.SetPose(GzPose(self.GetPosition(), GzQuatern(*rotation)))
+        self.SetPose(GzPose(self.GetPosition(), GzQuatern(*rotation_tuple(rotation, "rotation"))))
 
     def GetCoMPose(self) -> GzPose:
         """Global pose of the centre of mass [m]."""
@@ -245,7 +260,10 @@ class Body(Edited):
     @property
     def com(self) -> GzVector:
         """The centre of mass in the body frame [m]; zero for a dummy."""
-        return GzVector(*self._table.com[self.row].tolist()) if self.row >= 0 else GzVector()
+        if self.row < 0:
+            return GzVector()
+        self._require_open()
+        return GzVector(*self._table.com[self.row].tolist())
 
     def GetLinearVel(self) -> GzVector:
         """Velocity of the centre of mass [m/s], global; zero for a dummy."""
@@ -306,7 +324,10 @@ class Body(Edited):
 
     def GetWeight(self) -> GzVector:
         """The force of gravity in the last step [N], global; zero unless the engine's `record_motion` is on."""
-        if self.row < 0 or not self._table.motion[self.row, 12]:
+        if self.row < 0:
+            return GzVector()
+        self._require_open()
+        if not self._table.motion[self.row, 12]:
             return GzVector()
         mass = self.mass
         return GzVector(*(mass * g for g in self.engine.gravity))
@@ -315,6 +336,7 @@ class Body(Edited):
         """Three columns of what the last step recorded."""
         if self.row < 0:
             return GzVector()
+        self._require_open()
         return GzVector(*self._table.motion[self.row, column : column + 3].tolist())
 
     def GetKineticEnergy(self) -> float:
@@ -351,6 +373,7 @@ class Body(Edited):
         """
         if self.row < 0:
             return
+        self._require_open()
         lib, self.auto_disable = ode(), bool(on)
         if on:
             self.engine.auto_disabled.add(self)
@@ -363,6 +386,7 @@ class Body(Edited):
         lib.dBodySetAutoDisableFlag(self.id, int(self.auto_disable))
         self.Enable(True)  # which restarts the idle time
 
+    @exclusive
     def IsEnabled(self) -> bool:
         """Whether the body is awake; a dummy never is."""
         return self.row >= 0 and bool(ode().dBodyIsEnabled(self.id))
@@ -373,6 +397,7 @@ class Body(Edited):
         if self.row >= 0:
             ode().dBodySetGravityMode(self.id, int(bool(mode)))
 
+    @exclusive
     def GetGravityMode(self) -> int:
         """1 if gravity acts on this body, else 0."""
         return int(ode().dBodyGetGravityMode(self.id)) if self.row >= 0 else 0
@@ -409,10 +434,12 @@ class Body(Edited):
 
     # Forces: they act for one step -------------------------------------------------------------------------------
 
+    @exclusive
     def GetForce(self) -> GzVector:
         """The global force accumulated for the next step [N]."""
         return GzVector(*ode().dBodyGetForce(self.id).contents[:3]) if self.row >= 0 else GzVector()
 
+    @exclusive
     def GetTorque(self) -> GzVector:
         """The global torque accumulated for the next step [N m]."""
         return GzVector(*ode().dBodyGetTorque(self.id).contents[:3]) if self.row >= 0 else GzVector()
@@ -524,6 +551,7 @@ class Body(Edited):
         """Total mass [kg]; 0 for a dummy."""
         return float(self.GetMass().mass)
 
+    @exclusive
     def GetMass(self) -> mass_.Mass:
         """The mass matrix ODE uses: mass [kg], inertia [kg m^2] about the centre of mass in body axes."""
         result = mass_.Mass()
@@ -556,6 +584,8 @@ class Body(Edited):
         Raises:
             ParameterError: it is not a possible mass matrix; the body keeps the one it has.
         """
+        if not isinstance(mass, mass_.Mass):
+            raise ParameterError(f"body {self.label!r} takes a mass matrix; {mass!r} is none")
         before, self._given_mass = self._given_mass, mass
         try:
             self.UpdateCoM()

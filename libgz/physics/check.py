@@ -125,6 +125,11 @@ def rotation_tuple(values: Iterable[float], what: str) -> tuple[float, ...]:
     return numbers
 
 
+def vector_of(first: Iterable[float] | float, rest: tuple[float, ...]) -> Iterable[float]:
+    """A vector that was given as one, or as three numbers: the old API had both."""
+    return (first, *rest) if isinstance(first, int | float) else first
+
+
 def unit_axis(values: Iterable[float], what: str) -> tuple[float, ...]:
     """A direction of any length but zero, scaled to 1.
 

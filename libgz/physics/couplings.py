@@ -34,6 +34,7 @@ from libgz.physics.mass import given_mass
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
 FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
+MOST_ERROR = 2e-3  # [rad] between gears that a step corrects
 RACK = 0.1  # mass of a gear's rack as a share of what it drives
 LEVER = 20.0  # radii at the rack, in radii of gyration
 MOMENT = 1.0  # inertia of a rack on a base that moves, as a share of what it drives
@@ -161,6 +162,8 @@ class Thread:
 class Gears:
     """Couples the rotations of two bodies: angle 2 = -ratio * angle 1, as seen from a third.
 
+    Both angles count from references [rad], zero at first; together with the ratio they may change in each step.
+
     A rack of little mass slides past both; each meshes with it at its own radius. The effort that accelerates the rack
     is compensated in the next step.
 
@@ -172,7 +175,7 @@ class Gears:
         reference: what carries both; None or a dummy for the world.
     """
 
-    KEPT = ("ratio", "angles", "_speed", "_radii", "_mass")
+    KEPT = ("ratio", "references", "angles", "_speed", "_radii", "_mass")
 
     def __init__(
         self,
@@ -186,7 +189,7 @@ class Gears:
         self.bodies, self.reference, self.ratio = bodies, reference, ratio
         self._local = [rotate(GzQuaternInverse(b.GetRotation()), a) for b, a in zip(bodies, axes, strict=True)]
         self._hubs = [self._find_hub(body) for body in bodies]
-        self.angles = [0.0, 0.0]
+        self.angles, self.references = [0.0, 0.0], [0.0, 0.0]
         self._speed: float | None = None
         self.rack = Body(world, name="rack")
         self._set_rack_mass()
@@ -255,6 +258,11 @@ class Gears:
         self._set_rack_mass()
         self.restore()
 
+    def vary_ratio(self, ratio: float) -> None:
+        """Replace the ratio, which may be zero; the angles stay."""
+        self.ratio = ratio
+        self._radii = (-ratio * self._radii[1], self._radii[1])
+
     def restore(self) -> None:
         """Set the angles to zero."""
         self.angles = [0.0, 0.0]
@@ -274,7 +282,9 @@ class Gears:
             for pose, hub, axis, radius in zip(poses, self._hubs, axes, self._radii, strict=True)
         ]
         self._place_rack(poses[1], along, self._radii[1] * rates[1], step)
-        error = self._radii[1] * (self.angles[1] + self.ratio * self.angles[0])
+        first, second = (angle - reference for angle, reference in zip(self.angles, self.references, strict=True))
+        # A larger error, as new references may cause, is corrected in many steps: at once it would disturb the rack.
+        error = self._radii[1] * min(max(second + self.ratio * first, -MOST_ERROR), MOST_ERROR)
         for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
             line.place(point, along, off)
 

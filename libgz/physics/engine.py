@@ -190,6 +190,7 @@ class Engine:
         return float(self._context.step)
 
     @step_time.setter
+    @exclusive
     def step_time(self, seconds: float) -> None:
         self._context.step = self.tables.record.step = positive(seconds, "stepTime [s]")
 
@@ -212,6 +213,7 @@ class Engine:
         return SOLVERS[self._context.quick]
 
     @solver.setter
+    @exclusive
     def solver(self, name: str) -> None:
         if name not in SOLVERS:
             raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
@@ -223,6 +225,7 @@ class Engine:
         return int(self._context.seed)
 
     @seed.setter
+    @exclusive
     def seed(self, value: int) -> None:
         self._context.seed = int(value) & 0xFFFFFFFF
 
@@ -274,6 +277,7 @@ class Engine:
         return bool(self._context.count_turns)
 
     @count_turns.setter
+    @exclusive
     def count_turns(self, value: bool) -> None:
         self._context.count_turns = int(value)
 
@@ -286,6 +290,7 @@ class Engine:
         return bool(self._context.check_divergence)
 
     @check_divergence.setter
+    @exclusive
     def check_divergence(self, value: bool) -> None:
         self._context.check_divergence = int(value)
 
@@ -316,6 +321,7 @@ class Engine:
         return ContactRule(self._context.contact_rule)
 
     @contact_rule.setter
+    @exclusive
     def contact_rule(self, rule: ContactRule) -> None:
         self._context.contact_rule = ContactRule(rule)
         self._context.no_cylinder_pairs = rule == ContactRule.LEGACY or not self._ode.collides_cylinders
@@ -327,6 +333,7 @@ class Engine:
         return int(self._context.max_contacts)
 
     @max_contacts.setter
+    @exclusive
     def max_contacts(self, value: int) -> None:
         self._context.max_contacts = max(0, int(value))
 
@@ -336,6 +343,7 @@ class Engine:
         return bool(self._context.cone)
 
     @cone.setter
+    @exclusive
     def cone(self, value: bool) -> None:
         self._context.cone = int(value)
 
@@ -350,6 +358,7 @@ class Engine:
         return bool(self._context.exact_rest)
 
     @exact_rest.setter
+    @exclusive
     def exact_rest(self, value: bool) -> None:
         self._context.exact_rest = int(value)
 
@@ -364,6 +373,7 @@ class Engine:
         return bool(self._context.record_contacts)
 
     @record_contacts.setter
+    @exclusive
     def record_contacts(self, value: bool) -> None:
         self._context.record_contacts = int(value)
 
@@ -400,7 +410,8 @@ class Engine:
         """Height of the lowest body [m], closed ones included; 0 if all are above that."""
         bodies = self.tables.bodies
         if not self.tables.fresh_after_step:
-            self.step_form.read()
+            with self.lock:
+                self.step_form.read()
         return float(bodies.state[: bodies.used, 2].min(initial=0.0))
 
     @property

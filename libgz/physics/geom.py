@@ -71,6 +71,7 @@ class Geom(Edited):
         volume_mass: mass_.Mass | None = None,
         placeable: bool = True,
     ) -> None:
+        body.GetBodyId()  # raises if it was closed
         self.body = body
         self.space = space
         self.placeableGeom = placeable
@@ -115,7 +116,12 @@ class Geom(Edited):
         return f"{type(self).__name__} of {self.body.label}"
 
     def _of(self, what: str) -> str:
-        """The name of a property in messages: which geom of which body has it."""
+        """The name of a property in messages: which geom of which body has it.
+
+        Raises:
+            ClosedError: the geom was closed.
+        """
+        self._require_open()
         return f"{what} of {type(self).__name__} {self.body.geoms.index(self) + 1} of body {self.body.label!r}"
 
     @property
@@ -125,9 +131,17 @@ class Geom(Edited):
         Raises:
             ClosedError: the geom was closed.
         """
+        self._require_open()
+        return self._id or 0
+
+    def _require_open(self) -> None:
+        """Check that the geom was not closed: its row may belong to another one.
+
+        Raises:
+            ClosedError: it was.
+        """
         if self._closed:
             raise ClosedError(f"{type(self).__name__} of body {self.body.bodyName or 'unnamed'!r} was closed")
-        return self._id or 0
 
     @property
     def engine(self) -> Engine:
@@ -159,13 +173,20 @@ class Geom(Edited):
     @exclusive
     @exclusive
     def move_to(self, space: Space) -> None:
-        """Move it to another space: geoms of one space never touch each other."""
+        """Move it to another space: geoms of one space never touch each other.
+
+        Raises:
+            ParameterError: that is no space of the geom's world.
+        """
+        if not (isinstance(space, Space) and space.engine is self.engine):
+            raise ParameterError(f"{self.label} can be moved to a space of its world; {space!r} is none")
         if self.space is None or self.space is space:
             return
         ode().dSpaceRemove(self.space.id, self.id)
         ode().dSpaceAdd(space.id, self.id)
         self.space = space
 
+    @exclusive
     def place(self) -> None:
         """Place ODE's geom on its body, whose ODE origin is the centre of mass."""
         if not self.id or not self.placeableGeom:
@@ -207,11 +228,11 @@ class Geom(Edited):
 
     def SetRelativePosition(self, position: VectorLike) -> None:
         """Move the geom's centre in the body frame [m]."""
-        self.SetRelativePose(GzPose(GzVector(*position), self._relative.rot))
+        self.SetRelativePose(GzPose(GzVector(*finite_tuple(position, 3, "relative position [m]")), self._relative.rot))
 
     def SetRelativeRotation(self, rotation: QuaternLike) -> None:
         """Turn the geom in the body frame."""
-        self.SetRelativePose(GzPose(self._relative.pos, GzQuatern(*rotation)))
+        self.SetRelativePose(GzPose(self._relative.pos, GzQuatern(*rotation_tuple(rotation, "relative rotation"))))
 
     def GetRelativePose(self) -> GzPose:
         """The pose in the body frame [m]."""
@@ -251,6 +272,7 @@ class Geom(Edited):
         """A mass matrix about the geom's centre, seen from the body frame."""
         return mass_.moved(own, self._relative) if own is not None and self.placeableGeom else None
 
+    @exclusive
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Lowest and highest corner of the box around it [m], global; twice its place if it touches nothing."""
         if not self.id:
@@ -269,11 +291,13 @@ class Geom(Edited):
 
     def surface(self, column: int) -> float:
         """One contact property; see `Surface`."""
+        self._require_open()
         return float(self._table.surface[self.row, column])
 
     @exclusive
     def set_surface(self, column: int, value: float) -> None:
         """Change one contact property, unchecked; see `Surface`."""
+        self._require_open()
         self._table.set_surface(self.row, column, value)
 
     def SetHardness(self, kp: float, kd: float) -> None:
@@ -427,7 +451,7 @@ class Geom(Edited):
 
     def SetSkinScale(self, scale: VectorLike) -> None:
         """Scale the skin along its own axes."""
-        self.appearance.change(skin_scale=GzVector(*scale))
+        self.appearance.change(skin_scale=GzVector(*finite_tuple(scale, 3, "skin scale")))
 
     def SetSkinNull(self, null: bool, instead: Path | None = None) -> None:
         """While skins are shown, do not render this geom; with `instead`, only if that skin can be read."""

@@ -45,7 +45,27 @@ __all__ = [
 ]
 
 
-def _space_id(space: Space | None) -> int | None:
+THINNEST = 1e-6  # [m]
+
+
+def _thin(length: float, what: str) -> float:
+    """A length of a box or cylinder. Old worlds have plates of thickness 0, without volume or mass."""
+    return THINNEST if length == 0.0 else positive(length, what)
+
+
+def _space_id(body: Body, space: Space | None) -> int | None:
+    """The handle of the space in which ODE makes a geom.
+
+    Raises:
+        ClosedError: the body or the space was closed.
+        ParameterError: they are no body and space of one world: ODE would end the process, or leave a geom that is
+            nobody's.
+    """
+    if not isinstance(body, Body):
+        raise ParameterError(f"a geom belongs to a body; {body!r} is none")
+    if space is not None and not (isinstance(space, Space) and space.engine is body.engine):
+        raise ParameterError(f"a geom is made in a space of the world of its body, or in None; {space!r} is neither")
+    body.GetBodyId()
     return None if space is None else space.id
 
 
@@ -55,24 +75,24 @@ class BoxGeom(Geom):
     Args:
         body: the body it belongs to.
         space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
-        xDim, yDim, zDim: its full lengths [m].
+        xDim, yDim, zDim: its full lengths [m]; 0 makes a thin plate.
 
     Raises:
-        ParameterError: a length is not positive.
+        ParameterError: a length is negative or not finite.
     """
 
     KEPT = ("size",)
 
     @built
     def __init__(self, body: Body, space: Space | None, xDim: float, yDim: float, zDim: float) -> None:
-        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
-        handle = ode().dCreateBox(_space_id(space), *self.size)
+        self.size = tuple(_thin(length, "box length [m]") for length in (xDim, yDim, zDim))
+        handle = ode().dCreateBox(_space_id(body, space), *self.size)
         super().__init__(body, space, handle, mass_.box_mass(*self.size))
 
     @exclusive
     def resize(self, xDim: float, yDim: float, zDim: float) -> None:
         """Change the lengths [m]; the mass stays."""
-        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
+        self.size = tuple(_thin(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
         self._reshaped()
@@ -95,7 +115,9 @@ class SphereGeom(Geom):
     @built
     def __init__(self, body: Body, space: Space | None, radius: float) -> None:
         self.radius = positive(radius, "sphere radius [m]")
-        super().__init__(body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(radius))
+        super().__init__(
+            body, space, ode().dCreateSphere(_space_id(body, space), self.radius), mass_.sphere_mass(self.radius)
+        )
 
     @exclusive
     def resize(self, radius: float) -> None:
@@ -113,7 +135,7 @@ class CylinderGeom(Geom):
         body: the body it belongs to.
         space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
         radius: [m].
-        length: [m].
+        length: [m]; 0 makes a thin disc.
 
     Raises:
         ParameterError: a length is not positive.
@@ -124,16 +146,16 @@ class CylinderGeom(Geom):
     @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
         self.radius = positive(radius, "cylinder radius [m]")
-        self.length = positive(length, "cylinder length [m]")
-        handle = ode().dCreateCylinder(_space_id(space), self.radius, self.length)
-        super().__init__(body, space, handle, mass_.cylinder_mass(radius, length))
+        self.length = _thin(length, "cylinder length [m]")
+        handle = ode().dCreateCylinder(_space_id(body, space), self.radius, self.length)
+        super().__init__(body, space, handle, mass_.cylinder_mass(self.radius, self.length))
         body.UpdateCoM()
 
     @exclusive
     def resize(self, radius: float, length: float) -> None:
         """Change radius and length [m]; the mass stays."""
         self.radius = positive(radius, "cylinder radius [m]")
-        self.length = positive(length, "cylinder length [m]")
+        self.length = _thin(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
         self._reshaped()
@@ -156,8 +178,8 @@ class CapsuleGeom(Geom):
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
         self.radius = positive(radius, "capsule radius [m]")
         self.length = positive(length, "capsule length [m]")
-        handle = ode().dCreateCapsule(_space_id(space), self.radius, self.length)
-        super().__init__(body, space, handle, mass_.capsule_mass(radius, length))
+        handle = ode().dCreateCapsule(_space_id(body, space), self.radius, self.length)
+        super().__init__(body, space, handle, mass_.capsule_mass(self.radius, self.length))
 
 
 class WheelGeom(SphereGeom):
@@ -195,7 +217,7 @@ class PlaneGeom(Geom):
     def __init__(self, body: Body, space: Space | None, altitude: float, normal: VectorLike) -> None:
         self.altitude = finite(altitude, "altitude [m]")
         self.normal = GzVector(*unit_axis(normal, "normal"))
-        handle = ode().dCreatePlane(_space_id(space), *self.normal, self.altitude)
+        handle = ode().dCreatePlane(_space_id(body, space), *self.normal, self.altitude)
         super().__init__(body, space, handle, placeable=False)
 
 
@@ -266,7 +288,7 @@ class TriMeshGeom(Geom):
         padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
         padded[:, :3] = points
         data, old = new_mesh_data(padded, corners), self._data
-        self._adopt(ode().dCreateTriMesh(_space_id(self.space), data, None, None, None))
+        self._adopt(ode().dCreateTriMesh(_space_id(self.body, self.space), data, None, None, None))
         self._ode_vertices, self._ode_triangles, self._data = padded, corners, data
         if old is not None:
             ode().dGeomTriMeshDataDestroy(old)
@@ -381,7 +403,7 @@ class HeightfieldGeom(Geom):
         ode().dGeomHeightfieldDataBuildDouble(
             self._data, samples.ctypes.data, 1, *self.size, columns, rows, 1.0, 0.0, depth, 0
         )
-        super().__init__(body, space, ode().dCreateHeightfield(_space_id(space), self._data, 1))
+        super().__init__(body, space, ode().dCreateHeightfield(_space_id(body, space), self._data, 1))
 
     @exclusive
     def close(self) -> None:

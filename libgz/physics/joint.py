@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, NamedTuple
 
 from libgz.errors import ClosedError, GazeboError, ParameterError
@@ -27,7 +27,7 @@ from libgz.ode.types import (
     dParamLoStop,
 )
 from libgz.physics.body import Body
-from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
+from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis, vector_of
 from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
@@ -153,9 +153,17 @@ class Joint(Edited):
         Raises:
             ClosedError: the joint was closed.
         """
+        self._require_open()
+        return self._id or 0
+
+    def _require_open(self) -> None:
+        """Check that the joint was not closed: its row may belong to another one.
+
+        Raises:
+            ClosedError: it was.
+        """
         if self._id is None:
             raise ClosedError(f"{self.label} was closed")
-        return self._id
 
     @exclusive
     def close(self) -> None:
@@ -190,21 +198,25 @@ class Joint(Edited):
     @exclusive
     def reset_turns(self) -> None:
         """Count turns of all angles from zero again; see `Engine.count_turns`."""
-        self.engine.tables.attach_joint(self.row, self.id)
+        self._require_open()
+        if any(self.bodies):  # ODE crashes on angles of some joints without bodies
+            self.engine.tables.attach_joint(self.row, self.id)
 
     @exclusive
     def count_turns_from(self, index: int, angle: float) -> None:
         """Count turns of the first (0) or second (1) angle from a value [rad] on."""
+        self._require_open()
         self._table.state[self.row, index] = angle
         self.engine.tables.joint_moved(self.row)
 
     @exclusive
-    def _set_axis(self, function: Callable[..., Any] | None, axis: VectorLike) -> None:
+    def _set_axis(self, function: Callable[..., Any] | None, axis: Iterable[float]) -> None:
         if function is not None:
             self._require_bodies()
             function(self.id, *unit_axis(axis, "axis"))
             self.engine.tables.joint_moved(self.row)
 
+    @exclusive
     def _get_vector(self, function: Callable[..., Any] | None) -> GzVector:
         """What an ODE function writes; zero without one."""
         if function is None:
@@ -215,24 +227,48 @@ class Joint(Edited):
 
     def _value(self, column: int) -> float:
         """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
-        if self._id is None:  # its row may belong to another one
-            raise ClosedError(f"{self.label} was closed")
+        if self._id is None:
+            self._require_open()
         table, row = self._table, self.row
         if not table.fresh[row]:
-            table.read(row)
+            self._read()
         return table.values[4 * row + column]
+
+    @exclusive
+    def _read(self) -> None:
+        """Copy angles and rates from ODE: another thread may be stepping it, or have destroyed the joint."""
+        self._require_open()
+        if not self._table.fresh[self.row]:
+            self._table.read(self.row)
 
     # Bodies ------------------------------------------------------------------------------------------------------
 
     @exclusive
     def Attach(self, one: Body | None, two: Body | None) -> None:
-        """Join two bodies; None, or a dummy body, stands for the world. Two of these: nothing happens."""
+        """Join two bodies; None, or a dummy body, stands for the world. Two of these: nothing happens.
+
+        Raises:
+            ParameterError: one is no body of the joint's world, or both are the same.
+        """
+        self._check_bodies(one, two)
         ids = tuple(0 if body is None else body.id for body in (one, two))
         if not any(ids):
             return
         if one is not None and ids[0] == ids[1]:
             raise ParameterError(f"{self.label} cannot join body {one.label!r} with itself")
         self._join(one, two)
+
+    def _check_bodies(self, *bodies: Body | None) -> None:
+        """Check what is to be attached: ODE ends the process if it is not a body of the joint's world.
+
+        Raises:
+            ClosedError: the joint was closed.
+            ParameterError: something is no such body.
+        """
+        self._require_open()
+        for body in bodies:
+            if body is not None and not (isinstance(body, Body) and body.engine is self.engine):
+                raise ParameterError(f"{self.label} joins bodies of its world; {body!r} is none of them")
 
     def _join(self, one: Body | None, two: Body | None) -> None:
         self._forget_bodies()
@@ -273,18 +309,33 @@ class Joint(Edited):
     @exclusive
     def Detach(self) -> None:
         """Detach both bodies."""
+        self._require_open()
         self._forget_bodies()
         self.engine.tables.attach_joint(self.row, 0)
         ode().dJointAttach(self.id, None, None)
 
     def GetJointBody(self, index: int) -> Body | None:
-        """The first (0) or second (1) body; None for the world."""
-        return self.bodies[index]
+        """The first (0) or second (1) body; None for the world.
+
+        Raises:
+            ParameterError: the index is neither.
+        """
+        if index not in (0, 1):
+            raise ParameterError(f"{self.label} has the bodies 0 and 1; there is none of index {index!r}")
+        return self.bodies[int(index)]
 
     @staticmethod
     def AreConnected(one: Body, two: Body) -> bool:
-        """Whether a joint connects these two bodies."""
-        return bool(one.id and two.id and ode().dAreConnected(one.id, two.id))
+        """Whether a joint connects these two bodies.
+
+        Raises:
+            ParameterError: one is no body.
+        """
+        for body in (one, two):
+            if not isinstance(body, Body):
+                raise ParameterError(f"joints connect bodies; {body!r} is none")
+        with one.engine.lock:
+            return bool(one.id and two.id and ode().dAreConnected(one.id, two.id))
 
     def GetType(self) -> int:
         """ODE's number of the joint's kind."""
@@ -299,6 +350,7 @@ class Joint(Edited):
         Raises:
             ParameterError: it is another kind of joint, or a number is not finite.
         """
+        self._require_open()
         if self.kind not in (JointType.HINGE, JointType.SLIDER):
             raise ParameterError(f"{self.label} has no spring; hinges and sliders have")
         self.engine.tables.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
@@ -306,13 +358,14 @@ class Joint(Edited):
     # Parameters --------------------------------------------------------------------------------------------------
 
     @exclusive
-    def SetAnchor(self, anchor: VectorLike) -> None:
-        """Place the joint at a global point [m]; without effect for sliders and fixed joints."""
+    def SetAnchor(self, anchor: VectorLike | float, *yz: float) -> None:
+        """Place the joint at a global point [m], a vector or three numbers; sliders and fixed joints have none."""
         if self._functions.set_anchor is not None:
             self._require_bodies()
-            self._functions.set_anchor(self.id, *finite_tuple(anchor, 3, "anchor [m]", LARGEST))
+            self._functions.set_anchor(self.id, *finite_tuple(vector_of(anchor, yz), 3, "anchor [m]", LARGEST))
             self.engine.tables.joint_moved(self.row)
 
+    @exclusive
     def GetAnchor(self) -> GzVector:
         """The global anchor on the first body [m]; zero for sliders and fixed joints."""
         return self._get_vector(self._functions.get_anchor)
@@ -337,6 +390,7 @@ class Joint(Edited):
         function: Any = self._set_param
         return ctypes.cast(function, ctypes.c_void_p).value or 0
 
+    @exclusive
     def GetParam(self, parameter: int) -> float:
         """The value of a parameter."""
         return float(self._functions.get_param(self.id, known_parameter(parameter)))
@@ -352,9 +406,9 @@ class Joint(Edited):
 class AxisJoint(Joint):
     """Base of joints that turn about one axis."""
 
-    def SetAxis(self, axis: VectorLike) -> None:
-        """The axis, global."""
-        self._set_axis(self._functions.set_axis, axis)
+    def SetAxis(self, axis: VectorLike | float, *yz: float) -> None:
+        """The axis, global: a vector, or three numbers."""
+        self._set_axis(self._functions.set_axis, vector_of(axis, yz))
 
     def GetAxis(self) -> GzVector:
         """The axis, global."""
@@ -444,9 +498,9 @@ class SliderJoint(Joint):
             get_axis=lib.dJointGetSliderAxis,
         )
 
-    def SetAxis(self, x: float, y: float, z: float) -> None:
-        """The axis, global."""
-        self._set_axis(self._functions.set_axis, (x, y, z))
+    def SetAxis(self, axis: VectorLike | float, *yz: float) -> None:
+        """The axis, global: a vector, or three numbers."""
+        self._set_axis(self._functions.set_axis, vector_of(axis, yz))
 
     def GetAxis(self) -> GzVector:
         """The axis, global."""

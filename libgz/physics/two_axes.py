@@ -9,7 +9,7 @@ from libgz.geometry import GzVector, VectorLike
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
-from libgz.physics.check import are_parallel, finite, perpendicular, unit_axis
+from libgz.physics.check import are_parallel, finite, perpendicular, unit_axis, vector_of
 from libgz.physics.joint import Joint, JointFunctions
 from libgz.physics.lock import exclusive
 
@@ -28,14 +28,14 @@ class TwoAxisJoint(Joint):
         raise NotImplementedError
 
     @exclusive
-    def SetAxis1(self, axis: VectorLike) -> None:
-        """The axis fixed to the first body; global.
+    def SetAxis1(self, axis: VectorLike | float, *yz: float) -> None:
+        """The axis fixed to the first body; global: a vector, or three numbers.
 
         Raises:
             ParameterError: it is parallel to the second one, which was set before.
         """
         self._require_bodies()
-        axis1 = unit_axis(axis, "axis")
+        axis1 = unit_axis(vector_of(axis, yz), "axis")
         clash = are_parallel(axis1, self.GetAxis2())
         if clash and self._set[1]:
             self._refuse()
@@ -43,14 +43,14 @@ class TwoAxisJoint(Joint):
         self._note(True, self._set[1])
 
     @exclusive
-    def SetAxis2(self, axis: VectorLike) -> None:
-        """The axis fixed to the second body; global.
+    def SetAxis2(self, axis: VectorLike | float, *yz: float) -> None:
+        """The axis fixed to the second body; global: a vector, or three numbers.
 
         Raises:
             ParameterError: it is parallel to the first one, which was set before.
         """
         self._require_bodies()
-        axis2 = unit_axis(axis, "axis")
+        axis2 = unit_axis(vector_of(axis, yz), "axis")
         clash = are_parallel(axis2, self.GetAxis1())
         if clash and self._set[0]:
             self._refuse()
@@ -79,11 +79,11 @@ class TwoAxisJoint(Joint):
         raise ParameterError(f"the axes of {self.label} must not be parallel; SetAxes sets both at once")
 
     def GetAxis1(self) -> GzVector:
-        """The axis fixed to the first body; global."""
+        """The axis fixed to the first body; global: a vector, or three numbers."""
         raise NotImplementedError
 
     def GetAxis2(self) -> GzVector:
-        """The axis fixed to the second body; global."""
+        """The axis fixed to the second body; global: a vector, or three numbers."""
         raise NotImplementedError
 
     def GetAngle1(self) -> float:
@@ -117,6 +117,7 @@ class Hinge2Joint(TwoAxisJoint):
     @exclusive
     def Attach(self, one: Body | None, two: Body | None) -> None:
         """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
+        self._check_bodies(one, two)
         if one is None or two is None or one.dummy or two.dummy:
             raise ParameterError(f"{self.label} joins two bodies; neither may be the world or a dummy")
         super().Attach(one, two)
@@ -176,11 +177,11 @@ class UniversalJoint(TwoAxisJoint):
             ode().dJointSetUniversalAxis2(self.id, *axis2)
 
     def GetAxis1(self) -> GzVector:
-        """The axis fixed to the first body; global."""
+        """The axis fixed to the first body; global: a vector, or three numbers."""
         return self._get_vector(ode().dJointGetUniversalAxis1)
 
     def GetAxis2(self) -> GzVector:
-        """The axis fixed to the second body; global."""
+        """The axis fixed to the second body; global: a vector, or three numbers."""
         return self._get_vector(ode().dJointGetUniversalAxis2)
 
     def GetAngleRate1(self) -> float:

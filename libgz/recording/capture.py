@@ -24,7 +24,7 @@ from libgz._version import __version__
 from libgz.closing import Closing
 from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.recording.changes import Changes, Piece
-from libgz.recording.frames import Kind, channel_frame, frame, tick_frame
+from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
@@ -39,15 +39,14 @@ __all__ = ["FORMAT", "Capture", "check_packages"]
 log = logging.getLogger("libgz.recording")
 
 FORMAT = "1"  # of the log
-LARGE, BEGINNING = 8192, 1024  # [byte]
+LARGE, BEGINNING = 512, 256  # [byte]
 LARGEST_FILE = 64 << 20  # [byte] of textures and skins that are kept in the log
 PIPE_SIZE = 1 << 20  # [byte]
 SEND_PERIOD = 0.01  # [s] between two calls of the system, each of which wakes the writer
-MOST_FRAMES = 200  # that wait for it
+SEND_SIZE = PIPE_SIZE // 2  # [byte] that are sent at once
 PATIENCE = 60.0  # [s] for the writer to finish
 TABLES, SCENE, FILES, SERVED = 1, 2, 3, 4  # channels
 FIRST_CHANNEL = 10  # of interfaces and topics
-_END = frame(Kind.END, 0, b"")
 _REVISION, _REVISION_AT = struct.Struct("=q"), HEADER.fields["revision"][1]  # type: ignore[index]
 
 _NEEDED = {"mcap": "mcap", "foxglove_schemas_protobuf": "foxglove-schemas-protobuf"}
@@ -65,7 +64,7 @@ def check_packages() -> None:
 
 
 def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:
-    """The parts of a large struct that change when it does: its beginning, with the time, and what clients write.
+    """The parts of a large struct that clients write, and its beginning with the time, for writes without the lock.
 
     Nothing for a small one: all of it is compared.
     """
@@ -98,9 +97,8 @@ class Capture(Closing):
         self._due = 0.0
         self._revision = -1
         self._known: list[Interface[Any]] = []
-        self._changes = Changes([])
         self._memory: Any = None  # of the tables
-        self._states = Changes([])
+        self._changes = Changes([])  # of the tables, if there are any yet, and of interfaces
         self._channels: dict[str, int] = {}
         self._files: set[str] = set()  # that the log has
         self._topics: TopicTap | None = None
@@ -110,7 +108,7 @@ class Capture(Closing):
             from libgz.recording.topics import TopicTap  # legacy worlds have no topics
 
             self._topics = TopicTap(world)
-        self._frames: list[bytes] = []
+        self._frames: list[bytes] = []  # that come before those of the next step's changes
         self._sent = 0.0  # [s]
         about = {
             "format": FORMAT,
@@ -163,39 +161,35 @@ class Capture(Closing):
         """
         if self._pipe is None:
             return
-        world = self.world
+        world, after = self.world, b""
         with world.lock:
             if not world.running:
                 return
             self._time += world.engine.step_time if advance else 0.0
-            log_time, sim_time = round(self._time * 1e9), round(world.clock.sim_time * 1e9)
-            self._frames.append(tick_frame(log_time, max(sim_time, 0)))
-            self._take_states()
-            self._take_interfaces()
+            memory = self._tables.memory
+            revision = _REVISION.unpack_from(memory, _REVISION_AT)[0]
+            served = list(world.gz_server.interfaces.values())
+            first = 0
+            if revision != self._revision:
+                self._revision = revision
+                self._take_scene()
+            elif self._time < self._due - 1e-9:
+                first = 1  # states are the first piece
+            if not first:
+                self._due = self._time + self.period
+            if served != self._known or memory is not self._memory:
+                self._notice(served, memory)
             if self._topics is not None:
-                self._take_topics(self._topics)
-        self._frames.append(_END)
+                after = self._take_topics(self._topics)
+            before = b""
+            if self._frames:
+                before, self._frames = b"".join(self._frames), []
+            log_time, sim_time = round(self._time * 1e9), round(world.clock.sim_time * 1e9)
+            waiting = self._changes.record(log_time, max(sim_time, 0), first, before, after)
         now = time.monotonic()
-        if now - self._sent >= SEND_PERIOD or len(self._frames) > MOST_FRAMES:
+        if now - self._sent >= SEND_PERIOD or waiting > SEND_SIZE:
             self._sent = now
             self._send()
-
-    def _take_states(self) -> None:
-        memory = self._tables.memory
-        revision = _REVISION.unpack_from(memory, _REVISION_AT)[0]
-        if revision != self._revision:
-            self._revision = revision
-            self._take_scene()
-        elif self._time < self._due - 1e-9:
-            return
-        self._due = self._time + self.period
-        if memory is self._memory:
-            self._frames.append(bytes(self._states.take()))
-            return
-        self._memory = memory
-        self._states = Changes([Piece(memory, TABLES)])
-        self._states.take()
-        self._frames.append(frame(Kind.MESSAGE, TABLES, bytes(memory)))
 
     def _take_scene(self) -> None:
         scene = json.loads(self._tables.scene)
@@ -211,19 +205,20 @@ class Capture(Closing):
                 self._frames.append(frame(Kind.MESSAGE, FILES, file_message(name, content)))
         self._frames.append(frame(Kind.MESSAGE, SCENE, self._tables.scene))
 
-    def _take_interfaces(self) -> None:
-        served = list(self.world.gz_server.interfaces.values())
+    def _notice(self, served: list[Interface[Any]], memory: Any) -> None:
+        """Interfaces came or went, or the tables have another size."""
+        self._send()
+        pieces = [Piece(memory, TABLES, seen=memory is not self._memory)]
+        if memory is not self._memory:
+            self._memory = memory
+            self._frames.append(frame(Kind.MESSAGE, TABLES, bytes(memory)))
         if served != self._known:
-            self._notice(served)
-        self._frames.append(bytes(self._changes.take()))
-
-    def _notice(self, served: list[Interface[Any]]) -> None:
-        """Interfaces came or went."""
-        self._known = served
-        pieces = [Piece(one.memory, self._interface_channel(one), keys_of(one.layout)) for one in served]
+            self._known = served
+            names = [[interface.type, interface.id] for interface in served]
+            self._frames.append(frame(Kind.MESSAGE, SERVED, json.dumps(names).encode()))
+        for one in served:
+            pieces.append(Piece(one.memory, self._interface_channel(one), keys_of(one.layout), one.link))
         self._changes = Changes(pieces, self._changes)
-        names = [[interface.type, interface.id] for interface in served]
-        self._frames.append(frame(Kind.MESSAGE, SERVED, json.dumps(names).encode()))
 
     def _interface_channel(self, interface: Interface[Any]) -> int:
         kind, name, size = interface.type, interface.id, interface.size
@@ -232,10 +227,12 @@ class Capture(Closing):
             f"/{kind}/{name}", kind="interface", type=kind, id=name, version=version, abi=abi, size=size
         )
 
-    def _take_topics(self, tap: TopicTap) -> None:
+    def _take_topics(self, tap: TopicTap) -> bytes:
+        found = []
         for topic, type_name, declaration, content in tap.take():
             channel = self._channel(topic, kind="topic", type=type_name, declaration=declaration)
-            self._frames.append(frame(Kind.MESSAGE, channel, content))
+            found.append(frame(Kind.MESSAGE, channel, content))
+        return b"".join(found)
 
     def _channel(self, topic: str, **about: Any) -> int:
         """The number of a channel; a new one the first time."""
@@ -248,7 +245,7 @@ class Capture(Closing):
     # The pipe --------------------------------------------------------------------------------------------------------
 
     def _send(self) -> None:
-        data, self._frames = memoryview(b"".join(self._frames)), []
+        data = memoryview(self._changes.send())
         try:
             while data and self._pipe is not None:
                 data = data[os.write(self._pipe, data) :]

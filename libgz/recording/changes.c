@@ -1,16 +1,19 @@
-/* Finds what has changed in pieces of memory since the last look, and writes it down as frames for the log's pipe. */
+/* Takes what has changed in pieces of memory since the last look, and appends it as frames to what waits for the log's
+   pipe: a step of the log by one call. */
 
 #include <stdint.h>
 #include <string.h>
 
-enum { BLOCK = 32, PATCH = 5, FRAME_HEAD = 7, PATCH_HEAD = 8 };
+enum { BLOCK = 32, STRETCH = 512, FRAME_HEAD = 7, PATCH_HEAD = 8 };
+enum { TICK = 0, END = 3, PATCH = 5 }; /* Kind in frames.py */
 
 struct range {
     int64_t offset, size;
 };
 
 /* To look at all memory in each step would displace what the step itself needs from the processor's caches. So a row has
-   keys, parts of it that change whenever something else does; all of it is compared in every eighth step besides. */
+   a count of its server's writes, and keys, parts of it that others write or that change whenever something else does;
+   all of it is compared in every eighth step besides. */
 enum { TURNS = 8 };
 
 struct row {
@@ -18,46 +21,92 @@ struct row {
     uint8_t *shadow; /* as it was at the last look */
     int64_t size;    /* of both [byte] */
     int64_t channel;
-    int64_t seen; /* whether there was a look */
+    int64_t seen;          /* whether there was a look */
+    const int64_t *writes; /* how often its server has written; NULL: not counted */
+    int64_t writes_seen;
     const struct range *keys;
     int64_t key_count; /* 0: all of it is compared each time */
 };
 
-static uint8_t *put32(uint8_t *at, uint32_t value)
+struct recorder {
+    uint8_t *data;    /* what waits for the pipe */
+    int64_t used;     /* of it [byte] */
+    struct row *rows; /* the first one is that of bodies and joints */
+    int64_t count;
+    int64_t turn;                  /* counts the calls */
+    int64_t first;                 /* row to look at */
+    int64_t log_time, sim_time;    /* of this step [ns] */
+    const uint8_t *before, *after; /* other frames of this step */
+    int64_t before_size, after_size;
+};
+
+static uint8_t *put(uint8_t *at, const void *bytes, int64_t size)
 {
-    memcpy(at, &value, 4);
-    return at + 4;
+    memcpy(at, bytes, (size_t)size);
+    return at + size;
+}
+
+static uint8_t *put_head(uint8_t *at, int kind, int64_t channel, int64_t length)
+{
+    uint16_t number = (uint16_t)channel;
+    uint32_t size = (uint32_t)length;
+    *at = (uint8_t)kind;
+    return put(put(at + 1, &number, 2), &size, 4);
+}
+
+static int differs(const uint8_t *a, const uint8_t *b)
+{
+    uint64_t x[BLOCK / 8], y[BLOCK / 8], found = 0;
+    int i;
+    memcpy(x, a, BLOCK);
+    memcpy(y, b, BLOCK);
+    for (i = 0; i < BLOCK / 8; i++)
+        found |= x[i] ^ y[i];
+    return found != 0;
+}
+
+/* Where the bytes from `at` on differ: the start of a block, or `size`. Stretches that are equal are passed at once. */
+static int64_t first_change(const struct row *row, int64_t at)
+{
+    const uint8_t *memory = row->memory, *shadow = row->shadow;
+    while (row->size - at >= STRETCH && !memcmp(memory + at, shadow + at, STRETCH))
+        at += STRETCH;
+    while (row->size - at >= BLOCK && !differs(memory + at, shadow + at))
+        at += BLOCK;
+    if (row->size - at < BLOCK && !memcmp(memory + at, shadow + at, (size_t)(row->size - at)))
+        at = row->size;
+    return at;
 }
 
 /* The changed blocks of a row, neighbours together: offset, length, bytes. */
 static uint8_t *patches(struct row *row, uint8_t *out)
 {
-    int64_t at = 0;
-    while (at < row->size) {
-        int64_t start, length = row->size - at < BLOCK ? row->size - at : BLOCK;
-        if (!memcmp(row->memory + at, row->shadow + at, (size_t)length)) {
-            at += length;
-            continue;
-        }
-        start = at;
-        while (at < row->size) {
-            length = row->size - at < BLOCK ? row->size - at : BLOCK;
-            if (!memcmp(row->memory + at, row->shadow + at, (size_t)length))
-                break;
+    const uint8_t *memory = row->memory;
+    uint8_t *shadow = row->shadow;
+    int64_t at = 0, size = row->size;
+    while ((at = first_change(row, at)) < size) {
+        int64_t start = at;
+        uint32_t head[2];
+        do {
+            int64_t length = size - at < BLOCK ? size - at : BLOCK;
             /* What is written down is the shadow: a client may write the memory meanwhile. */
-            memcpy(row->shadow + at, row->memory + at, (size_t)length);
+            memcpy(shadow + at, memory + at, (size_t)length);
             at += length;
-        }
-        out = put32(put32(out, (uint32_t)start), (uint32_t)(at - start));
-        memcpy(out, row->shadow + start, (size_t)(at - start));
-        out += at - start;
+        } while (size - at >= BLOCK && differs(memory + at, shadow + at));
+        head[0] = (uint32_t)start, head[1] = (uint32_t)(at - start);
+        out = put(put(out, head, PATCH_HEAD), shadow + start, at - start);
     }
     return out;
 }
 
-static int changed(const struct row *row, int whole)
+static int changed(struct row *row, int whole)
 {
-    for (int64_t i = 0; i < row->key_count; i++) {
+    int64_t i;
+    if (row->writes && *row->writes != row->writes_seen) {
+        row->writes_seen = *row->writes;
+        return 1;
+    }
+    for (i = 0; i < row->key_count; i++) {
         const struct range *key = &row->keys[i];
         if (memcmp(row->memory + key->offset, row->shadow + key->offset, (size_t)key->size))
             return 1;
@@ -65,26 +114,34 @@ static int changed(const struct row *row, int whole)
     return whole && memcmp(row->memory, row->shadow, (size_t)row->size);
 }
 
-/* Writes a frame for each row that changed; `out` takes all rows with an eighth more, and 64 bytes for each.
-   `turn` counts the calls. Returns the number of bytes. */
-int64_t gz_changes(struct row *rows, int64_t count, uint8_t *out, int64_t turn)
+/* A frame for each row that changed. */
+static uint8_t *take(struct recorder *r, uint8_t *end)
 {
-    uint8_t *end = out;
-    for (int64_t i = 0; i < count; i++) {
-        struct row *row = &rows[i];
+    int64_t i;
+    for (i = r->first; i < r->count; i++) {
+        struct row *row = &r->rows[i];
         uint8_t *head = end;
-        uint16_t channel = (uint16_t)row->channel;
-        if (row->seen && !changed(row, !row->key_count || (i + turn) % TURNS == 0))
+        if (row->seen && !changed(row, !row->key_count || (i + r->turn) % TURNS == 0))
             continue;
         end = patches(row, head + FRAME_HEAD);
-        if (end == head + FRAME_HEAD && row->seen) { /* a client has undone its change meanwhile */
+        if (end == head + FRAME_HEAD && row->seen) { /* it was written anew, with equal bytes */
             end = head;
             continue;
         }
         row->seen = 1;
-        head[0] = PATCH;
-        memcpy(head + 1, &channel, 2);
-        put32(head + 3, (uint32_t)(end - head - FRAME_HEAD));
+        put_head(head, PATCH, row->channel, end - head - FRAME_HEAD);
     }
-    return end - out;
+    return end;
+}
+
+/* Appends the frames of a step: its times, frames that come before, those of rows that changed, frames that come after.
+   There is space for them. Returns how many bytes wait now. */
+int64_t gz_record(struct recorder *r)
+{
+    uint8_t *end = put_head(r->data + r->used, TICK, 0, 16);
+    r->turn++;
+    end = put(put(end, &r->log_time, 8), &r->sim_time, 8);
+    end = take(r, put(end, r->before, r->before_size));
+    end = put_head(put(end, r->after, r->after_size), END, 0, 0);
+    return r->used = end - r->data;
 }

@@ -12,13 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.recording.frames import Kind, frame
+from libgz.recording.frames import END_FRAME, Kind, frame, tick_frame
+from libgz.records import LinkRecord
 
 __all__ = ["Changes", "Piece", "apply_patches"]
 
 log = logging.getLogger("libgz.recording")
 
 _PATCH = struct.Struct("<II")  # offset and length
+_SPARE = 1 << 16  # [byte] that may wait besides a step
 
 
 class _Row(ctypes.Structure):
@@ -30,9 +32,33 @@ class _Row(ctypes.Structure):
         ("size", ctypes.c_int64),
         ("channel", ctypes.c_int64),
         ("seen", ctypes.c_int64),
+        ("writes", ctypes.c_void_p),
+        ("writes_seen", ctypes.c_int64),
         ("keys", ctypes.c_void_p),
         ("key_count", ctypes.c_int64),
     ]
+
+
+class _Recorder(ctypes.Structure):
+    """struct recorder."""
+
+    _fields_ = [
+        ("data", ctypes.c_void_p),
+        ("used", ctypes.c_int64),
+        ("rows", ctypes.c_void_p),
+        ("count", ctypes.c_int64),
+        ("turn", ctypes.c_int64),
+        ("first", ctypes.c_int64),
+        ("log_time", ctypes.c_int64),
+        ("sim_time", ctypes.c_int64),
+        ("before", ctypes.c_char_p),
+        ("after", ctypes.c_char_p),
+        ("before_size", ctypes.c_int64),
+        ("after_size", ctypes.c_int64),
+    ]
+
+
+_STEP, _STEP_AT = struct.Struct("=qqq"), _Recorder.first.offset  # first row and times
 
 
 class Piece(NamedTuple):
@@ -41,13 +67,17 @@ class Piece(NamedTuple):
     Attributes:
         memory: a buffer.
         channel: number of its channel in the log.
-        keys: offset and size of parts that change whenever something else does, so that the rest need not be compared
-            each time; empty to compare everything.
+        keys: offset and size of parts that change whenever something else does, or that others than the server write,
+            so that the rest need not be compared each time; empty to compare everything.
+        link: counts the writes of the server, where that is known.
+        seen: whether the log has its present content.
     """
 
     memory: Any
     channel: int
     keys: tuple[tuple[int, int], ...] = ()
+    link: LinkRecord | None = None
+    seen: bool = False
 
 
 @lru_cache
@@ -61,72 +91,106 @@ def _library() -> Any:
     except OSError as error:
         log.debug("changes are found in Python: %s", error)
         return None
-    library.gz_changes.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64]
-    library.gz_changes.restype = ctypes.c_int64
+    library.gz_record.argtypes = [ctypes.c_void_p]
+    library.gz_record.restype = ctypes.c_int64
     return library
 
 
 class Changes:
-    """Looks at pieces of memory.
+    """Looks at pieces of memory, and keeps frames of what has changed until they are sent.
 
     Args:
-        pieces: of memory.
-        former: an object that looked before, at some of them. A channel always has pieces of one size.
+        pieces: of memory; the first one is that of bodies and joints.
+        former: an object that looked before, at some of them, and whose frames were sent. A channel of an interface
+            always has pieces of one size.
         native: whether the native part is used, if there is one.
     """
 
     def __init__(self, pieces: list[Piece], former: Changes | None = None, native: bool = True) -> None:
+        self._pieces = pieces
         self._memories = [np.frombuffer(piece.memory, dtype=np.uint8) for piece in pieces]
-        self._channels = [piece.channel for piece in pieces]
-        self._keys = [np.array(piece.keys, dtype=np.int64).reshape(-1, 2) for piece in pieces]
-        self._turn = 0
         # By channel: address of the memory, and what it was at the last look, which is what the writer has.
         self.shadows: dict[int, tuple[int, NDArray[np.uint8]]] = dict(former.shadows) if former is not None else {}
         self._seen: list[bool] = []
-        for memory, channel in zip(self._memories, self._channels, strict=True):
-            address, shadow = self.shadows.get(channel, (0, np.zeros_like(memory)))
+        for piece, memory in zip(pieces, self._memories, strict=True):
+            address, shadow = self.shadows.get(piece.channel, (0, memory))
+            if piece.seen:
+                address, shadow = memory.ctypes.data, memory.copy()
+            elif not address:
+                shadow = np.zeros_like(memory)
             self._seen.append(address == memory.ctypes.data)
-            self.shadows[channel] = memory.ctypes.data, shadow
-        self._library = _library() if native else None
+            self.shadows[piece.channel] = memory.ctypes.data, shadow
+        self._frames = bytearray()
+        self._library: Any = _library() if native else None
         if self._library is not None:
             self._prepare()
 
     def _prepare(self) -> None:
-        self._rows = (_Row * len(self._memories))(
-            *(
-                _Row(
-                    memory.ctypes.data,
-                    self.shadows[channel][1].ctypes.data,
-                    len(memory),
-                    channel,
-                    seen,
-                    keys.ctypes.data,
-                    len(keys),
-                )
-                for memory, channel, seen, keys in zip(
-                    self._memories, self._channels, self._seen, self._keys, strict=True
-                )
-            )
-        )
-        most = sum(len(memory) + len(memory) // 8 + 64 for memory in self._memories)
-        self._out = (ctypes.c_char * max(most, 1))()
-        self._view = memoryview(self._out).cast("B")
-        self._arguments = ctypes.addressof(self._rows), len(self._memories), ctypes.addressof(self._out)
+        self._keys = [np.array(piece.keys, dtype=np.int64).reshape(-1, 2) for piece in self._pieces]
+        rows = []
+        for i, (piece, memory) in enumerate(zip(self._pieces, self._memories, strict=True)):
+            keys, writes = self._keys[i], None
+            if piece.link is not None:
+                writes = ctypes.addressof(piece.link) + LinkRecord.exchanges.offset
+            shadow = self.shadows[piece.channel][1].ctypes.data
+            row = memory.ctypes.data, shadow, len(memory), piece.channel, self._seen[i], writes, -1
+            rows.append(_Row(*row, keys.ctypes.data, len(keys)))
+        self._rows = (_Row * len(rows))(*rows)
+        self._most = sum(len(memory) + len(memory) // 8 + 64 for memory in self._memories) + 64
+        self._recorder = _Recorder(None, 0, ctypes.addressof(self._rows), len(rows), 0)
+        self._address = ctypes.addressof(self._recorder)
+        self._reserve(self._most + _SPARE)
 
-    def take(self) -> bytes | memoryview:
-        """The frames of what has changed since the last call; valid until the next one."""
-        if self._library is not None:
-            self._turn += 1
-            return self._view[: self._library.gz_changes(*self._arguments, self._turn)]
-        found = []
-        for i, (memory, channel) in enumerate(zip(self._memories, self._channels, strict=True)):
-            now, shadow = memory.tobytes(), self.shadows[channel][1]
+    def _reserve(self, size: int) -> None:
+        """Have space for so many bytes; what waits stays."""
+        data = (ctypes.c_char * size)()
+        if self._recorder.used:
+            ctypes.memmove(data, self._recorder.data, self._recorder.used)
+        self._data, self._recorder.data = data, ctypes.addressof(data)
+        self._limit = size - self._most
+
+    def record(self, log_time: int, sim_time: int, first: int = 0, before: bytes = b"", after: bytes = b"") -> int:
+        """Append the frames of a step to those that wait; returns the number of bytes that wait.
+
+        Args:
+            log_time, sim_time: of the step [ns].
+            first: the first piece to look at.
+            before, after: other frames of this step, before and after those of the pieces.
+        """
+        if self._library is None:
+            return self._record(log_time, sim_time, first, before, after)
+        recorder, extra = self._recorder, len(before) + len(after)
+        if recorder.used + extra > self._limit:
+            self._reserve(2 * recorder.used + extra + self._most)
+        _STEP.pack_into(recorder, _STEP_AT, first, log_time, sim_time)
+        if extra:
+            recorder.before, recorder.before_size = before, len(before)
+            recorder.after, recorder.after_size = after, len(after)
+        waiting: int = self._library.gz_record(self._address)
+        if extra:
+            recorder.before, recorder.before_size, recorder.after, recorder.after_size = None, 0, None, 0
+        return waiting
+
+    def _record(self, log_time: int, sim_time: int, first: int, before: bytes, after: bytes) -> int:
+        found = [tick_frame(log_time, sim_time), before]
+        for i in range(first, len(self._pieces)):
+            channel = self._pieces[i].channel
+            now, shadow = self._memories[i].tobytes(), self.shadows[channel][1]
             if self._seen[i] and now == shadow.tobytes():
                 continue
             self._seen[i] = True
             shadow[:] = np.frombuffer(now, dtype=np.uint8)
             found.append(frame(Kind.PATCH, channel, _PATCH.pack(0, len(now)) + now))
-        return b"".join(found)
+        self._frames += b"".join([*found, after, END_FRAME])
+        return len(self._frames)
+
+    def send(self) -> bytes | memoryview:
+        """The frames that wait, to be sent before the next call of `record`; they do not wait any more."""
+        if self._library is None:
+            frames, self._frames = bytes(self._frames), bytearray()
+            return frames
+        used, self._recorder.used = self._recorder.used, 0
+        return memoryview(self._data).cast("B")[:used]
 
 
 def apply_patches(target: bytearray, patches: bytes) -> None:

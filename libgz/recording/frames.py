@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-__all__ = ["Frame", "Frames", "Kind", "channel_frame", "frame", "tick_frame", "tick_times"]
+__all__ = ["END_FRAME", "Frame", "Frames", "Kind", "channel_frame", "frame", "tick_frame", "tick_times"]
 
 _HEAD = struct.Struct("<BHI")  # kind, channel, length of what follows
 _TICK = struct.Struct("<qq")
@@ -36,6 +36,9 @@ class Frame(NamedTuple):
 def frame(kind: int, channel: int, content: bytes) -> bytes:
     """A frame as bytes."""
     return _HEAD.pack(kind, channel, len(content)) + content
+
+
+END_FRAME = frame(Kind.END, 0, b"")
 
 
 def tick_frame(log_time: int, sim_time: int) -> bytes:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from libgz.classic.loading import find_plugin
+from libgz.classic.ros_names import absence
 from libgz.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
 from libgz.files import exists
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.rendering.choice import prefer, preferred
 from libgz.rendering.image import read_image
+from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.recognition import is_sdf
 from libgz.worldfile.file import WorldFile
@@ -94,14 +97,20 @@ def check_sdf(filename: str | os.PathLike[str]) -> list[Diagnostic]:
         file = SdfFile.load(filename)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
+    file.diagnostics.most_alike = sys.maxsize
+    missing: dict[str, Element] = {}  # message -> its first element
     for element in list(file.root.find("plugin")):
         library = element.Get(str, "filename")
         try:
             find_plugin(library, name)
         except PluginError:
-            file.diagnostics.warn(element, f"there is no plugin {library!r} here; a run goes without it")
+            missing.setdefault(
+                absence(library) or f"there is no plugin {library!r} here; a run goes without it", element
+            )
         if element.parent is not None:
             element.parent.RemoveChild(element)
+    for message, element in missing.items():
+        file.diagnostics.warn(element, message)
     before = preferred()
     with _collected(file.diagnostics, name) as found, World() as world:
         prefer("none")

@@ -44,7 +44,7 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     Args:
         uri: as written.
         beside: folder of the file that contains the URI; plain paths are tried there first. A model or package that is
-            nowhere else may be one of the folders around it.
+            nowhere else may be one of the folders around it, or stand beside one of them or in its folder `models`.
 
     Raises:
         NotFoundError: it does not exist; the message lists the places tried.
@@ -53,7 +53,7 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     if not separator:
         scheme, rest = "", uri.strip()
     if scheme in ("http", "https"):
-        raise NotFoundError(f"Unable to find uri[{uri}]: libgz never looks on the network; put the model on disk")
+        return _downloaded(uri)
     if scheme not in ("", "file", *MODEL_SCHEMES):
         known = "model://, package:// and file:// are"
         raise NotFoundError(f"Unable to find uri[{uri}]: {scheme}:// is not known; {known}")
@@ -65,9 +65,29 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     for place in places:
         if exists(place):
             return place
+    if scheme in MODEL_SCHEMES and beside is not None and rest.partition("/")[0] not in ("", ".", ".."):
+        for folder in (beside.absolute(), *beside.absolute().parents):
+            for place in (folder / rest, folder / "models" / rest):
+                if exists(place):
+                    return place
     tried = ", ".join(dict.fromkeys(map(str, places)))
     advice = "; set GAZEBO_MODEL_PATH" if scheme in MODEL_SCHEMES else "; set GAZEBO_RESOURCE_PATH"
     raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")
+
+
+def _downloaded(uri: str) -> Path:
+    """The model that an address of the network names, if it is on disk: `.../models/Ground Plane` is `ground_plane`.
+
+    Raises:
+        NotFoundError: it is not.
+    """
+    parts = [part for part in uri.strip().split("/") if part]
+    name = parts[parts.index("models") + 1] if "models" in parts[:-1] else parts[-1]
+    for folder in model_directories():
+        for place in (folder / name, folder / name.lower().replace(" ", "_").replace("%20", "_")):
+            if exists(place):
+                return place
+    raise NotFoundError(f"Unable to find uri[{uri}]: libgz never looks on the network; put the model on disk")
 
 
 def _around(name: str, beside: Path | None) -> list[Path]:

@@ -282,14 +282,14 @@ class Robot:
             return None
         mass, inertia = child_of(xml, "mass"), child_of(xml, "inertia")
         if mass is None or mass.get("value") is None:
-            self.error(xml, "<mass value='...'> is missing and must be given")
+            self.warn(xml, "<mass value='...'> is missing: the link is read as one without mass")
             return None
         if inertia is None:
-            self.error(xml, "<inertia> is missing and must be given")
-            return None
+            self.warn(xml, "<inertia> is missing: zero moments are read")
+            return Inertial(self.number(mass, "value"), self.origin(xml), np.zeros((3, 3)), xml)
         for key in ("ixx", "iyy", "izz"):
             if inertia.get(key) is None:
-                self.error(inertia, f"attribute {key!r} is missing and must be given")
+                self.warn(inertia, f"attribute {key!r} is missing: 0 is read")
         xx, xy, xz, yy, yz, zz = (self.number(inertia, key) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
         matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         return Inertial(self.number(mass, "value"), self.origin(xml), matrix, xml)

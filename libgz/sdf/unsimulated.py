@@ -43,8 +43,21 @@ def _found(element: Element) -> Iterator[tuple[Element, str]]:
             yield child, f"type {kind!r} is not simulated; the sensor is left out"
         elif child.name in PARTS and _acts(child):
             yield child, PARTS[child.name]
+        elif child.name == "joint" and (soft := _softness(child)) is not None:
+            yield soft, "softens the joint's motor and stops only, not what holds its links together as in Gazebo"
+            yield from _found(child)
         else:
             yield from _found(child)
+
+
+def _softness(joint: Element) -> Element | None:
+    """The `<cfm>` of a joint as a whole, if it is not 0."""
+    for physics in joint.named("physics"):
+        for ode in physics.named("ode"):
+            for cfm in ode.named("cfm"):
+                if cfm.Get(float):
+                    return cfm
+    return None
 
 
 def _acts(element: Element) -> bool:

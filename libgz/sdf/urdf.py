@@ -6,6 +6,7 @@ Elements of the result have the lines of those that they come from, for messages
 from __future__ import annotations
 
 import copy
+import math
 
 import numpy as np
 from lxml import etree
@@ -173,7 +174,8 @@ class _Writer:
             robot.warn(source, f"is no shape of URDF; it is left out{nearest(kind, wanted)}")
             return None
         for key in (key for key in wanted[kind] if source.get(key) is None):
-            robot.error(source, f"attribute {key!r} is missing and must be given")
+            robot.warn(source, f"attribute {key!r} is missing: the shape is left out")
+            return None
         result = etree.Element("geometry")
         result.sourceline = source.sourceline
         xml = _add(result, kind, source)
@@ -314,7 +316,8 @@ class _Writer:
         robot, name = self.robot, mimic.get("joint", "")
         leader = robot.joints.get(name)
         if leader is None or leader is joint:
-            robot.error(mimic, f"joint is {name!r}; it must be another joint{nearest(name, robot.joints)}")
+            known = nearest(name, robot.joints)
+            robot.warn(mimic, f"joint is {name!r}, which is not another joint{known}; it has no effect")
             return
         if leader.kind not in ("revolute", "continuous", "prismatic") or leader.child not in links:
             robot.warn(mimic, f"joint {name!r} does not move, so it cannot be followed; it has no effect")
@@ -408,7 +411,9 @@ def _pose_of(xml: etree._Element | None) -> GzPose | None:
         numbers = [float(word) for word in words] or 6 * [0.0]
     except ValueError:
         return None
-    return GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:])) if len(numbers) == 6 else None
+    if len(numbers) != 6 or not all(map(math.isfinite, numbers)):
+        return None
+    return GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:]))
 
 
 def _text(*numbers: float) -> str:

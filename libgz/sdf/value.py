@@ -35,7 +35,10 @@ def _int(text: str) -> int:
 
 
 def _float(text: str) -> float:
-    return float(text.strip() or 0.0)
+    value = float(text.strip() or 0.0)
+    if math.isnan(value):
+        raise ValueError(text)
+    return value
 
 
 def _vector(text: str) -> GzVector:
@@ -44,7 +47,9 @@ def _vector(text: str) -> GzVector:
 
 def _pose(text: str) -> GzPose:
     """x y z [m], roll pitch yaw [rad]: qz(yaw) qy(pitch) qx(roll), the same convention as in legacy worlds."""
-    x, y, z, roll, pitch, yaw = _numbers(text, 6, 0 if not text.strip() else 6)
+    x, y, z, roll, pitch, yaw = numbers = _numbers(text, 6, 0 if not text.strip() else 6)
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError(text)
     return GzPose(GzVector(x, y, z), GzQuaternFromEuler(roll, pitch, yaw))
 
 
@@ -74,7 +79,7 @@ _KINDS: dict[str, tuple[type, str]] = {
     "vector2d": (GzVector, "2 numbers"),
     "vector2i": (GzVector, "2 numbers"),
     "vector3": (GzVector, "3 numbers"),
-    "pose": (GzPose, "6 numbers: x y z [m] roll pitch yaw [rad]"),
+    "pose": (GzPose, "6 finite numbers: x y z [m] roll pitch yaw [rad]"),
     "color": (GzColor, "3 or 4 numbers"),
     "time": (str, "seconds and nanoseconds"),
 }
@@ -145,7 +150,8 @@ def repaired(kind: str, text: str) -> str:
     if kind in ("int", "unsigned int"):
         return str(int(float(words[0]))) if math.isfinite(float(words[0])) else ""
     least = 3 if kind == "color" else _LENGTHS[kind]
-    return " ".join(words + ["0"] * (least - len(words)))
+    usable = " ".join(words + ["0"] * (least - len(words)))
+    return "" if check(kind, usable) else usable
 
 
 def exact_pose(pose: GzPose) -> str:

@@ -38,7 +38,6 @@ class Axis:
     friction: float = 0.0
     stiffness: float = 0.0
     reference: float = 0.0
-    initial: float = 0.0
 
     @property
     def springs(self) -> bool:
@@ -165,6 +164,10 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note)
             direction = GzVector(1.0, 0.0, 0.0)  # as ODE's in Gazebo
             if element.Get(str, "type") not in ("fixed", "ball"):
                 note(element, f"<{name}> is zero; 1 0 0 in the world is used instead")
+        if axis.HasElement("initial_position") and axis.Get(float, "initial_position") != 0.0:
+            note(
+                axis, "<initial_position> has no effect, as in Gazebo; a joint begins where the poses of its links are"
+            )
         dynamics, limit = axis.child("dynamics"), axis.child("limit")
         lower, upper, effort, velocity = (_number(limit, key) for key in ("lower", "upper", "effort", "velocity"))
         axes.append(
@@ -178,7 +181,6 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note)
                 _number(dynamics, "friction"),
                 _number(dynamics, "spring_stiffness"),
                 _number(dynamics, "spring_reference"),
-                _number(axis, "initial_position"),
             )
         )
     return axes

@@ -18,7 +18,8 @@ __all__ = ["warn_of_contacts"]
 
 GAP = 0.005  # [m] between solids of a stack as it is loaded
 RATIO = 20.0  # of the mass of a solid to that of the one below it, which 50 iterations carry
-EXACT = 12  # solids of a stack that are solved exactly at rest: four contact points each
+EXACT = 80  # solids of a stack that are solved exactly at rest
+STILL = 12  # likewise, that iterations hold still enough
 DEEP = 0.1  # of the height of a model, to which a spring lets it sink without a warning
 FIRM = 0.01  # likewise, with what is advised
 ITERATIONS = 300  # that hold taller stacks still to 1 mm/s; for those of n solids n^2, if that is more
@@ -76,14 +77,14 @@ def _warn_of_stacks(found: list[Solid], diagnostics: Diagnostics) -> None:
     tops = [solid.high[2] for solid in by_top]
     height: dict[int, int] = {}  # of the tallest stack that ends with a solid
     carrying: set[int] = set()
-    most = EXACT if engine.exact_rest else 0
+    carried, still = (EXACT, EXACT) if engine.exact_rest else (0, STILL)
     for solid in order:
         near = by_top[bisect.bisect_left(tops, solid.low[2] - GAP) : bisect.bisect_right(tops, solid.low[2] + GAP)]
         under = [b for b in near if id(b) in height and solid.is_above(b)]
         carrying.update(map(id, under))
         height[id(solid)] = 1 + max((height[id(b)] for b in under), default=0)
         light = min((b.mass for b in under), default=math.inf)
-        if solid.mass > RATIO * light and height[id(solid)] > most and engine.iterations < solid.mass / light:
+        if solid.mass > RATIO * light and height[id(solid)] > carried and engine.iterations < solid.mass / light:
             remedy = "<solver><type>world</type>" + ("" if engine.exact_rest else " or <exact_rest>true</exact_rest>")
             diagnostics.warn(
                 solid.model.sdf,
@@ -92,10 +93,10 @@ def _warn_of_stacks(found: list[Solid], diagnostics: Diagnostics) -> None:
             )
     for solid in order:
         needed = max(ITERATIONS, height[id(solid)] ** 2)
-        if id(solid) not in carrying and height[id(solid)] > EXACT and engine.iterations < needed:
+        remedy = f"<solver><iters> {needed}" if engine.exact_rest else "<exact_rest>true</exact_rest>"
+        if id(solid) not in carrying and height[id(solid)] > still and engine.iterations < needed:
             diagnostics.warn(
                 solid.model.sdf,
                 f"model {solid.model.GetId()!r} is the top of a stack of {height[id(solid)]} solids, which "
-                f"{engine.iterations} iterations do not hold still; <solver><iters> {needed} would "
-                "(docs/contacts.md)",
+                f"{engine.iterations} iterations do not hold still; {remedy} would (docs/contacts.md)",
             )

@@ -24,6 +24,7 @@ from libgz.geometry import (
 )
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
+from libgz.physics.couplings import Gears
 from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
 from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
@@ -48,7 +49,7 @@ TURN = 2.0 * math.pi
 # h^2 k / m and h d / m up to which an implicit spring and damper are applied as efforts, which is stable up to 4 and 2.
 GENTLE = 0.05
 # What an axis has beside its direction.
-NUMBERS = ("lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference", "initial")
+NUMBERS = ("lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference")
 # What makes sense to ODE; values outside are replaced by the nearest bound.
 RANGES = {
     **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
@@ -56,6 +57,7 @@ RANGES = {
     "fmax": (0.0, 1e16),
     "vel": (-1e6, 1e6),
 }
+GEARS = ("reference_angle1", "reference_angle2", "ratio")  # keys of a gearbox that may change in each step
 
 
 # What a state has of a joint.
@@ -143,9 +145,6 @@ class SdfJoint:
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
         self._step_time = engine.step_time
         self._attach(plan.anchor)
-        for index, axis in enumerate(self.axes):
-            if axis.initial != 0.0 and self.joint is not None:
-                self.set_position(axis.initial, index)
 
     @property
     def parent(self) -> Body | None:
@@ -255,7 +254,7 @@ class SdfJoint:
     def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace) -> JointPlan:
         """What to make for a joint that a state has."""
         _, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, _ = state
-        made = [Axis(GzVector(*numbers[:3]), *numbers[3:-1]) for numbers in axes]  # it moves nothing to its initial
+        made = [Axis(GzVector(*numbers[:3]), *numbers[3:]) for numbers in axes]
         frame = find(child) or find(parent)
         anchor = frame.GetPose() if frame is not None else GzPose()
         return JointPlan(
@@ -527,15 +526,29 @@ class SdfJoint:
             return {"hi_stop": axis.upper, "lo_stop": axis.lower, "friction": axis.friction}[key]
         if key in ("thread_pitch", "gearbox_ratio"):
             return self.plan.pitch if key == "thread_pitch" else self.plan.ratio
+        if key in GEARS:
+            gears = self._gears(key)
+            return gears.ratio if key == "ratio" else gears.references[GEARS.index(key)]
         number = self._known_number(key, index)
         return self.joint.GetParam(number) if self.attached and self.joint is not None else 0.0
+
+    def _gears(self, key: str) -> Gears:
+        """The gears of a gearbox.
+
+        Raises:
+            ParameterError: it is no gearbox, or holds no links together.
+        """
+        if not isinstance(self._mechanism, GearboxMechanism):
+            raise ParameterError(f"joint {self.name!r}: {key!r} is a key of gearboxes; this is a {self.kind} joint")
+        return self._mechanism.gears
 
     def set_param(self, key: str, value: float, index: int = 0) -> None:
         """Set a parameter by its classic key.
 
         fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
         cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
-        gearbox_ratio.
+        gearbox_ratio, from which on the angles of a gearbox count anew; ratio of a gearbox, which leaves the angles,
+        and reference_angle1, reference_angle2 [rad], from which they count.
 
         Raises:
             ParameterError: there is no such key, this kind of joint has none, or the value is NaN.
@@ -566,6 +579,13 @@ class SdfJoint:
             self.plan.ratio = number
             if isinstance(self._mechanism, GearboxMechanism):
                 self._mechanism.gears.set_ratio(number)
+        elif key in GEARS:
+            gears = self._gears(key)
+            if key == "ratio":
+                gears.vary_ratio(number)
+            else:
+                index = GEARS.index(key)
+                gears.references = [*gears.references[:index], number, *gears.references[index + 1 :]]
         else:
             ode_parameter = self._known_number(key, index)
             least, most = RANGES.get(key, (-math.inf, math.inf))

@@ -279,26 +279,25 @@ class SliderMechanism(Mechanism):
         return True
 
 
-class _Softness(Mechanism):
-    """A kind without axes: of ODE's parameters it has the softness of the joint itself."""
+class BallMechanism(Mechanism):
+    """`ball`: free to turn about a point. Of ODE's parameters it has the softness of the joint itself."""
 
     needed_axes = 0
+    ode_class = BallJoint
 
     def number(self, key: str, index: int) -> int | None:
         return PARAMETERS[key] if key in ("erp", "cfm") and index == 0 else None
 
 
-class BallMechanism(_Softness):
-    """`ball`: free to turn about a point."""
+class FixedMechanism(Mechanism):
+    """`fixed`: no freedom at all, and no parameters; in Gazebo `<cfm>` and `<erp>` do not soften it."""
 
-    ode_class = BallJoint
-
-
-class FixedMechanism(_Softness):
-    """`fixed`: no freedom at all."""
-
+    needed_axes = 0
     ode_class = FixedJoint
     joint: FixedJoint
+
+    def number(self, key: str, index: int) -> int | None:
+        return None
 
     def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
         super().join(joint, anchor, axes)

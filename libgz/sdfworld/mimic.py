@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.geometry import GzVectorMag, GzVectorSub
+from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint import SdfJoint
 
@@ -13,39 +15,61 @@ __all__ = ["Mimic"]
 
 KINDS = ("revolute", "prismatic")  # that have a motor of their own, and may follow
 SHARE = 0.2  # of a deviation that is corrected in a step, as ODE's constraints do by default
+AT_STOP = 1e-6  # [rad or m]
 
 
 class Mimic:
     """A joint's motor, which keeps it at ``multiplier * (position of the leader - reference) + offset``.
 
-    It applies what it needs, up to the joint's limit of effort; the leader does not feel it.
+    It applies what it needs, up to a limit of effort; the leader does not feel it.
 
     Args:
-        element: the `<mimic>` of an axis.
-        follower: the name of the joint that it stands in.
+        leader, follower: names of joints.
         joints: those of the model, by name; read in each step, because joints may be removed and made again.
+        multiplier, offset, reference: offset and reference in [rad or m].
+        axis: of the leader.
+        effort: limit [N m or N]; None: that of the follower's axis.
+        tolerance: deviation that is not corrected [rad or m].
 
     Raises:
         NotFoundError: there is no joint to follow.
         ParameterError: one of them has no axis that can follow or be followed, or a number is not finite.
     """
 
-    def __init__(self, element: Element, follower: str, joints: Mapping[str, SdfJoint]) -> None:
-        self.follower, self.leader = follower, element.Get(str, "joint")
-        self._joints = joints
-        self._index = int(element.Get(str, "axis") == "axis2")
-        keys = ("multiplier", "offset", "reference")
-        self.multiplier, self.offset, self.reference = (element.Get(float, key) for key in keys)
-        if not all(map(math.isfinite, (self.multiplier, self.offset, self.reference))):
+    def __init__(
+        self,
+        leader: str,
+        follower: str,
+        joints: Mapping[str, SdfJoint],
+        *,
+        multiplier: float = 1.0,
+        offset: float = 0.0,
+        reference: float = 0.0,
+        axis: int = 0,
+        effort: float | None = None,
+        tolerance: float = 0.0,
+    ) -> None:
+        self.follower, self.leader = follower, leader
+        self._joints, self._index = joints, axis
+        self.multiplier, self.offset, self.reference = multiplier, offset, reference
+        self.effort, self.tolerance = effort, tolerance
+        if not all(map(math.isfinite, (multiplier, offset, reference))):
             raise ParameterError(f"joint {follower!r}: multiplier, offset and reference of <mimic> must be finite")
-        if self.leader not in joints or self.leader == follower:
-            known = nearest(self.leader, joints)
-            raise NotFoundError(f"joint {follower!r}: <mimic> names joint {self.leader!r}; it must be another{known}")
+        if leader not in joints or leader == follower:
+            known = nearest(leader, joints)
+            raise NotFoundError(f"joint {follower!r}: <mimic> names joint {leader!r}; it must be another{known}")
         if joints[follower].kind not in KINDS:
             allowed = " and ".join(KINDS)
             raise ParameterError(f"joint {follower!r} is {joints[follower].kind}; {allowed} joints can follow others")
-        if self._index >= len(joints[self.leader].axes):
-            raise ParameterError(f"joint {follower!r}: joint {self.leader!r} has no such axis to follow")
+        if axis >= len(joints[leader].axes):
+            raise ParameterError(f"joint {follower!r}: joint {leader!r} has no such axis to follow")
+
+    @classmethod
+    def from_element(cls, element: Element, follower: str, joints: Mapping[str, SdfJoint]) -> Mimic:
+        """That of a `<mimic>`, for the joint that it stands in."""
+        numbers = {key: element.Get(float, key) for key in ("multiplier", "offset", "reference")}
+        axis = int(element.Get(str, "axis") == "axis2")
+        return cls(element.Get(str, "joint"), follower, joints, axis=axis, **numbers)
 
     def target(self) -> float:
         """Where the follower should be now [rad or m]."""
@@ -56,11 +80,34 @@ class Mimic:
         joint, leader = self._joints.get(self.follower), self._joints.get(self.leader)
         if joint is None or leader is None or not (joint.attached and leader.attached):
             return
-        axis = joint.axes[0]
-        target = max(axis.lower, min(axis.upper, self.target()))
+        axis, step, place = joint.axes[0], joint.engine.step_time, joint.position()
+        deviation = max(axis.lower, min(axis.upper, self.target())) - place
         rate = self.multiplier * leader.velocity(self._index)
-        rate += SHARE * (target - joint.position()) / joint.engine.step_time
+        if abs(deviation) >= self.tolerance:
+            rate += SHARE * deviation / step
         if axis.velocity > 0.0:
             rate = max(-axis.velocity, min(axis.velocity, rate))
+        effort = axis.effort if self.effort is None else self.effort
+        if effort <= 0.0:
+            effort = math.inf
+        low, high = place <= axis.lower + AT_STOP, place >= axis.upper - AT_STOP
+        if low or high:
+            # At a stop ODE applies the whole effort of a motor as a torque, which hurls light links away.
+            leaves = (low and rate > 0.0) or (high and rate < 0.0)
+            effort = min(effort, _inertia(joint) * abs(rate) / step) if leaves else 0.0
         joint.set_param("vel", rate)
-        joint.set_param("fmax", axis.effort if axis.effort > 0.0 else math.inf)
+        joint.set_param("fmax", effort)
+
+
+def _inertia(joint: SdfJoint) -> float:
+    """What a follower's motor has to accelerate [kg or kg m^2], at most: the lighter one of its links."""
+    links = [link for link in (joint.child, joint.parent) if link is not None and link.mass > 0.0]
+    if joint.kind == "prismatic":
+        return min((link.mass for link in links), default=0.0)
+    return min((_moment(link, joint) for link in links), default=0.0)
+
+
+def _moment(link: Body, joint: SdfJoint) -> float:
+    mass = link.GetMass()
+    arm = GzVectorMag(GzVectorSub(link.GetCoMPose().pos, joint.anchor()))
+    return float((mass.I[0] + mass.I[5] + mass.I[10]) / 2.0 + mass.mass * arm * arm)

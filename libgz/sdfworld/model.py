@@ -415,7 +415,7 @@ class SdfModel(Entity):
 
     def _add_mimic(self, element: Element, follower: str) -> None:
         if follower in self.sdf_joints:  # a static model has none
-            self.mimics.append(Mimic(element, follower, self.sdf_joints))
+            self.mimics.append(Mimic.from_element(element, follower, self.sdf_joints))
 
     def remove_joint(self, name: str) -> bool:
         """Destroy a joint; false if there is none of this name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -22,13 +23,21 @@ class Parameter(NamedTuple):
     get: Callable[[World], Any]
     set: Callable[[World, Any], None]
 
+    def element(self, physics: Element) -> Element:
+        """Its element in a `<physics>`."""
+        for name in self.path:
+            physics = physics.child(name)
+        return physics
+
 
 def _update_rate(world: World) -> float:
     return world.simSpeed / world.engine.step_time
 
 
 def _set_update_rate(world: World, value: float) -> None:
-    world.simSpeed = value * world.engine.step_time
+    if math.isnan(value):
+        raise ParameterError("real_time_update_rate [Hz] is nan; it must be a number, 0 or less for no limit")
+    world.simSpeed = value * world.engine.step_time if 0.0 < value < math.inf else 0.0
 
 
 def _set_step_size(world: World, value: float) -> None:
@@ -123,11 +132,7 @@ def read_physics(physics: Element) -> dict[str, Any]:
 
 
 def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> None:
-    """Apply a `<physics>`.
-
-    Raises:
-        ParameterError: a value is not allowed.
-    """
+    """Apply a `<physics>`, with an error for each value that is not allowed."""
     kind = physics.Get(str, "type")
     if kind != "ode":
         diagnostics.warn(physics, f"type {kind!r} is not supported; ODE is used instead")
@@ -136,4 +141,12 @@ def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> N
     if model not in FRICTION_MODELS:
         diagnostics.warn(solver, f"friction_model {model!r} is not supported; {' and '.join(FRICTION_MODELS)} are")
     for key, value in read_physics(physics).items():
-        PHYSICS[key].set(world, value)
+        parameter = PHYSICS[key]
+        try:
+            parameter.set(world, value)
+        except ParameterError as error:
+            diagnostics.failure(parameter.element(physics), error)
+            continue
+        used = parameter.get(world)
+        if isinstance(value, int | float) and value < 0 and used != value:
+            diagnostics.warn(parameter.element(physics), f"{value} is not allowed; {used} is used instead")

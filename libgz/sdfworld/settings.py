@@ -61,10 +61,7 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
         diagnostics.failure(next((e for e in element.children if e.name in ("wind", "atmosphere")), element), error)
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
-    try:
-        apply_physics(world, chosen, diagnostics)
-    except ParameterError as error:
-        diagnostics.failure(chosen, error)
+    apply_physics(world, chosen, diagnostics)
     return settings
 
 

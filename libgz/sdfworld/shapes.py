@@ -13,7 +13,7 @@ from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.files import is_file
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
-from libgz.physics.check import LARGEST, finite_tuple, positive
+from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.physics.image_files import open_image
@@ -34,6 +34,12 @@ KNOWN = ("box", "sphere", "cylinder", "capsule", "ellipsoid", "plane", "mesh", "
 VECTORS = {"plane": ("size", "normal"), "mesh": ("scale",), "heightmap": ("size", "pos")}
 ROUND = 24  # corners of an ellipsoid's equator
 THINNEST = 1e-4  # [m]
+SIMPLE: dict[str, tuple[Callable[..., Geom], tuple[str, ...]]] = {
+    "box": (BoxGeom, ("size",)),
+    "sphere": (SphereGeom, ("radius",)),
+    "cylinder": (CylinderGeom, ("radius", "length")),
+    "capsule": (CapsuleGeom, ("radius", "length")),
+}
 MOST_PIXELS = 4097 * 4097
 PATCHES = 16  # of a rendered plane, in each direction: light is computed at their corners
 
@@ -53,7 +59,7 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
     pose = element.Get(GzPose, "pose")
     if shape.name == "plane":
         placed = GzCoordPoseAdd(pose, body.GetPose())
-        normal = rotate(placed.rot, shape.Get(GzVector, "normal"))
+        normal = rotate(placed.rot, GzVector(*unit_axis(shape.Get(GzVector, "normal"), "normal")))
         altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
         return PlaneGeom(body, space, altitude, normal)
     geom = _simple(body, space, shape, note)
@@ -109,23 +115,18 @@ def _shape(element: Element, note: Note) -> Element | None:
 
 
 def _simple(body: Body, space: Space | None, shape: Element, note: Note) -> Geom | None:
-    """The geom of a shape that ODE knows; None for others."""
-    if shape.name == "box":
-        return BoxGeom(body, space, *(_extent(shape, "size", length, note) for length in shape.Get(GzVector, "size")))
-    if shape.name == "sphere":
-        return SphereGeom(body, space, _extent(shape, "radius", shape.Get(float, "radius"), note))
-    if shape.name in ("cylinder", "capsule"):
-        kind = CylinderGeom if shape.name == "cylinder" else CapsuleGeom
-        return kind(body, space, *(_extent(shape, key, shape.Get(float, key), note) for key in ("radius", "length")))
-    return None
-
-
-def _extent(shape: Element, key: str, value: float, note: Note) -> float:
-    """A length [m]; one of 0 is a little more than that, as in Gazebo classic, with a warning."""
-    if value == 0.0:
-        note(shape, f"{key} is 0; {THINNEST:g} m is used instead")
-        return THINNEST
-    return value
+    """The geom of a shape that ODE knows; None for others. One with a length of 0 touches nothing, as in classic."""
+    if shape.name not in SIMPLE:
+        return None
+    make, keys = SIMPLE[shape.name]
+    sizes: list[float] = []
+    for key in keys:
+        lengths = [*shape.Get(GzVector, key)] if key == "size" else [shape.Get(float, key)]
+        if 0.0 in lengths:
+            note(shape, f"{key} is 0: it touches nothing, and {THINNEST:g} m is used instead")
+            space = None
+        sizes += [length or THINNEST for length in lengths]
+    return make(body, space, *sizes)
 
 
 def _plane(shape: Element) -> MeshPart:

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable
 
 from libgz.errors import ParameterError
-from libgz.geometry import GzVector
+from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.ode.types import Surface
 from libgz.physics.check import LARGEST, finite, finite_tuple
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import CapsuleGeom, CylinderGeom, SphereGeom
+from libgz.physics.geoms import CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom
 from libgz.sdf.element import Element
 
 __all__ = ["set_body_surface", "set_surface"]
@@ -26,6 +26,9 @@ def set_surface(geom: Geom, element: Element) -> None:
     geom.SetFriction(_coefficient(friction, "mu"), _coefficient(friction, "mu2"))
     geom.SetHardness(ode.Get(float, "kp"), abs(finite(ode.Get(float, "kd"), "kd [N s/m]")))
     x, y, z = finite_tuple(friction.Get(GzVector, "fdir1"), 3, "fdir1", LARGEST)
+    if isinstance(geom, PlaneGeom):  # which has no frame
+        turned = GzCoordPoseAdd(element.Get(GzPose, "pose"), geom.body.GetPose()).rot
+        x, y, z = rotate(turned, GzVector(x, y, z))
     values: dict[int, float] = {
         Surface.FDIR1: x,
         Surface.FDIR1 + 1: y,

@@ -24,6 +24,7 @@ __all__ = [
     "KINDS",
     "apply_scene",
     "dress",
+    "dress_material",
     "link_lights",
     "material_name",
     "put_on",
@@ -51,13 +52,14 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
     if not element.child("geometry").HasElement("mesh"):
         put_on(look, Material())
     if element.HasElement("material"):
-        _material(look, element.child("material"), note)
+        dress_material(look, element.child("material"), note)
     set_transparency(look, min(max(element.Get(float, "transparency"), 0.0), 1.0))
     geom.SetRetro(element.Get(float, "laser_retro"))
     look.change(cast_shadows=element.Get(bool, "cast_shadows"))
 
 
-def _material(look: Appearance, element: Element, note: Note) -> None:
+def dress_material(look: Appearance, element: Element, note: Note) -> None:
+    """Apply a `<material>`."""
     name = material_name(element)
     if name:
         found = scripted_material(name, element)
@@ -122,7 +124,7 @@ def set_transparency(look: Appearance, transparency: float) -> None:
 
 
 def set_light(light: LightGeom, element: Element, note: Note) -> None:
-    """Apply a `<light>` to a light; one without `<attenuation>` does not fade."""
+    """Apply a `<light>` to a light; one without `<attenuation>` fades by SDF's defaults, as in Gazebo."""
     light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
     light.SetSpecularColor(element.Get(GzColor, "specular"))
     light.SetAmbientColor(GzColor())  # ambient light is the scene's
@@ -132,13 +134,12 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
     light.kind = kind if kind in KINDS else "point"
     light.direction = element.Get(GzVector, "direction")
     light.cast_shadows = element.Get(bool, "cast_shadows")
-    if element.HasElement("attenuation"):
-        fading = element.child("attenuation")
-        try:
-            light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
-        except ParameterError as error:
-            note(fading, f"{error}; the light does not fade")
-        light.range = fading.Get(float, "range")
+    fading = element.child("attenuation")
+    try:
+        light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+    except ParameterError as error:
+        note(fading, f"{error}; the light does not fade")
+    light.range = fading.Get(float, "range")
     if element.HasElement("spot"):
         cone = element.child("spot")
         light.spot = (cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))

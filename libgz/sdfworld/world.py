@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from libgz.digest import blake2b
-from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
+from libgz.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, nearest
 from libgz.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
@@ -23,6 +23,7 @@ from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
 from libgz.sdfworld.population import populate
+from libgz.sdfworld.road import make_road
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.standing import set_down
 from libgz.sdfworld.state import apply_state
@@ -145,7 +146,7 @@ class SdfWorld(Era):
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             if not diagnostics.errors:  # else it follows from what the reader has found
                 diagnostics.failure(element, error)
-        for warning in diagnostics.warnings:
+        for warning in diagnostics.summary():
             log.warning("%s", warning)
         diagnostics.raise_errors()
 
@@ -163,6 +164,11 @@ class SdfWorld(Era):
         self._add(document, range(len(built)), diagnostics)
         if any(True for _ in element.named("joint")):
             self._add(document, [len(built)], diagnostics)
+        for road in element.named("road"):
+            try:
+                make_road(world, road, diagnostics.warn)
+            except GazeboError as error:
+                diagnostics.failure(road, error)
         if state is not None:
             first = len(document.elements)
             inserted = [part for insertions in state.named("insertions") for part in insertions.children]
@@ -207,7 +213,7 @@ class SdfWorld(Era):
             del self._documents[known:]
             world.journal.inserted -= 1
             raise
-        for warning in file.diagnostics.warnings:
+        for warning in file.diagnostics.summary():
             log.warning("%s", warning)
         return world.entities[before:]
 
@@ -355,14 +361,16 @@ class SdfWorld(Era):
 
         Raises:
             NotFoundError: there is none of this name.
+            WorldFileError: a value in it is not allowed.
         """
         settings = self.settings
         if name not in settings.profiles:
             known = ", ".join(settings.profiles) or "none"
             hint = nearest(name, settings.profiles)
             raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
-        settings.physics = settings.profiles[name]
-        apply_physics(self.world, settings.physics, Diagnostics())
+        settings.physics, diagnostics = settings.profiles[name], Diagnostics()
+        apply_physics(self.world, settings.physics, diagnostics)
+        diagnostics.raise_errors()
 
 
 def _family(element: Element) -> list[Element]:

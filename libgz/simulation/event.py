@@ -183,7 +183,7 @@ class Event:
         own: its own callbacks.
     """
 
-    def __init__(self, name: str, above: Event | None = None) -> None:
+    def __init__(self, name: str = "event", above: Event | None = None) -> None:
         self.name = name
         self.above = above
         self.own: tuple[_Entry, ...] = ()

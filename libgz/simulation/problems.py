@@ -29,15 +29,18 @@ class Problem:
         message: what is wrong, in one line.
         traceback: of the user's own code; empty if there is none.
         severity: ``"error"`` or ``"warning"``.
+        where: ``file:line`` of the plugin's element in an SDF file; empty for others.
     """
 
     source: str
     message: str
     traceback: str
     severity: Severity
+    where: str = ""
 
     def __str__(self) -> str:
-        return f"{self.source}: {self.message}" + (f"\n{self.traceback}" if self.traceback else "")
+        place = f"{self.where}: " if self.where else ""
+        return f"{place}{self.source}: {self.message}" + (f"\n{self.traceback}" if self.traceback else "")
 
 
 class Problems:
@@ -96,9 +99,9 @@ def _add(problem: Problem) -> None:
             problems.add(problem)
 
 
-def note(source: str, what: str, error: BaseException) -> None:
+def note(source: str, what: str, error: BaseException, where: str = "") -> None:
     """Note an error of a user's code in the world that this thread works for; the caller logs it, with `NOTED`."""
-    _add(Problem(source, f"{what} failed with {type(error).__name__}: {error}", own_traceback(error), "error"))
+    _add(Problem(source, f"{what} failed with {type(error).__name__}: {error}", own_traceback(error), "error", where))
 
 
 def note_threads_of(path: Path) -> None:

@@ -58,6 +58,7 @@ from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import LocalServer, Server
 from libgz.transport.tables import LocalTables
+from libgz.transport.tally import Tally
 
 if TYPE_CHECKING:  # for the types that `interface` returns; written by scripts/make_overloads.py
     from libgz.interfaces.actarray import Actarray
@@ -92,6 +93,7 @@ _clones = itertools.count(1)
 _SURROUNDINGS = struct.Struct("16d?4d")
 _NO_FOG = (0.0, 0.0, 0.0, 0.0)
 NAMED = 5  # bodies in one such message
+MOST_FALLEN = 100  # names that are counted apart
 
 
 class World(Closing):
@@ -181,6 +183,7 @@ class World(Closing):
         self.followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
         self._fallen: set[int] = set()  # numbers of bodies that were reported
+        self._falls = Tally(MOST_FALLEN)  # by names
         self._numbers = 0
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._start_is_old = False  # since a model's class was edited
@@ -881,10 +884,12 @@ class World(Closing):
         fallen = [self.engine.bodies[row] for row in below.tolist() if row in self.engine.bodies]
         new = [body for body in fallen if body.number not in self._fallen and body.GetLinearVel().z < 0.0]
         self._fallen = {body.number for body in (*new, *fallen) if body in new or body.number in self._fallen}
-        if new:
-            names = ", ".join(body.label for body in new[:NAMED])
-            more = f" and {len(new) - NAMED} more bodies" if len(new) > NAMED else ""
-            log.warning("%s%s fell below %g m: is there ground under it?", names, more, LOWEST)
+        due = [body.label for body in new if self._falls.due(body.label)]  # a world may be reset a thousand times
+        if due:
+            names = ", ".join(due[:NAMED])
+            more = f" and {len(due) - NAMED} more bodies" if len(due) > NAMED else ""
+            times = self._falls.times(due[0]) if len(due) == 1 else ""
+            log.warning("%s%s fell below %g m%s: is there ground under it?", names, more, LOWEST, times)
 
     def _read_buttons(self) -> bool:
         """Act on the sim interface's reset and save; whether the world is paused."""

@@ -16,11 +16,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from libgz.errors import ServerError
-from libgz.transport.paths import server_directory
+from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
-__all__ = ["SOCKET", "Control", "Request", "ask"]
+__all__ = ["Control", "Request", "ask"]
 
-SOCKET = ".control"
 LONGEST_LINE = 256  # [byte]
 MOST = 1 << 31  # [byte]
 PATIENCE = 10.0  # [s] for each part of a request to arrive
@@ -64,11 +63,11 @@ class Control:
 
     def __init__(self, directory: str) -> None:
         self.waiting: deque[Request] = deque()
-        self._path = f"{directory}/{SOCKET}"
+        self._path = f"{directory}/{CONTROL_SOCKET}"
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             with _short(directory) as folder:
-                self._socket.bind(f"{folder}/{SOCKET}")
+                self._socket.bind(f"{folder}/{CONTROL_SOCKET}")
             Path(self._path).chmod(0o600)
             self._socket.listen()
         except OSError as error:
@@ -122,12 +121,13 @@ def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"", ti
         try:
             connection.settimeout(timeout)
             with _short(directory) as folder:
-                connection.connect(f"{folder}/{SOCKET}")
+                connection.connect(f"{folder}/{CONTROL_SOCKET}")
             _send(connection, f"{verb} {argument}", content)
             words, result = _receive(connection)
         except OSError as error:
+            socket_path = f"{directory}/{CONTROL_SOCKET}"
             raise ServerError(
-                f"no server with id {server_id} takes requests ({directory}/{SOCKET}: {error.strerror or error}); "
+                f"no server with id {server_id} takes requests ({socket_path}: {error.strerror or error}); "
                 "they are taken by gazebo, and by gzserver --server-id ID"
             ) from None
     if words == ["error"]:

@@ -11,7 +11,7 @@ import os
 import stat
 
 from libgz.errors import ServerError
-from libgz.transport.paths import LOCK_FILE
+from libgz.transport.paths import CONTROL_SOCKET, LOCK_FILE
 from libgz.transport.segment import Segment
 
 __all__ = ["ServerDirectory"]
@@ -32,6 +32,7 @@ class ServerDirectory:
         self.path = path
         self._descriptor: int | None = None
         self._lock: int | None = None
+        self._created = {CONTROL_SOCKET}  # names of this server's files, which may be removed already
         self._pid = os.getpid()
 
     @property
@@ -120,6 +121,7 @@ class ServerDirectory:
             os.close(descriptor)
             raise
         log.debug("creating %s/%s %d", self.path, name, size)
+        self._created.add(name)
         return segment
 
     def show_file(self, name: str) -> None:
@@ -154,6 +156,7 @@ class ServerDirectory:
         if self.owned and self._descriptor is not None:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(name, dir_fd=self._descriptor)
+            self._created.discard(name)
 
     def unlink_file(self, name: str, descriptor: int) -> None:
         """Remove a file if it is the one behind `descriptor`. A forked child removes nothing."""
@@ -163,6 +166,7 @@ class ServerDirectory:
             current = os.stat(name, dir_fd=self._descriptor, follow_symlinks=False)
             if os.path.samestat(current, os.fstat(descriptor)):
                 os.unlink(name, dir_fd=self._descriptor)
+                self._created.discard(name)
         log.debug("deleting %s/%s", self.path, name)
 
     def remove_stale_files(self) -> None:
@@ -201,8 +205,13 @@ class ServerDirectory:
             if error.errno != errno.ENOTEMPTY:
                 log.warning("failed to cleanly remove [%s] : [%s]", self.path, error.strerror)
                 return
-            log.info("failed to cleanly remove [%s]: it contains files that are not the server's", self.path)
-            self.remove_stale_files()
+            # After a second signal, which waits for nothing, the server's own files are still there.
+            for name in self._created:
+                with contextlib.suppress(OSError):
+                    os.unlink(name, dir_fd=self._descriptor)
+            if os.listdir(self._descriptor):  # noqa: PTH208
+                log.info("failed to cleanly remove [%s]: it contains files that are not the server's", self.path)
+                self.remove_stale_files()
             with contextlib.suppress(OSError):
                 os.rmdir(self.path)  # noqa: PTH106
 

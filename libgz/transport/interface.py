@@ -552,6 +552,7 @@ class Interface(Generic[D]):
 
     def unlock(self) -> None:
         """Release the lock."""
+        self.link.exchanges += 1
         if self.descriptor is not None:
             if self.link.keeps:
                 self.keep_commands()

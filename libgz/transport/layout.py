@@ -141,15 +141,21 @@ def elements(kind: type[Element], writer: str, help: str, count: int) -> Any:
 class Struct(ctypes.Structure):
     """Base of all declared structs. The docstring of each begins with its name in C."""
 
+    __slots__ = ()  # misspelt fields are errors
+
     declared: ClassVar[dict[str, Field]] = {}  # by name, in order, without the head
 
 
 class Element(Struct):
     """Base of the structs that are elements of arrays."""
 
+    __slots__ = ()
+
 
 class GzData(ctypes.Structure):
     """gz_data_t, the head of every interface."""
+
+    __slots__ = ()
 
     version: int
     size: int
@@ -169,11 +175,14 @@ class GzData(ctypes.Structure):
 class GzData32(ctypes.Structure):
     """gz_data_t of 32-bit programs."""
 
+    __slots__ = ()
     _fields_ = [(name, ctypes.c_uint32 if kind is ctypes.c_size_t else kind) for name, kind, *_ in GzData._fields_]
 
 
 class Data(Struct):
     """Base of the data structs: a head, then the declared fields."""
+
+    __slots__ = ()
 
     head: GzData
 
@@ -189,11 +198,14 @@ def layout(declaration: S) -> S:
     declared = {name: value for name, value in vars(declaration).items() if isinstance(value, Field)}
     if not declared:
         raise ParameterError(f"{declaration.__name__} declares no field")
-    for name in declared:
-        delattr(declaration, name)
-    setattr(declaration, "_fields_", [(name, spec.whole_ctype) for name, spec in declared.items()])  # noqa: B010
-    declaration.declared = declared
-    return declaration
+    members = {k: v for k, v in vars(declaration).items() if k not in (*declared, "__dict__", "__weakref__")}
+    members |= {
+        "__slots__": (),  # which only a new class can have
+        "_fields_": [(name, spec.whole_ctype) for name, spec in declared.items()],
+        "declared": declared,
+    }
+    metaclass: Any = type(declaration)
+    return metaclass(declaration.__name__, declaration.__bases__, members)  # type: ignore[no-any-return]
 
 
 @lru_cache
@@ -219,6 +231,7 @@ def for_abi(struct: type[Any], abi: str) -> type[Any]:
     members = {
         "__doc__": struct.__doc__,
         "__module__": struct.__module__,
+        "__slots__": (),
         "_pack_": 4,
         "_layout_": "ms",  # without bit fields that means the same, and later Pythons want it said
         "_fields_": [*head, *((name, spec.whole_ctype) for name, spec in declared.items())],

@@ -7,6 +7,7 @@ import os
 from libgz.errors import InterfaceError, ParameterError
 
 __all__ = [
+    "CONTROL_SOCKET",
     "DATA_FILE",
     "LOCK_FILE",
     "LONGEST_PATH",
@@ -24,6 +25,7 @@ LOCK_FILE = "gazebo.pid"
 # What an observer reads; names with a dot in front are no interfaces'.
 TABLES_FILE = ".observer.tables"
 SCENE_FILE = ".observer.scene"
+CONTROL_SOCKET = ".control"  # for requests of commands
 DATA_FILE = ".observer.data."  # and a digest of what is in it
 LONGEST_PATH = 127  # the old library's buffers held 128 characters
 

@@ -48,6 +48,7 @@ SCREEN = 0.5  # [m] before a camera, where its image is shown
 UPRIGHT = np.array([[0.5, -0.5, 0.5, -0.5]])  # from an image's axes, right and down, to a camera's, which looks along x
 TRAIL = 600  # points
 TRAIL_STEP = 0.02  # [m] between two of them
+TRAIL_HEIGHT = 0.05  # [m] above a model's lowest point, at least: the origin of a robot may lie on the ground
 UNIT = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
@@ -69,6 +70,8 @@ class Marks:
         self._handles: dict[str, Any] = {}
         self._screens: dict[str, tuple[Any, NDArray[np.uint8]]] = {}  # nodes of the cameras' images, and what they show
         self._past: dict[int, deque[NDArray[Any]]] = {}  # trails
+        self._lifts: dict[int, float] = {}  # of trails above the models' origins [m]
+        self._steps = 0  # of the state whose trails are shown
         self._arrays: dict[str, NDArray[Any]] = {}
 
     def switch(self, name: str, on: bool) -> None:
@@ -366,10 +369,17 @@ class Marks:
     def _trails(self, state: ObservedState) -> None:
         """Where models that move have been."""
         lines = []
+        if state.steps < self._steps:  # a reset, or back in time
+            self._past.clear()
+        self._steps = state.steps
         for number, entity in self.view.entities.items():
             if entity["static"] or entity["parent"] or not entity["bodies"]:
                 continue
             here = self.view.pose(number, state)[:3].copy()
+            if number not in self._past:
+                box = self.view.bounds(number, state)
+                self._lifts[number] = 0.0 if box is None else max(box[0][2] + TRAIL_HEIGHT - here[2], 0.0)
+            here[2] += self._lifts[number]
             trail = self._past.setdefault(number, deque(maxlen=TRAIL))
             if not trail or np.linalg.norm(here - trail[-1]) > TRAIL_STEP:
                 trail.append(here)

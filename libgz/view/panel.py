@@ -62,6 +62,7 @@ class Panel:
         self._images: dict[str, Any] = {}
         gui = page.gui
         gui.configure_theme(control_width="small", show_logo=False, show_share_button=False)
+        gui.main_panel.dock_right()  # beside the scene, which it does not cover
         self.status = gui.add_html("")
         self._run_buttons()
         self._tabs = gui.add_tab_group()

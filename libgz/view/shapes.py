@@ -158,7 +158,8 @@ class Shapes:
             except GazeboError as error:
                 log.warning("%s", error)
                 return [], stretched
-            self._forms[full] = self._finished(full, meshes, image, material, colors, clear)
+            parts = [part for part in meshes if len(_faces(part))]  # a mesh whose file is missing has no faces
+            self._forms[full] = self._finished(full, parts, image, material, colors, clear) if parts else []
         return self._forms[full], stretched
 
     def _finished(
@@ -241,6 +242,8 @@ class Shapes:
         if key not in self._forms:
             merged: dict[tuple[int, int, int], list[Mesh]] = {}
             for part in self._skin(file):
+                if not len(_faces(part)):
+                    continue
                 merged.setdefault(_bytes(part.material.diffuse[:3] if part.material else (0.8,) * 3), []).append(part)
             found = []
             for color, parts in merged.items():

@@ -90,6 +90,7 @@ class Attribute:
     allowed: str = ""  # in words
     check: Callable[[Any], bool] | None = None
     limits: Limits = NO_LIMITS
+    infinite: int = 0  # how many of its numbers, the first ones, may be `inf`
     words: tuple[str, ...] = ()  # the only values allowed
     by: str = ""  # an earlier attribute on which the default depends
     cases: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # values of that attribute -> defaults
@@ -190,11 +191,12 @@ def numbers(
     help: str,
     above: float | None = None,
     least: float | None = None,
+    infinite: int = 0,
 ) -> tuple[float, ...]:
-    """Several numbers; a file may omit the last ones, which keep their defaults."""
+    """Several numbers; a file may omit the last ones, which keep their defaults. `infinite` of them may be `inf`."""
     limits = Limits(above, least, None)
     allowed, test = _each(limits)
-    attribute = Attribute(f"{len(default)} numbers", unit, help, _read_numbers, allowed, test, limits)
+    attribute = Attribute(f"{len(default)} numbers", unit, help, _read_numbers, allowed, test, limits, infinite)
     return _field(tuple(default), attribute)
 
 
@@ -266,7 +268,7 @@ def read(declaration: type[T], node: WorldFileNode) -> T:
         if attribute.check is not None and not attribute.check(value):
             _report(node, name, attribute, value)
             value = default
-        elif _unusable(value) and not _unusable(default):
+        elif _unusable(value[attribute.infinite :] if attribute.infinite else value):
             (node.GetChild(name) or node).error(f"{name} must be finite, and at most {LARGEST:g}")
             value = default
         values[name] = value

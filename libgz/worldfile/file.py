@@ -14,6 +14,7 @@ from lxml import etree
 
 from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.files import expand, read_limited, write_whole, xml_parser
+from libgz.worldfile.entities import Entities
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import element_spans, splice
@@ -34,7 +35,8 @@ LATER_ROOTS = {
 class WorldFile:
     """A worldfile of Gazebo 0.3 - 0.7.
 
-    `Load` reads it; `GetRootNode` gives its elements. Entities, external files and the network are off.
+    `Load` reads it; `GetRootNode` gives its elements. Entities of the file itself are replaced where they are text;
+    external files and the network are off.
     """
 
     def __init__(self) -> None:
@@ -103,6 +105,7 @@ class WorldFile:
             raise WorldFileError(f"{label}:1: the document is empty")
         self.encoding = _encoding(root)
         self._numbered = 0
+        self._entities = Entities(root)
         self.root = self._node(root, None)
         for entry in parser.error_log:  # namespace addresses, which nothing uses
             log.info("%s:%d: %s", label, entry.line, entry.message.strip())
@@ -126,8 +129,17 @@ class WorldFile:
                 child_node = self._node(child, node)
                 node.children.append(child_node)
                 node.pieces.append(child_node)
+            elif isinstance(child, etree._Entity):
+                node.pieces.append(self._entity_text(child, node))
             node.pieces.append(child.tail or "")
         return node
+
+    def _entity_text(self, entity: etree._Entity, node: WorldFileNode) -> str:
+        try:
+            return self._entities.text(str(entity.name))
+        except ParameterError as error:
+            node.error(str(error))
+            return ""
 
     def _refuse_later_formats(self) -> None:
         """Raise an error for the formats of later Gazebos, instead of reading half of them."""
@@ -143,14 +155,10 @@ class WorldFile:
                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>"
             )
 
-    def note_foreign(self, empty: bool) -> None:
-        """Warn of a file without any sign of a worldfile; the old server loaded it as an empty world.
-
-        Args:
-            empty: whether it has no model.
-        """
+    def note_foreign(self) -> None:
+        """Warn of a file without any sign of a worldfile; the old server loaded it as an empty world."""
         root = self.GetRootNode()
-        if empty and root.prefix is None:
+        if root.prefix is None and not any(node.prefix == "model" for node in root.walk()):
             root.warn("there is no <model:...> element in this file, and its root is not like <gz:world>")
 
     def GetRootNode(self) -> WorldFileNode:

@@ -86,7 +86,10 @@ def test_a_second_signal_ends_an_endless_update(gazebo, tmp_path, first, second)
     server = gazebo(loop_world(tmp_path), "-n")  # the fixture `wire` finds what is not removed
     read_until(server.process.stdout, "looping")
     assert end_by_two(server.process, first, second) == CODES[second]
-    assert "ended at once: second signal, " + second.name in server.stop()[1:][1]
+    text = server.stop()[1:][1]
+    assert "ended at once: second signal, " + second.name in text
+    assert "not the server's" not in text
+    assert "stale" not in text
     assert not server.directory.exists()
 
 

@@ -15,8 +15,7 @@ from gzserver_process import SERVER, new_environment
 
 import libgz
 from libgz.files import installed_worlds
-from libgz.transport.control import SOCKET
-from libgz.transport.paths import server_directory
+from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 WORLD = installed_worlds() / "segwayrmp.world"
 OTHER = installed_worlds() / "pioneer2at.world"
@@ -48,7 +47,7 @@ def serve(wire):
 def answers(wire):
     """Whether a server takes requests."""
     with socket.socket(socket.AF_UNIX) as probe:
-        return probe.connect_ex(f"{server_directory(wire)}/{SOCKET}") == 0
+        return probe.connect_ex(f"{server_directory(wire)}/{CONTROL_SOCKET}") == 0
 
 
 def gazebo(wire, *words):
@@ -65,7 +64,7 @@ def wait(client, sim_time):
 
 def test_a_running_server_is_saved_restored_and_rewound(wire, serve, tmp_path):
     serve(gazebo(wire, "--rewind", 60, WORLD))
-    control = Path(server_directory(wire)) / SOCKET
+    control = Path(server_directory(wire)) / CONTROL_SOCKET
     assert stat.S_IMODE(control.stat().st_mode) == 0o600
     kept = tmp_path / "kept.state"
     with libgz.Client(wire, 0) as client:
@@ -121,7 +120,7 @@ def test_what_cannot_be_done_is_one_sentence(wire, serve, tmp_path):
     directory = Path(server_directory(wire))
     for request in (b"\n", b"save\n", b"save - -5\n", b"save - 99999999999\n", b"dance - 0\n", b"\xff\xff", b"x" * 999):
         with socket.socket(socket.AF_UNIX) as hostile:
-            hostile.connect(str(directory / SOCKET))
+            hostile.connect(str(directory / CONTROL_SOCKET))
             hostile.sendall(request)
     assert run_libgz("snapshot", "save", tmp_path / "x", "-s", wire).returncode == 0
     assert server.poll() is None

@@ -17,6 +17,7 @@ from master_uri import free_master_uri
 import libgz
 from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Pose3d, Rand
+from libgz.classic.ros_names import STAND_INS, WITHOUT_EFFECT
 from libgz.reference.classic_api import classic_api
 from libgz.reference.classic_pages import classic_pages
 
@@ -314,12 +315,13 @@ def test_system_gui_watches_the_server(tmp_path):
 GUIDE = (EXAMPLES.parent.parent / "docs" / "plugins.md").read_text()
 
 
-# Ready plugins whose use only tests show, those that only activate a sensor among them.
-WITHOUT_EXAMPLE = {
-    "BuoyancyPlugin", "CameraPlugin", "ContactPlugin", "DepthCameraPlugin", "ForceTorquePlugin", "GpuRayPlugin",
-    "ImuSensorPlugin", "JointTrajectoryPlugin", "KeysToCmdVelPlugin", "LiftDragPlugin", "LinearBatteryConsumerPlugin",
-    "LinearBatteryPlugin", "PlaneDemoPlugin", "RayPlugin", "SimEventsPlugin", "SkidSteerDrivePlugin", "SonarPlugin",
-    "WindPlugin", "gazebo_ros_camera", "gz_legacy", "gz_position",
+# System plugins are named by the command line alone.
+WITHOUT_EXAMPLE = {"ModelPropShop", "RestWebPlugin"}
+
+# Stand-ins that the guide means without their names.
+OTHERS_OF_THEIR_KIND = {
+    "gazebo_ros_thermal_camera", "gazebo_ros_thermal_depth_camera", "gazebo_ros_triggered_multicamera",
+    "roboticsgroup_gazebo_disable_link_plugin", "roboticsgroup_upatras_gazebo_disable_link_plugin",
 }  # fmt: skip
 
 
@@ -345,11 +347,12 @@ def test_the_guides_first_plugins_run(tmp_path, capsys):
 
 def test_the_guide_lists_all_ready_plugins_and_its_links_exist():
     from libgz.classic.loading import READY
-    from libgz.classic.ros_names import SENSOR_PLUGINS
 
     files = {path.stem.removeprefix("lib") for path in READY.glob("[a-z]*.py")} - {"hooks"}
     notes = {word.lower() for word in re.findall(r"`lib(\w+)\.so`", GUIDE)}
-    assert files == notes - {"hello_world"} - SENSOR_PLUGINS.keys()
+    assert files == notes - {"hello_world"} - STAND_INS.keys() - WITHOUT_EFFECT.keys()
+    named = {stem for stem in STAND_INS if stem in notes or f"`...{stem.removeprefix('gazebo_ros')}.so`" in GUIDE}
+    assert STAND_INS.keys() - named <= OTHERS_OF_THEIR_KIND
     for target in re.findall(r"\]\(([^)#]+)\)", GUIDE):
         assert (EXAMPLES.parent.parent / "docs" / target).exists(), target
     headings = {
@@ -372,7 +375,7 @@ def test_each_ready_plugin_of_the_guide_has_an_example():
     worlds = "".join(path.read_text() for path in EXAMPLES.rglob("*.world")).lower()
     names = set(re.findall(r"`lib(\w+)\.so`", GUIDE.split("## Ready plugins")[1].split("## Porting")[0]))
     without = {name for name in names if f"lib{name.lower()}.so" not in worlds}
-    assert without <= WITHOUT_EXAMPLE
+    assert without - STAND_INS.keys() - WITHOUT_EFFECT.keys() == WITHOUT_EXAMPLE
 
 
 def test_the_pages_of_the_api_are_current():

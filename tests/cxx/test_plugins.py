@@ -136,7 +136,7 @@ ERRORS = {
     'throw "text";': r"Load of model 'm0' threw char const\*: text",
     "return -1;": "Load of model 'm0' returned -1, which is not 0",
     "geom->SetMass( -1 );": r"Load of model 'm0': mass \[kg\] of SphereGeom 1 .* must not be negative",
-    "new BoxGeom( this->body, this->modelSpaceId, 0, 1, 1 );": "Load of model 'm0': box length",
+    "new BoxGeom( this->body, this->modelSpaceId, -1, 1, 1 );": "Load of model 'm0': box length",
     "new Body( NULL );": "Load of model 'm0': a Body needs its model's world, not NULL",
     "INIT return 3;": "Init of model 'm0' returned 3",
     "this->SetId( NULL );": "Load of model 'm0': SetId needs a text, not NULL",

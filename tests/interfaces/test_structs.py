@@ -16,7 +16,7 @@ from libgz.interfaces.gripper import GripperDataCvs
 from libgz.interfaces.position import Position
 from libgz.interfaces.sim import Sim
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Data, fields_of
+from libgz.transport.layout import Data, Struct, fields_of
 from libgz.transport.server import Server
 
 
@@ -49,6 +49,19 @@ def check_struct(struct, expected):
         assert (field.offset, field.size) == (offset, size), name
     declared = {name for name, *_ in struct._fields_} | ({"head"} if issubclass(struct, Data) else set())
     assert declared == set(expected["fields"])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_misspelt_fields_are_errors(kind):
+    data = kind.data_class()
+    structs = [
+        data,
+        data.head,
+        *(field.ctype() for field in fields_of(kind.data_class).values() if issubclass(field.ctype, Struct)),
+    ]
+    for struct in structs:
+        with pytest.raises(AttributeError, match="has no attribute 'cmd_vel'"):
+            struct.cmd_vel = 1
 
 
 def test_all_interfaces_of_the_old_library_are_declared():

@@ -366,9 +366,27 @@ def test_a_client_lays_the_scan_out_anew():
         assert laser.ranges[0] == pytest.approx(2.8)  # 2.5 / cos(0.5) is beyond the new range
 
 
+def test_what_a_client_never_wrote_stays():
+    with scanner("") as world:
+        data = world.interface("laser", "laser1").data
+        data.cmd_min_angle, data.cmd_max_angle, data.cmd_range_count, data.cmd_new_angle = -0.5, 0.5, 11, 1
+        world.step(10)
+        assert (data.min_angle, data.max_angle, data.range_count, data.max_range) == (-0.5, 0.5, 11, 8.192)
+    with scanner("") as world:
+        data = world.interface("laser", "laser1").data
+        data.cmd_max_range, data.cmd_new_length = 4.0, 1
+        world.step(10)
+        assert (data.min_angle, data.max_angle, data.range_count, data.max_range) == (
+            -math.pi / 2,
+            math.pi / 2,
+            181,
+            4.0,
+        )
+
+
 @pytest.mark.parametrize(
     "wish",
-    [(math.nan, 1, 8, 100), (1, -1, 8, 100), (-1, 1, 0.1, 100), (-1, 1, 8, 0), (-1, 1, 8, 10**9), (-9, 9, 1e30, -5)],
+    [(math.nan, 1, 8, 100), (1, -1, 8, 100), (-1, 1, 0.1, 100), (-1, 1, 8, -1), (-1, 1, 8, 10**9), (-9, 9, 1e30, -5)],
 )
 def test_invalid_scans_are_ignored(wish, caplog):
     with scanner("") as world:
@@ -430,6 +448,23 @@ def test_the_ground_may_be_tilted_and_high():
     ) as world:
         world.run(2.0)
         assert world.model("s").GetPose().pos.z == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_place_that_the_ground_cannot_have_is_a_warning(caplog):
+    with world_of("<model:GroundPlane><xyz>1 2 0</xyz><rpy>0 0 9</rpy></model:GroundPlane>"):
+        assert caplog.text == ""
+    with world_of("<model:GroundPlane>\n<xyz>0 0 1</xyz>\n<rpy>0 9 0</rpy></model:GroundPlane>"):
+        assert ":2: <xyz>: has no effect on a GroundPlane; <height> and <normal> place it" in caplog.text
+        assert ":3: <rpy>: has no effect on a GroundPlane" in caplog.text
+
+
+def test_surfaces_may_be_rigid_and_never_slip():
+    surface = "<surfaceHardness>inf 0</surfaceHardness><surfaceFriction>inf inf</surfaceFriction>"
+    with world_of(f"{GROUND}<model:SimpleSolid><id>s</id>{surface}</model:SimpleSolid>") as world:
+        world.run(2.0)
+        assert world.model("s").GetPose().pos.z == pytest.approx(0.0, abs=5e-3)
+    with pytest.raises(libgz.WorldFileError, match="surfaceHardness must be finite"):
+        world_of("<model:SimpleSolid><surfaceHardness>1e4 inf</surfaceHardness></model:SimpleSolid>")
 
 
 def test_missing_images_are_a_warning(caplog):

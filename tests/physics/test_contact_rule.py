@@ -174,6 +174,47 @@ def test_both_forms_agree_to_the_bit(monkeypatch):
     assert native == python
 
 
+def test_the_direction_of_friction_of_a_plane_is_global(engine):
+    """ODE ends the process when it is asked for the rotation of a plane."""
+    engine.gravity = (0, -1.0, -9.8)
+    ground(engine, mu=1.0, mu2=0.0, fdir1=(math.cos(0.5), math.sin(0.5), 0))
+    body = box(engine, (0, 0, 0.5), mu=100, mu2=100)
+    run(engine, 1.0)
+    across = -body.GetLinearVel().x * math.sin(0.5) + body.GetLinearVel().y * math.cos(0.5)
+    assert across == pytest.approx(-math.cos(0.5), abs=0.02)
+
+
+def test_a_running_surface_carries_what_lies_on_it_and_drives_what_has_it(engine):
+    """By the right-hand rule about its axis: about y the top of a surface runs along x, and its bottom against x."""
+    ground(engine, fdir1=(0, 1, 0), TRACK=1, TRACK_SPEED=0.5)  # a conveyor
+    carried = box(engine, (0, 0, 0.5))
+    run(engine, 1.0)
+    assert carried.GetLinearVel().x == pytest.approx(0.5, abs=1e-3)
+    assert carried.GetPosition().y == pytest.approx(0.0, abs=1e-3)
+    twin = Engine(step_time=0.001)
+    use_classic(twin)
+    ground(twin)
+    driven = box(twin, (0, 0, 0.5), fdir1=(0, 1, 0), TRACK=1, TRACK_SPEED=0.5)
+    run(twin, 1.0)
+    assert driven.GetLinearVel().x == pytest.approx(0.5, abs=1e-3)
+
+
+def test_both_forms_run_tracks_to_the_bit(monkeypatch):
+    def build_and_run():
+        engine = Engine(step_time=0.001, solver="quick", seed=3)
+        use_classic(engine)
+        ground(engine, mu=0.8, fdir1=(0, 1, 0), TRACK=1, TRACK_SPEED=0.1)
+        for i in range(4):
+            speed = {"fdir1": (0.1 * i, 1, 0), "TRACK": i % 3, "TRACK_SPEED": 0.2 * i, "PIVOT": 0.3}
+            body = box(engine, (0.3 * i, 1.2 * i, 0.6 + 1.1 * i), mu=0.9, mu2=0.3, **speed)
+            body.SetAngularVel((i, 1, 0))
+        run(engine, 1.5)
+        return engine.states.tobytes()
+
+    native, python = in_both_forms(build_and_run, monkeypatch)
+    assert native == python
+
+
 def test_the_halves_of_a_step_are_a_step(engine):
     ground(engine)
     body = box(engine, (0, 0, 0.5))

@@ -168,16 +168,20 @@ def test_universal_and_ball_and_fixed_hold():
 @pytest.mark.parametrize(
     "misuse",
     [
-        lambda e, b: libgz.BoxGeom(b, Space(e), 1, 0, 1),
+        lambda e, b: libgz.BoxGeom(b, Space(e), 1, -1, 1),
         lambda e, b: libgz.SphereGeom(b, Space(e), math.nan),
         lambda e, b: libgz.PlaneGeom(b, Space(e), 0, (0, 0, 0)),
         lambda e, b: b.SetPosition((0, math.nan, 0)),
+        lambda e, b: b.SetPosition((1, 2)),
         lambda e, b: b.SetRotation((0, 0, math.inf, 0)),
+        lambda e, b: b.SetRotation((0, 0, 1)),
+        lambda e, b: libgz.BoxGeom(b, Space(e), 1, 1, 1).SetRelativePosition((1, 2)),
         lambda e, b: b.SetLinearVel((math.inf, 0, 0)),
         lambda e, b: b.AddForce(math.nan, 0, 0),
         lambda e, b: libgz.BoxGeom(b, Space(e), 1, 1, 1).SetMass(-1),
         lambda e, b: libgz.BoxGeom(b, Space(e), 1, 1, 1).SetHardness(0, 0),
         lambda e, b: libgz.HingeJoint(e).SetAxis((0, 0, 0)),
+        lambda e, b: libgz.HingeJoint(e).SetAxis(0, 0),
         lambda e, b: libgz.HingeJoint(e).SetParam(99, 0),
         lambda e, b: libgz.HingeJoint(e).SetParam(libgz.dParamVel, math.nan),
         lambda e, b: libgz.HingeJoint(e).Attach(b, b),
@@ -197,6 +201,22 @@ def test_bad_arguments_are_refused_before_ode_sees_them(misuse):
     engine = Engine()
     with pytest.raises(ParameterError):
         misuse(engine, libgz.Body(engine))
+
+
+def test_axes_and_anchors_are_vectors_or_three_numbers():
+    engine = Engine()
+    body, other = libgz.Body(engine), libgz.Body(engine)
+    for kind in (libgz.HingeJoint, libgz.SliderJoint, libgz.UniversalJoint, libgz.Hinge2Joint):
+        joint = kind(engine)
+        joint.Attach(body, other)
+        names = [name for name in ("SetAxis", "SetAxis1", "SetAxis2") if hasattr(joint, name)]
+        for name, axis in zip(names, ((0, 0, 1), (0, 1, 0)), strict=False):
+            for form in (axis, (axis,), (np.array(axis),)):
+                getattr(joint, name)(*form)
+                assert tuple(getattr(joint, f"G{name[1:]}")()) == pytest.approx(axis)
+        if kind is not libgz.SliderJoint:
+            joint.SetAnchor(1, 2, 3)
+            assert tuple(joint.GetAnchor()) == pytest.approx((1, 2, 3))
 
 
 def test_parts_close_in_any_order():

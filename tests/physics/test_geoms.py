@@ -41,6 +41,21 @@ def test_massless_geoms():
     assert body.mass == pytest.approx(5.0)
 
 
+def test_plates_may_have_no_thickness():
+    engine = Engine(step_time=0.01)
+    table = libgz.Body(engine, dummy=True)
+    libgz.BoxGeom(table, Space(engine), 24, 18, 0).SetMass(1)
+    plate = solid(engine, lambda body, space: libgz.BoxGeom(body, space, 0.6, 0.6, 0), 2.0)
+    disc = solid(engine, lambda body, space: libgz.CylinderGeom(body, space, 0.3, 0), 1.0)
+    assert (plate.mass, disc.mass) == (2.0, 1.0)
+    assert plate.GetMass().I[0] == pytest.approx(2.0 * 0.6**2 / 12)
+    assert disc.GetMass().I[10] == pytest.approx(0.3**2 / 2)
+    ball = solid(engine, lambda body, space: libgz.SphereGeom(body, space, 0.2), 1.0, (5, 0, 0.25), kp=1e4, kd=300)
+    for _ in range(200):
+        engine.step()
+    assert ball.GetPosition().z == pytest.approx(0.2, abs=0.002)
+
+
 def pair_rests(first, second, height):
     engine = Engine(step_time=0.01)
     ground(engine)

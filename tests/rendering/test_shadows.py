@@ -26,6 +26,7 @@ SUN = (
 SPOT = (
     "<light name='spot' type='spot'><pose>0 -3 3 0 0 0</pose><cast_shadows>1</cast_shadows>"
     "<diffuse>.6 .6 .5 1</diffuse><direction>0 1 -1</direction>"
+    "<attenuation><range>100</range><linear>0</linear></attenuation>"
     "<spot><inner_angle>.6</inner_angle><outer_angle>1</outer_angle><falloff>1</falloff>"
     "</spot></light>"
 )

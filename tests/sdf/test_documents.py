@@ -179,7 +179,7 @@ def test_all_errors_at_once_with_their_lines():
     )
     assert [str(f) for f in file.diagnostics.errors] == [
         "x.sdf:2: <model>: attribute 'name' is missing and must be given",
-        "x.sdf:4: <pose>: '1 a' is not allowed; it must be 6 numbers: x y z [m] roll pitch yaw [rad]",
+        "x.sdf:4: <pose>: '1 a' is not allowed; it must be 6 finite numbers: x y z [m] roll pitch yaw [rad]",
         "x.sdf:6: <gravity>: 'maybe' is not allowed; it must be true, false, 1 or 0",
         "x.sdf:7: <joint>: <child> is missing and must be given",
     ]
@@ -294,6 +294,23 @@ def test_missing_includes(uri, what):
     assert not file.root.child("world").HasElement("model")
 
 
+@pytest.mark.parametrize("place", ["models", "", "worlds/models"])
+def test_models_of_a_checkout_are_found_without_a_path(place, tmp_path):
+    write_model(tmp_path / place)
+    (tmp_path / "worlds").mkdir(exist_ok=True)
+    file = world(INCLUDE.format("model://box", ""), folder=tmp_path / "worlds")
+    assert texts(file) == []
+    assert file.root.child("world").HasElement("model")
+
+
+def test_an_address_of_the_network_names_a_model_on_disk():
+    place = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/{}"
+    for name in ("Ground Plane", "Ground%20Plane", "ground_plane/3"):
+        file = world(INCLUDE.format(place.format(name), ""))
+        assert texts(file) == []
+        assert file.root.child("world").child("model").Get(str, "name") == "ground_plane"
+
+
 def test_a_model_that_includes_itself(tmp_path, monkeypatch):
     write_model(tmp_path, body="<include><uri>model://box</uri></include>")
     monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))
@@ -333,11 +350,14 @@ def test_what_is_not_simulated_is_one_warning_for_each_kind():
         "<sensor name='w' type='wideanglecamera'/><sensor name='t' type='wireless_transmitter'><transceiver/></sensor>"
     )
     link = f"<link name='l'>{projector}{projector}{camera.format('a', -0.1)}{camera.format('b', 0)}{wide}</link>"
-    assert texts(world(f"<model name='m'>{link}</model>")) == [
+    ends = "<parent>world</parent><child>l</child><physics><ode><cfm>{}</cfm></ode></physics>"
+    joints = "".join(f"<joint name='j{cfm}' type='fixed'>{ends.format(cfm)}</joint>" for cfm in (0, 0.1))
+    assert texts(world(f"<model name='m'>{link}{joints}</model>")) == [
         "<string>:1: <projector>: projectors are not simulated: nothing is projected (1 more in this world)",
         "<string>:1: <distortion>: images are rendered without it",
         "<string>:1: <sensor>: type 'wideanglecamera' is not simulated; the sensor is left out",
         "<string>:1: <sensor>: type 'wireless_transmitter' is not simulated; the sensor is left out",
+        "<string>:1: <cfm>: softens the joint's motor and stops only, not what holds its links together as in Gazebo",
     ]
 
 

@@ -21,6 +21,7 @@ from libgz.sdf.recognition import is_sdf, is_sdf_text
 ROBOTS = Path(__file__).parent.parent / "data" / "urdf"
 REFERENCE = json.loads((ROBOTS / "sdformat12.json").read_text())
 MASS = "<inertial><mass value='1'/><inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial>"
+SENSOR = "<sensor name='s' type='imu'><pose>0 0 0 0 0 inf</pose></sensor>"
 BALL = "<collision><geometry><sphere radius='0.1'/></geometry></collision>"
 
 
@@ -286,16 +287,14 @@ def test_colours_come_from_the_robot_or_the_link():
         ([link("a"), joint("j", "hinge"), link("b")], "r.urdf:3: <joint>: type is 'hinge'; it must be revolute"),
         ([link("a"), link("a")], "r.urdf:3: <link>: there is a link 'a' already, at line 2"),
         ([link("a", "<inertial><mass value='x'/><inertia ixx='1' iyy='1' izz='1'/></inertial>")], "must be a number"),
-        ([link("a", "<inertial><mass value='1'/></inertial>")], "<inertial>: <inertia> is missing"),
         ([link("a"), link("b"), joint("j", inside="<origin xyz='0 nan 0'/>")], "'0 nan 0'; it must be 3 numbers"),
         ([link("a"), link("b"), joint("j"), joint("k", "fixed", "b", "a")], "the joints are a loop"),
         ([link("a"), link("b"), link("c"), joint("j", parent="c"), joint("k")], "is the child of joint 'j', too"),
-        ([link("a", MASS + "<collision><geometry><box/></geometry></collision>")], "attribute 'size' is missing"),
         ([link("a", MASS + BALL), "<gazebo reference='a'><mu1>slippery</mu1></gazebo>"], "'slippery' is not allowed"),
         ([link("a"), "<gazebo reference='a'><gravity>often</gravity></gazebo>"], "<gravity>: 'often' is not allowed"),
         (
-            [link("a"), link("b"), joint("j", "continuous", inside="<mimic joint='jj'/>")],
-            "<mimic>: joint is 'jj'; it must be another joint",
+            [link("a"), link("b"), joint("j"), "<gazebo reference='b'>", SENSOR, "</gazebo>"],
+            "<pose>: '0 0 0 0 0 inf' is not allowed",
         ),
     ],
 )  # fmt: skip
@@ -317,6 +316,21 @@ def test_odd_numbers_are_warnings(written, read_as):
     assert found == ([f"r.urdf:4: <origin>: xyz {written!r} is read as {read_as!r}; it should be 3 numbers"])
     place = named(file.root.child("model"), "link", "b").Get(GzPose, "pose").pos
     assert place == GzVector(1, 2, 0 if written == "1 2" else 3)
+
+
+def test_what_gazebo_passed_over_is_a_warning():
+    light = link("a", "<inertial><mass value='2'/></inertial><collision><geometry><mesh/></geometry></collision>")
+    parts = [light, link("b"), joint("j", "continuous", inside="<mimic joint='jj'/>")]
+    parts.append(link("c", "<inertial/>") + joint("k", "fixed", child="c"))
+    file = read(*parts)
+    inertial = file.root.child("model").child("link").child("inertial")
+    assert (inertial.Get(float, "mass"), inertial.child("inertia").Get(float, "ixx")) == (2.0, 0.0)
+    texts = "\n".join(str(one) for one in file.diagnostics.warnings)
+    assert file.diagnostics.errors == []
+    assert "r.urdf:2: <inertial>: <inertia> is missing: zero moments are read" in texts
+    assert "r.urdf:2: <mesh>: attribute 'filename' is missing: the shape is left out" in texts
+    assert "<mimic>: joint is 'jj', which is not another joint; did you mean 'j'" in texts
+    assert "<inertial>: <mass value='...'> is missing: the link is read as one without mass" in texts
 
 
 def test_limits_that_are_missing_or_exchanged_are_warnings():
@@ -483,3 +497,25 @@ def test_a_follower_has_its_limits_of_effort_and_range():
             world.step(1500)
             assert follow.position() == pytest.approx(reached, abs=0.01)
             assert math.isfinite(follow.velocity())
+
+
+@pytest.mark.parametrize("effort", [0, 1000])
+def test_a_strong_motor_at_a_stop_leaves_light_links_alone(effort):
+    light = (
+        "<inertial><mass value='0.02'/><inertia ixx='1e-5' ixy='0' ixz='0' iyy='1e-5' iyz='0' izz='1e-5'/></inertial>"
+    )
+    turning = f"<axis xyz='0 0 1'/><limit lower='0' upper='0.8' effort='{effort}' velocity='2'/>"
+    robot = (
+        link("base") + link("a", light) + link("b", light)
+        + joint("lead", "revolute", "base", "a", turning.replace(f"effort='{effort}'", "effort='10'"))
+        + joint("follow", "revolute", "base", "b", turning + "<mimic joint='lead'/>")
+    )  # fmt: skip
+    with libgz.World.from_string(f"<robot name='r'>{robot}</robot>") as world:
+        joints = world.model("r").sdf_joints
+        world.step(200)
+        assert [abs(joints[name].position()) for name in ("lead", "follow")] == pytest.approx([0.0, 0.0], abs=1e-6)
+        for _ in range(300):
+            joints["lead"].add_force(1e-4)
+            world.step()
+        assert joints["lead"].position() > 0.1
+        assert joints["follow"].position() == pytest.approx(joints["lead"].position(), abs=0.01)

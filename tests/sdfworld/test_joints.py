@@ -281,3 +281,19 @@ def test_a_state_holds_again_what_was_detached_though_names_are_equal(load):
     made.step(100)
     assert made.body("first").GetPosition().z < 4.99
     assert made.body("second").GetPosition().z == pytest.approx(5.0, abs=1e-9)
+
+
+def test_a_joint_begins_where_its_links_are_as_in_gazebo(load, caplog):
+    """Gazebo 11 does not use `<initial_position>`."""
+    swing = joint("j", "revolute", "world", "l", "0 1 0", inside="<initial_position>0.5</initial_position>")
+    made = load(world(model("m", link("l", inertial()), swing), gravity="0 0 0"))
+    made.step(10)
+    assert made.model("m").sdf_joints["j"].position() == 0.0
+    assert "<initial_position> has no effect" in caplog.text
+
+
+def test_a_fixed_joint_is_not_softened_as_in_gazebo(load):
+    soft = "<physics><ode><cfm>1</cfm><erp>.1</erp></ode></physics>"
+    made = load(world(model("m", link("l", inertial()), joint("j", "fixed", "world", "l", "", soft))))
+    made.step(500)
+    assert place(made.body("m")) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)

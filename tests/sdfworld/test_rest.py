@@ -1,8 +1,10 @@
 """Rest under the quick solver: what rests does not shake, whatever the step, and robots turn as before."""
 
+import math
+
 import numpy as np
 import pytest
-from engine_parts import in_both_forms
+from engine_parts import in_both_forms, use_form
 from sdf_worlds import GROUND, Loader, collision, friction, inertial, joint, link, model, world
 
 from libgz.sdf.reader import SdfFile
@@ -103,6 +105,53 @@ def test_stacks_whose_places_are_rounded_rest_from_the_first_step(load, size, ma
         made.Reset()
 
 
+def test_a_stack_of_forty_in_any_order_rests(load):
+    shuffled = [f"b{7 * i % 40}" for i in range(40)]
+    boxes = [block(name, (0.5,) * 3, (0, 0, 0.25 + 0.5 * int(name[1:]))) for name in shuffled]
+    made = load(world(GROUND, *boxes, physics=physics(0.01)))
+    made.run(0.5)
+    assert accelerations(made, 0.1) < SHAKING
+
+
+def test_contacts_that_hold_on_a_slope_do_not_creep_and_others_slide(load):
+    """By the friction cone: a block stays where mu > tan(slope), else it slides at g (sin - mu cos)."""
+    slope = 0.3
+    plane = model(
+        "slope",
+        "<static>1</static>",
+        link("link", collision("<box><size>9 9 1</size></box>", friction(10))),
+        pose=f"0 0 {-0.5 / math.cos(slope)} 0 {slope} 0",
+    )
+    normal = (math.sin(slope), 0.0, math.cos(slope))
+
+    def on_slope(name, y, mu):
+        text = block(name, (0.4, 0.4, 0.1), (0.05 * normal[0], y, 0.05 * normal[2]), surface=friction(mu))
+        return text.replace(" 0 0 0</pose>", f" 0 {slope} 0</pose>", 1)
+
+    made = load(world(plane, on_slope("holds", -2, 0.4), on_slope("slides", 2, 0.2), physics=physics()))
+    made.run(0.2)
+    before = made.body("holds").GetPosition()
+    made.run(1.0)
+    after = made.body("holds").GetPosition()
+    assert math.dist((before.x, before.y, before.z), (after.x, after.y, after.z)) < 1e-7
+    speed = made.body("slides").GetLinearVel()
+    assert math.hypot(*speed) == pytest.approx(1.2 * 9.8 * (math.sin(slope) - 0.2 * math.cos(slope)), rel=0.02)
+
+
+@pytest.mark.parametrize("form", ["native", "python"])
+def test_contacts_of_a_resting_stack_carry_what_is_above_them(load, monkeypatch, form):
+    use_form(form, monkeypatch)
+    made = load(world(GROUND, stack(3), physics=physics(0.01)))
+    made.engine.record_contacts = True
+    made.run(0.3)
+    contacts = made.engine.contacts
+    lifted = [float(contact["force1"][2]) for contact in contacts]
+    heights = contacts["position"][:, 2]
+    for level, above in ((0.0, 3), (0.5, 2), (1.0, 1)):
+        carried = sum(abs(force) for force, height in zip(lifted, heights, strict=True) if abs(height - level) < 0.01)
+        assert carried == pytest.approx(above * 9.8, rel=1e-6)
+
+
 def test_solids_are_set_down_by_less_than_a_micrometre_on_what_they_stand_on(load):
     high = block("high", (0.3, 0.3, 0.3), (3, 0, 0.15 + 2e-6))
     sill = model(
@@ -189,6 +238,25 @@ def test_both_forms_agree_where_some_are_calm_and_others_are_not(load, monkeypat
     def run():
         made = run_mixed(load, 300)
         return made.engine.states.tolist(), [body.IsEnabled() for body in made.engine.bodies.values()]
+
+    native, python = in_both_forms(run, monkeypatch)
+    assert native == python
+
+
+def test_both_forms_agree_on_what_lands_leans_and_rests(load, monkeypatch):
+    """At 20 ms: a corner that lifts, boxes on two others, a block that may slide, and recorded forces."""
+    slippery = block("slippery", (0.4, 0.4, 0.2), (0, 3, 0.101), surface=friction(0.01))
+    wall = [
+        block(f"w{i}", (0.4, 0.2, 0.2), (3 + 0.42 * (i % 3) + 0.2 * (i // 3), 0, 0.1 + 0.2 * (i // 3)))
+        for i in range(5)
+    ]
+    leaning = block("leaning", (0.3, 0.3, 0.3), (6, 0, 0.17)).replace(" 0 0 0</pose>", " 0.1 0.05 0</pose>", 1)
+
+    def run():
+        made = load(world(GROUND, slippery, *wall, leaning, stack(14, size=0.3), physics=physics(0.02)))
+        made.engine.record_contacts = True
+        made.step(60)
+        return made.engine.states.tobytes(), made.engine.contacts.tobytes()
 
     native, python = in_both_forms(run, monkeypatch)
     assert native == python

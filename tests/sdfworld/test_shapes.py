@@ -5,8 +5,9 @@ import struct
 
 import numpy as np
 import pytest
+from engine_parts import use_form
 from PIL import Image
-from sdf_worlds import GROUND, collision, inertial, link, model, place, world
+from sdf_worlds import GROUND, collision, friction, inertial, link, model, place, world
 
 from libgz.ode.types import Surface
 
@@ -203,3 +204,45 @@ def test_an_ellipsoid_is_nearly_its_volume_and_stands_on_its_pole(load):
     assert geom.vertices.max(axis=0) == pytest.approx((0.3, 0.2, 0.5), rel=1e-3)
     made.run(0.3)
     assert made.body("m").GetPosition().z == pytest.approx(0.5, abs=0.005)
+
+
+@pytest.mark.parametrize("form", ["native", "python"])
+def test_a_plane_has_normals_of_any_length_and_a_friction_direction(load, monkeypatch, form):
+    """At mu 0 along the slope, which is along the direction, a block slides at g sin; across it nothing moves."""
+    use_form(form, monkeypatch)
+    slope = math.atan(0.4)
+
+    def plane(y, direction):
+        shape = "<plane><normal>0.8 0 2</normal></plane>"
+        surface = friction(0, 10, f"<fdir1>{direction}</fdir1>")
+        return model("p", "<static>1</static>", link("l", collision(shape, surface)), pose=f"0 {y} 3 0 0 0")
+
+    def block(y):
+        shape = collision("<box><size>.4 .4 .2</size></box>", friction(10, 10))
+        place = f"{0.1 * math.sin(slope)} {y} {3 + 0.1 * math.cos(slope)} 0 {slope} 0"
+        return model(f"b{y}", link("l", inertial(1.0, (0.02, 0.02, 0.02)), shape), pose=place)
+
+    for direction, mode in (("1 0 0", "slides"), ("0 1 0", "holds")):
+        made = load(world(plane(0, direction), block(0)))
+        made.step(200)
+        speed = math.hypot(*made.body("b0").GetLinearVel())
+        expected = 0.2 * 9.8 * math.sin(slope) if mode == "slides" else 0.0
+        assert speed == pytest.approx(expected, rel=0.02, abs=1e-3)
+        x, _, z = made.body("b0").GetPosition()
+        assert math.sin(slope) * x + math.cos(slope) * (z - 3.0) == pytest.approx(0.1, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        "<box><size>0 0 0</size></box>",
+        "<box><size>1 1 0</size></box>",
+        "<sphere><radius>0</radius></sphere>",
+        "<cylinder><radius>0.5</radius><length>0</length></cylinder>",
+    ],
+)
+def test_a_shape_with_a_length_of_0_falls_through_the_ground_as_in_gazebo(load, caplog, shape):
+    made = load(world(GROUND, model("m", link("l", inertial(), collision(shape)), pose="0 0 0.5 0 0 0")))
+    made.step(1000)
+    assert made.body("m").GetPosition().z == pytest.approx(0.5 - 4.9, abs=0.01)
+    assert "touches nothing" in caplog.text

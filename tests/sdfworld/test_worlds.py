@@ -272,8 +272,11 @@ def test_all_faults_at_once(load):
 @pytest.mark.parametrize(
     ("inside", "said"),
     [
-        ("<model name='m'><pose>0 0 z</pose><link name='l'/></model>", r"<pose>: '0 0 z' .* must be 6 numbers: x y z"),
-        ("<physics type='ode'><max_step_size>0</max_step_size></physics>", r"<physics>: .* must be above zero"),
+        (
+            "<model name='m'><pose>0 0 z</pose><link name='l'/></model>",
+            r"<pose>: '0 0 z' .* must be 6 finite numbers: x",
+        ),
+        ("<physics type='ode'><max_step_size>0</max_step_size></physics>", r"<max_step_size>: .* must be above zero"),
         ("<state world_name='w'><sim_time>soon</sim_time></state>", r"<sim_time>: 'soon' .* must be seconds"),
     ],
 )
@@ -282,10 +285,54 @@ def test_a_wrong_number_is_told_with_its_place(load, inside, said):
         load(f"<world name='w'>{inside}</world>")
 
 
+@pytest.mark.parametrize(
+    "key", ["max_step_size", "real_time_update_rate", "real_time_factor", "sor", "erp", "kp", "mu"]
+)
+def test_what_is_no_number_is_one_error_at_its_element(load, key):
+    ode = f"<ode><solver>{_given('sor', key)}</solver><constraints>{_given('erp', key)}</constraints></ode>"
+    physics = "".join(_given(name, key) for name in ("max_step_size", "real_time_update_rate", "real_time_factor"))
+    surface = (
+        f"<surface><contact><ode>{_given('kp', key)}</ode></contact>"
+        f"<friction><ode>{_given('mu', key)}</ode></friction></surface>"
+    )
+    geometry = "<geometry><sphere><radius>1</radius></sphere></geometry>"
+    body = f"<model name='m'><link name='l'><collision name='c'>{geometry}{surface}</collision></link></model>"
+    with pytest.raises(WorldFileError) as caught:
+        load(f"<world name='w'><physics type='ode'>{physics}{ode}</physics>{body}</world>")
+    assert str(caught.value).endswith(f"w0.world:1: <{key}>: 'nan' is not allowed; it must be a number")
+    assert str(caught.value).count("\n") == 0
+
+
+def _given(name, key):
+    return f"<{name}>nan</{name}>" if name == key else ""
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ("<real_time_update_rate>-1</real_time_update_rate>", "<real_time_update_rate>: -1.0 is not allowed; 0.0 is"),
+        ("<max_contacts>-1</max_contacts>", "<max_contacts>: -1 is not allowed; 0 is used instead"),
+        ("<ode><solver><iters>-3</iters></solver></ode>", "<iters>: -3 is not allowed; 1 is used instead"),
+    ],
+)
+def test_a_negative_number_of_physics_that_is_replaced_is_a_warning(load, caplog, inside, said):
+    made = load(f"<world name='w'><physics type='ode'>{inside}</physics></world>")
+    assert said in caplog.text
+    assert made.simSpeed >= 0.0
+
+
+def test_a_pose_at_infinity_is_one_message(load, caplog):
+    with pytest.raises(
+        WorldFileError, match=r"w0.world:1: <pose>: '0 0 0 1e400 0 0' is not allowed; it must be 6 fini"
+    ):
+        load("<world name='w'><model name='m'><pose>0 0 0 1e400 0 0</pose><link name='l'/></model></world>")
+    assert "is read as" not in caplog.text
+
+
 def test_a_wrong_number_does_not_hide_what_else_is_wrong(load):
     with pytest.raises(WorldFileError) as caught:
         load("<world name='w'><model name='a'><pose>0 0 z</pose><link name='l'/></model><model name='b'/></world>")
-    assert "must be 6 numbers" in str(caught.value)
+    assert "must be 6 finite numbers" in str(caught.value)
     assert "GzPose" not in str(caught.value)
 
 

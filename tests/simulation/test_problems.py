@@ -83,7 +83,7 @@ def test_a_model_may_have_an_error_of_its_own(tmp_path):
 
 @pytest.mark.parametrize("kind", ["World", "Model"])
 @pytest.mark.parametrize(("load", "update"), [("1 / 0", "pass"), ("pass", "1 / 0")])
-def test_an_error_of_a_plugin_can_be_read(tmp_path, monkeypatch, kind, load, update):
+def test_an_error_of_a_plugin_can_be_read(tmp_path, monkeypatch, caplog, kind, load, update):
     path = classic(tmp_path, kind, load, update)
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
     with libgz.World.from_file(path) as world:
@@ -92,8 +92,30 @@ def test_an_error_of_a_plugin_can_be_read(tmp_path, monkeypatch, kind, load, upd
         assert problem.source == "plugin with name[bad] and filename[libBad.so]"
         assert "ZeroDivisionError" in problem.message
         assert "Bad.py" in problem.traceback
+        assert problem.where == f"{path}:1"
+        assert f"{path}:1: <plugin>: Exception occured in " in caplog.text
         if kind == "Model":
             assert isinstance(world.model("box").error, ZeroDivisionError)
+
+
+@pytest.mark.parametrize("kind", ["World", "Model", "Sensor"])
+@pytest.mark.parametrize(
+    "content", [None, "1 / 0", "", "from libgz.classic import *\nGZ_REGISTER_GUI_PLUGIN(GUIPlugin)"]
+)
+def test_a_plugin_that_cannot_be_loaded_is_named_with_the_line_of_its_element(
+    tmp_path, monkeypatch, caplog, kind, content
+):
+    if content is not None:
+        (tmp_path / "Bad.py").write_text(content)
+    plugin = "\n<plugin name='bad' filename='libBad.so'/>"
+    sensor = f"<sensor name='s' type='imu'><always_on>1</always_on>{plugin if kind == 'Sensor' else ''}</sensor>"
+    model = f"<model name='m'><link name='l'>{sensor}</link>{plugin if kind == 'Model' else ''}</model>"
+    path = tmp_path / "w.world"
+    path.write_text(f"<sdf version='1.6'><world name='d'>{model}{plugin if kind == 'World' else ''}</world></sdf>")
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    with libgz.World.from_file(path) as world:
+        (problem,) = world.errors
+    assert problem.message.startswith(f"{path}:2: <plugin>: ")
 
 
 THREAD = "import threading as t; w = t.Thread(target={}, name='w'); w.start(); w.join()"

@@ -219,6 +219,30 @@ def test_a_callback_that_waits_for_a_waiting_thread_is_reported(monkeypatch, tmp
     assert f"holds it, in Update of model 'net1' ({path}:11): if that waits for thread 'network'" in line
 
 
+@pytest.mark.parametrize("method", ["Load", "Init", "Fini"])
+def test_a_method_of_a_model_that_waits_for_a_waiting_thread_is_reported(monkeypatch, tmp_path, caplog, method):
+    monkeypatch.setattr(lock_module, "LONG", 0.1)
+    wait = "thread = threading.Thread(target=self.Work); thread.start(); thread.join(0.5)"
+    lines = {name: wait if name == method else "pass" for name in ("Load", "Init", "Fini")}
+    path = tmp_path / "net.py"
+    path.write_text(
+        "import contextlib, threading\nfrom libgz import GZ_REGISTER_PLUGIN, Body, GazeboError, Model\n"
+        "class Net(Model):\n"
+        "    def Work(self):\n"
+        "        with contextlib.suppress(GazeboError):  # the world may be closed first\n"
+        "            self.bodies[0].SetLinearVel((0, 0, 1))\n"
+        f"    def Load(self, file, node):\n        self.AddBody(Body(self.world), True); {lines['Load']}\n"
+        f"    def Init(self, file, node):\n        {lines['Init']}\n"
+        f"    def Fini(self):\n        {lines['Fini']}\n"
+        "GZ_REGISTER_PLUGIN('Net', Net)\n"
+    )
+    text = f"<model:Net><id>net1</id><plugin>{path}</plugin></model:Net>"
+    with caplog.at_level(logging.ERROR, "libgz"):
+        libgz.World.from_string(f"<gz:world xmlns:gz='g' xmlns:model='m'>{text}</gz:world>").close()
+    (line,) = [record.getMessage() for record in caplog.records if "has waited" in record.getMessage()]
+    assert f"holds it, in {method} of model 'net1' ({path}:" in line
+
+
 class Counter:
     """A part of a world, with its lock."""
 

@@ -9,7 +9,7 @@ import textwrap
 import pytest
 
 import libgz
-from libgz.errors import NotFoundError, WorldFileError
+from libgz.errors import NotFoundError, ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorSub
 
 HEAD = """<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p' xmlns:params='p'>"""
@@ -74,6 +74,12 @@ def test_all_faults_of_a_world_at_once(caplog):
     assert "<string>:5: <rayCount>: '0' is not allowed" in lines[4]
     assert "<model:NoSuchThing>: unknown model class" in caplog.text
     assert "<texturFile>: is not used by <model:GroundPlane>; did you mean 'textureFile'" in caplog.text
+
+
+def test_a_model_that_is_skipped_is_an_element_all_the_same(caplog):
+    with libgz.World.from_string("<w xmlns:model='m'><model:NoSuchThing/></w>"):
+        assert "unknown model class" in caplog.text
+        assert "there is no <model:...> element" not in caplog.text
 
 
 def test_ids_and_names():
@@ -157,6 +163,24 @@ def test_a_dummy_attached_at_run_time_follows():
             truth.Detach()
         world.step(5)
         assert truth.GetPose().pos.x == pytest.approx(0.2)
+
+
+def test_a_model_attached_again_has_one_parent_and_one_weld():
+    with world_of("".join(SOLID.format(name, f"{x} 0 5", "") for x, name in enumerate("abc", 1))) as world:
+        a, b, c = (world.model(name) for name in "abc")
+        before = len(world.engine.joints)
+        for parent in (b, c, c):
+            a.SetParent(parent, parent.GetBody())
+            a.Attach()
+            a.Attach()
+        assert (b.children, c.children, len(world.engine.joints)) == ([], [a], before + 1)
+        with pytest.raises(ParameterError, match=r"'c' cannot be attached to .*, which belongs to it"):
+            c.SetParent(a, a.GetBody())
+        with pytest.raises(ParameterError, match=r"'c' cannot be attached to .*, which belongs to it"):
+            c.SetParent(c, c.GetBody())
+        with pytest.raises(ParameterError, match="which is no body of <SimpleSolid"):
+            c.SetParent(b, a.GetBody())
+        world.set_state(world.get_state())
 
 
 def test_parent_bodies_by_name():
@@ -408,3 +432,22 @@ def test_many_bodies_that_fall_are_one_message(caplog):
         world.step(1000)
         (line,) = [record.getMessage() for record in caplog.records if "fell" in record.getMessage()]
         assert "s4::canonical and 3 more bodies fell below" in line
+
+
+def test_falls_of_a_world_that_is_reset_again_and_again_are_counted(caplog):
+    with caplog.at_level(logging.WARNING, "libgz"), world_of(SOLID.format("s", "0 0 -1100", "")) as world:
+        for _ in range(120):
+            world.step(260)
+            world.reset()
+    lines = [record.getMessage() for record in caplog.records if "fell" in record.getMessage()]
+    assert len(lines) == 2
+    assert lines[1] == "s::canonical fell below -1000 m (100 times so far): is there ground under it?"
+
+
+def test_falls_of_ever_new_bodies_are_counted(caplog):
+    with caplog.at_level(logging.WARNING, "libgz"), world_of("") as world:
+        for number in range(150):
+            world.InsertModel(SOLID.format(f"s{number}", "0 0 -1100", ""))
+            world.step(256)
+            world.DeleteModel(f"s{number}")
+    assert len([record for record in caplog.records if "fell" in record.getMessage()]) <= 102

@@ -52,11 +52,64 @@ def viewer():
         yield viewer
 
 
+@contextlib.contextmanager
+def showing(text):
+    """A world and a viewer that only shows it."""
+    with (
+        libgz.World.from_string(text) as world,
+        contextlib.redirect_stdout(io.StringIO()),
+        Viewer(LocalSource(world), port=18960, wait=True) as viewer,
+    ):
+        yield world, viewer
+
+
 def test_the_first_view_shows_the_models_not_the_ground(viewer):
     viewer.frame(0.0)
     camera = viewer.page.initial_camera
     assert camera.look_at == pytest.approx((7.0, -2.0, 0.5))
     assert np.linalg.norm(np.subtract(camera.position, camera.look_at)) < 5.0
+
+
+def test_the_first_view_of_nothing_but_ground_is_near():
+    ground = "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/></gz:world>"
+    with showing(ground) as (_, viewer):
+        viewer.frame(0.0)
+        assert np.linalg.norm(viewer.page.initial_camera.position) < 10.0
+
+
+def test_the_first_view_of_what_is_far_away_shows_it():
+    box = "<model:SimpleSolid><id>box{0}</id><xyz>{0} 0 10</xyz></model:SimpleSolid>"
+    with showing(f"<gz:world xmlns:gz='g' xmlns:model='m'>{box.format(70)}{box.format(90)}</gz:world>") as (_, viewer):
+        viewer.frame(0.0)
+        assert viewer.page.initial_camera.look_at == pytest.approx((80.0, 0.0, 10.0), abs=1.0)
+
+
+def test_a_mesh_whose_file_is_missing_hides_nothing_else():
+    text = """<gz:world xmlns:gz='g' xmlns:model='m'><model:Terrain><id>hills</id><terrainFile>none.gzb</terrainFile>
+    </model:Terrain><model:Pioneer2AT><id>robot1</id></model:Pioneer2AT></gz:world>"""
+    with showing(text) as (_, viewer):
+        viewer.frame(0.0)
+        state = viewer.source.state()
+        assert viewer.view.bounds(viewer.view.ids["robot1"], state) is not None
+        assert viewer.view.bounds(viewer.view.ids["hills"], state) is None
+
+
+def test_trails_are_above_the_ground_and_begin_anew_after_a_reset():
+    text = """<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/><model:Pioneer2AT><id>robot1</id>
+    </model:Pioneer2AT></gz:world>"""
+    with showing(text) as (world, viewer):
+        viewer.frame(0.0)
+        viewer.set_mark("trails", True)
+        world.interface("position", "robot1").command(vx=0.5)
+        for step in range(8):
+            world.step(25)
+            viewer.frame(1.0 + step)
+        points = viewer.marks._handles["trails"].points
+        assert np.ptp(points[..., 0]) > 1.0
+        assert points[..., 2].min() > 0.02
+        world.Reset()
+        viewer.frame(20.0)
+        assert "trails" not in viewer.marks._handles or not len(viewer.marks._handles["trails"].points)
 
 
 def test_frusta_show_the_last_image_of_a_camera(viewer):

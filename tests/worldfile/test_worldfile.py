@@ -215,6 +215,32 @@ def test_entities_and_files_outside_are_not_followed(tmp_path):
     assert "SECRET" not in file.GetRootNode().content
 
 
+def test_entities_of_the_file_are_text():
+    file = WorldFile()
+    file.LoadString(
+        "<!DOCTYPE w [<!ENTITY y '2'><!ENTITY at '1 &y;'><!ENTITY c 'a &amp;&y;'>]>"
+        "<w><a>0 <!-- x --> &at; 3</a><b>&y;</b><c>&c; &lt;</c></w>"
+    )
+    assert file.GetRootNode().GetPosition("a") == GzVector(0, 1, 2)
+    assert file.GetRootNode().GetString("a").split() == ["0", "1", "2", "3"]
+    assert file.GetRootNode().GetInt("b") == 2
+    assert file.GetRootNode().GetString("c") == "a &2 <"
+
+
+@pytest.mark.parametrize(
+    ("entity", "message"),
+    [
+        ("<!ENTITY e SYSTEM 'other.world'>", "2: <a>: entity &e; is not text of this file; other files are not read"),
+        ("<!ENTITY e '<b/>'>", "2: <a>: entity &e; holds elements; only text is replaced"),
+        (f"<!ENTITY e '{'x' * 100_000}'>", "2: <a>: entity &e; contains itself, or is longer than 100000 characters"),
+    ],
+)
+def test_other_entities_are_errors(entity, message):
+    file = WorldFile()
+    file.LoadString(f"<!DOCTYPE w [{entity}]><w>\n<a>&e;</a></w>", "w")
+    assert message in str(file.diagnostics.errors[0])
+
+
 def test_entity_bombs_are_not_expanded():
     bomb = "<!DOCTYPE b [<!ENTITY a 'aaaaaaaaaa'>" + "".join(
         f"<!ENTITY {chr(98 + i)} '{('&' + chr(97 + i) + ';') * 10}'>" for i in range(9)

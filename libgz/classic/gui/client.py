@@ -113,7 +113,8 @@ class Client(Closing):
             yield element.Get(str, "filename"), element.Get(str, "name"), element
 
     def _load(self, filename: str, name: str, element: Element) -> None:
-        loaded = new_plugin("GUI", filename, name, "System", self.world.core.events)
+        where = element.where if element.line else ""
+        loaded = new_plugin("GUI", filename, name, "System", self.world.core.events, where=where)
         if loaded is None or loaded.plugin is None:
             log.error("Unable to create gui overlay plugin with filename[%s]", filename)
             return

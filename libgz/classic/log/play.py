@@ -80,7 +80,16 @@ class LogPlay:
             self.core.close()
             raise
         self._at_start = {part.GetName(): part.GetSDF() for part in self.world.children()}
+        self._span: tuple[float, float] | None = None  # [s]
+        self.world.played = self.Span
         self.Rewind()
+
+    def Span(self) -> tuple[float, float]:
+        """The first and the last sim time of the log [s]; the first call reads the whole log."""
+        if self._span is None:
+            times = [state.sim_time for state in read_states(self.reader)] or [0.0]
+            self._span = times[0], times[-1]
+        return self._span
 
     def _first(self) -> SdfFile:
         document = next(self.reader.documents(), None)

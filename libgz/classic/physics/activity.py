@@ -14,6 +14,7 @@ from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.place import found_at, place_of
+from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseAdd, GzPose
 from libgz.simulation.event import Event
 from libgz.simulation.state import get_state, set_state
@@ -86,7 +87,19 @@ class Activity:
     # Attached models ---------------------------------------------------------------------------------------------
 
     def attach(self, parent: Model, model: Model, offset: GzPose) -> None:
-        """Move a model with another, at an offset [m]."""
+        """Move a model with another, at an offset [m].
+
+        Raises:
+            ClosedError: one of them was removed.
+            ParameterError: a model is to move with itself, or with what moves with it.
+        """
+        for one in (parent, model):
+            one.pose()  # raises if it was removed
+        leaders = {parent}
+        while more := {leader for leader, led, _ in self._attached if led in leaders} - leaders:
+            leaders |= more
+        if model in leaders:
+            raise ParameterError(f"model {model.GetName()!r} cannot move with {parent.GetName()!r}, which follows it")
         model.SetEnabled(False)
         self._attached.append((parent, model, offset))
 

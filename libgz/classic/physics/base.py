@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
+from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, place_of
 
 if TYPE_CHECKING:
@@ -158,6 +159,17 @@ class Base:
     def Print(self, prefix: str = "") -> str:
         """The names of the object and all descendants, one per line."""
         return f"{prefix}{self.GetName()}\n" + "".join(part.Print(prefix + "  ") for part in self.children())
+
+    def FillMsg(self, msg: Any) -> None:
+        """Fill a message with what describes it: that of a model, link, joint, collision or light has its type's name.
+
+        Raises:
+            ParameterError: no message describes it.
+        """
+        described = self._world.server.described(self)
+        if described is None:
+            raise ParameterError(f"no message describes {self.GetScopedName()}, a {type(self).__name__}")
+        msg.CopyFrom(described)
 
 
 def find_named(parts: Iterable[Base], name: str) -> Base | None:
@@ -329,7 +341,18 @@ class Entity(Base):
             pose.pos.z -= distance
             self.move(pose)
 
-    PlaceOnEntity = PlaceOnNearestEntityBelow
+    def PlaceOnEntity(self, name: str) -> None:
+        """Put it onto another entity, in the middle of that one's place and on top of its bounding box.
+
+        Raises:
+            NotFoundError: the world has no entity of this name.
+        """
+        below = self._world.EntityByName(name)
+        if below is None:
+            raise NotFoundError(f"the world has no entity {name!r} on which {self.GetScopedName()} could be placed")
+        pose, box = below.WorldPose(), self.BoundingBox()
+        pose.pos.z = below.BoundingBox().Max().z + box.Size().z / 2.0
+        self.SetWorldPose(pose)
 
     # Animation ---------------------------------------------------------------------------------------------------
 

@@ -13,6 +13,7 @@ from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.ray_shape import RayShape
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
+from libgz.physics.check import finite, not_negative
 from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.physics import PHYSICS
@@ -82,7 +83,7 @@ class PhysicsEngine:
 
     def SetMaxStepSize(self, stepSize: float) -> None:
         """Set the step size [s]; the real-time update rate does not change."""
-        PHYSICS["max_step_size"].set(self._world.core, stepSize)
+        self.SetParam("max_step_size", stepSize)
 
     def GetRealTimeUpdateRate(self) -> float:
         """The number of steps per second of real time [Hz]; 0: as fast as possible."""
@@ -90,7 +91,7 @@ class PhysicsEngine:
 
     def SetRealTimeUpdateRate(self, rate: float) -> None:
         """Set the number of steps per second of real time [Hz]; 0: as fast as possible."""
-        PHYSICS["real_time_update_rate"].set(self._world.core, rate)
+        self.SetParam("real_time_update_rate", rate)
 
     def GetUpdatePeriod(self) -> float:
         """The real time between steps [s]; 0: as fast as possible."""
@@ -151,7 +152,7 @@ class PhysicsEngine:
                 self._world.SetMagneticField(value)
             case _ if key in PHYSICS:
                 parameter = PHYSICS[key]
-                parameter.set(self._world.core, parameter.kind(value))
+                parameter.set(self._world.core, _converted(key, parameter.kind, value))
             case _:
                 self._set_without_effect(key, value)
         return True
@@ -174,6 +175,10 @@ class PhysicsEngine:
         return self._value_without_effect(key)
 
     def _set_without_effect(self, key: str, value: Any) -> None:
+        kind = type(WITHOUT_EFFECT[key][1]) if key in WITHOUT_EFFECT else object
+        if kind in (int, float):
+            value = _converted(key, kind, value)
+            finite(not_negative(value, key), key)
         if value != self._value_without_effect(key):
             log.warning("physics parameter %s is kept, and has no effect", key)
         self._without_effect[key] = value
@@ -287,3 +292,15 @@ class PhysicsEngine:
         if type != "ray":
             raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray")
         return RayShape(self._world, collision.link if collision is not None else None)
+
+
+def _converted(key: str, kind: type, value: Any) -> Any:
+    """The value of a parameter as its type.
+
+    Raises:
+        ParameterError: it is no such value.
+    """
+    try:
+        return kind(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(f"{key} is {value!r}; it must be of the type {kind.__name__}") from None

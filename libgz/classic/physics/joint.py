@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
+from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.sdfworld.model import SdfModel
 from libgz.simulation.state import changes
@@ -129,12 +130,22 @@ class Joint(Base):
         return self.core.wrench
 
     def LinkForce(self, index: int) -> Vector3d:
-        """The force of the joint on the parent (0) or child (1) [N], in the world frame."""
-        return Vector3d(*self._wrench()[2 * index])
+        """The force of the joint on the parent (0) or child (1) [N], in the world frame.
+
+        Raises:
+            ParameterError: the index is neither.
+        """
+        return self._of_link(0, index)
 
     def LinkTorque(self, index: int) -> Vector3d:
         """The torque of the joint on the parent (0) or child (1) about the anchor [N m], in the world frame."""
-        return Vector3d(*self._wrench()[2 * index + 1])
+        return self._of_link(1, index)
+
+    def _of_link(self, which: int, index: int) -> Vector3d:
+        """The force (0) or torque (1) on the parent (0) or child (1)."""
+        if index not in (0, 1):
+            raise ParameterError(f"joint {self.GetName()!r} has links 0, the parent, and 1, the child; not {index!r}")
+        return Vector3d(*self._wrench()[2 * int(index) + which])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
 

@@ -62,7 +62,7 @@ class PresetManager:
         parameters = self._profile(name)
         if name in self._settings.profiles:
             self._world.core.extension(SdfWorld).apply_profile(name)
-        for key, value in parameters.items():  # they may have been changed since
+        for key, value in list(parameters.items()):  # they may have been changed since
             self._world.Physics().SetParam(key, value)
         self._current = name
         return True
@@ -90,10 +90,17 @@ class PresetManager:
         return self._profile(name).get(key)
 
     def SetProfileParam(self, name: str, key: str, value: Any) -> bool:
-        """Set a parameter of a profile, and of the engine if it is the current one; returns True."""
-        self._profile(name)[key], self._encoded = value, b""
+        """Set a parameter of a profile, and of the engine if it is the current one; returns True.
+
+        Raises:
+            NotFoundError: there is no such profile.
+            ParameterError: the engine does not take the value, or a state could not hold it.
+        """
+        profile = self._profile(name)
+        encode(value)
         if name == self._current:
             self._world.Physics().SetParam(key, value)
+        profile[key], self._encoded = value, b""
         return True
 
     def CurrentProfileParam(self, key: str) -> Any:

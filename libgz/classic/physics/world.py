@@ -40,6 +40,8 @@ from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from libgz.classic import sdf as classic_sdf
     from libgz.classic.physics.collision import Collision
     from libgz.physics.body import Body
@@ -59,10 +61,12 @@ class World(Base):
     Attributes:
         core: the engine's world.
         server: the WorldServer, which keeps all state that is not the engine's.
+        played: of a world that plays a log, returns the first and the last time of the log [s].
     """
 
     def __init__(self, core: CoreWorld, server: WorldServices) -> None:
         self.core, self.server = core, server
+        self.played: Callable[[], tuple[float, float]] | None = None
         super().__init__(self, core.name, None)
 
     def Name(self) -> str:

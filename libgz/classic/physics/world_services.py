@@ -45,6 +45,9 @@ class WorldServices(Protocol):
     scene: Any
     stopped: bool
 
+    def described(self, entity: object) -> Any:
+        """The message that describes a model, link, joint, collision or light; None for anything else."""
+
     def all_sensors(self) -> Any:
         """The sensors, created on first use."""
 
@@ -57,7 +60,7 @@ class WorldServices(Protocol):
     def serve_visuals(self) -> Any:
         """The Visual plugins, created on first use."""
 
-    def new_plugin(self, kind: str, filename: str, name: str, holder: str) -> LoadedPlugin | None:
+    def new_plugin(self, kind: str, filename: str, name: str, holder: str, sdf: Element | None) -> LoadedPlugin | None:
         """A plugin of this world, constructed; None if that fails, which is logged."""
 
     def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:

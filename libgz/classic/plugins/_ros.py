@@ -34,11 +34,11 @@ def ros_elements(sdf: Element) -> Element:
 def ros_topic(model: Model, sdf: Element, tag: str, default: str) -> str:
     """The topic that an element names: `/<robotNamespace>/<name>`; without a namespace, `~/<model>/<name>`.
 
-    A `<remapping>` of ROS 2, `name:=other`, gives it another name.
+    A `<remapping>` or `<argument>` of ROS 2, `name:=other`, gives it another name.
     """
     name = sdf.Get(str, tag, default)[0].strip()
     for ros in sdf.named("ros"):
-        for remapping in ros.named("remapping"):
+        for remapping in (*ros.named("remapping"), *ros.named("argument")):  # the latter in the first of ROS 2
             before, found, after = remapping.Get(str).strip().partition(":=")
             if found and before.removeprefix("~/") == name:
                 name = after.strip()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
@@ -19,18 +20,18 @@ if TYPE_CHECKING:
 class WindPlugin(WorldPlugin):
     """Applies F = factor m (wind - v) to each link in the wind, with v its velocity.
 
-    The wind rises to that of the world: its mean speed and direction come nearer by step / time_for_rise in each step
-    (in Gazebo so often as there are links in the wind). To them a sine and noise are added. As in Gazebo the vertical
-    wind is the mean speed, with noise if there is any, and only links that `enable_wind` puts into the wind are moved.
+    The wind rises to that of the world: the means of its horizontal speed and direction and of its vertical speed come
+    nearer by step / time_for_rise in each step (in Gazebo so often as there are links in the wind). To them a sine and
+    noise are added. Only links that `enable_wind` puts into the wind are moved, and as in Gazebo none without a factor.
 
     Elements:
-        force_approximation_scaling_factor: factor [1/s] (1); with 0 no force is applied.
+        force_approximation_scaling_factor: factor [1/s] (0); with 0 no force is applied.
         horizontal magnitude: time_for_rise [s] (1), sin amplitude_percent (0) and period [s] (1), noise.
         horizontal direction: time_for_rise [s] (1), sin amplitude [degrees] (0) and period [s] (1), noise [degrees].
-        vertical: noise [m/s].
+        vertical: time_for_rise [s] (1), noise [m/s].
     """
 
-    STATE = ("speed", "direction", "advanced", "noises")
+    STATE = ("speed", "direction", "vertical", "advanced", "noises")
 
     def Load(self, world: World, sdf: Element) -> None:
         """Read the parameters, and make the wind vary.
@@ -39,24 +40,25 @@ class WindPlugin(WorldPlugin):
             ParameterError: a time or period is not positive, or the factor is negative.
         """
         self.world = world
-        self.speed = self.direction = 0.0  # means [m/s], [degrees]
+        self.speed = self.direction = self.vertical = 0.0  # means [m/s], [degrees], [m/s]
         self.advanced = -1  # the iteration of the means
         self.noises: dict[str, Noise] = {}
-        self.factor = sdf.Get(float, "force_approximation_scaling_factor", 1.0)[0]
+        self.factor = sdf.Get(float, "force_approximation_scaling_factor", 0.0)[0]
         if not 0.0 <= self.factor < math.inf:
             raise ParameterError(
                 f"{sdf.where}: <force_approximation_scaling_factor> is {self.factor:g}; it must be 0 or more"
             )
-        horizontal = _part(sdf, "horizontal")
+        if self.factor == 0.0:
+            gzwarn(f"{sdf.where}: the wind applies no force without a <force_approximation_scaling_factor>")
+        horizontal, upward = _part(sdf, "horizontal"), _part(sdf, "vertical")
         speed, direction = _part(horizontal, "magnitude"), _part(horizontal, "direction")
         self.speed_rise, self.direction_rise = _time(speed, "time_for_rise"), _time(direction, "time_for_rise")
+        self.vertical_rise = _time(upward, "time_for_rise")
         sine = _part(speed, "sin")
         self.speed_sine, self.speed_period = _number(sine, "amplitude_percent"), _time(sine, "period")
         sine = _part(direction, "sin")
         self.direction_sine, self.direction_period = _number(sine, "amplitude"), _time(sine, "period")
-        for channel, (name, part) in enumerate(
-            (("speed", speed), ("direction", direction), ("vertical", _part(sdf, "vertical")))
-        ):
+        for channel, (name, part) in enumerate((("speed", speed), ("direction", direction), ("vertical", upward))):
             if part is not None and part.HasElement("noise"):
                 self.noises[name] = self._noise(part.GetElement("noise"), channel)
         world.Wind().SetLinearVelFunc(self.LinearVel)
@@ -69,7 +71,7 @@ class WindPlugin(WorldPlugin):
 
     def Reset(self) -> None:
         """Let the wind rise again."""
-        self.speed = self.direction = 0.0
+        self.speed = self.direction = self.vertical = 0.0
         self.advanced = -1
         for noise in self.noises.values():
             noise.restart()
@@ -84,14 +86,15 @@ class WindPlugin(WorldPlugin):
         direction = self.direction + self.direction_sine * math.sin(2.0 * math.pi * now / self.direction_period)
         speed, direction = self._with_noise("speed", speed), self._with_noise("direction", direction)
         turn = math.radians(direction)
-        return Vector3d(speed * math.cos(turn), speed * math.sin(turn), self._with_noise("vertical", self.speed))
+        return Vector3d(speed * math.cos(turn), speed * math.sin(turn), self._with_noise("vertical", self.vertical))
 
     def _advance(self, whole: Vector3d) -> None:
         """Bring the means nearer to the wind of the world."""
         step = self.world.Physics().GetMaxStepSize()
-        self.speed += step / self.speed_rise * (whole.Length() - self.speed)
+        self.speed += step / self.speed_rise * (math.hypot(whole.X(), whole.Y()) - self.speed)
         target = math.degrees(math.atan2(whole.Y(), whole.X()))
         self.direction += step / self.direction_rise * (target - self.direction)
+        self.vertical += step / self.vertical_rise * (whole.Z() - self.vertical)
 
     def _with_noise(self, name: str, value: float) -> float:
         noise = self.noises.get(name)

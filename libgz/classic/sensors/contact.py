@@ -40,6 +40,7 @@ class ContactSensor(LinkSensor):
         self._waiting: deque[list[Contact]] = deque(maxlen=MOST_ITERATIONS)
         self._contacts: list[Contact] = []
         self._manager = self.world.Physics().GetContactManager()
+        self._filter = ""  # name of the topic of each iteration's contacts
 
     def SaveState(self) -> tuple[object, ...]:
         """The contacts that wait, and those of the last measurement."""
@@ -60,6 +61,18 @@ class ContactSensor(LinkSensor):
                 log.warning(
                     "%s: <contact>: there is no collision %r; %s has %s", self.sdf.where, name, self._prefix[:-2], known
                 )
+
+        name = self._prefix.replace("::", "/") + self.Name()
+        if self._collisions and not self._manager.HasFilter(name):
+            self._filter = name
+            self._manager.CreateFilter(name, self._collisions)
+
+    def Fini(self) -> None:
+        """End the sensor and its topics."""
+        if self._filter and self._manager.HasFilter(self._filter):
+            self._manager.RemoveFilter(self._filter)
+            self._filter = ""
+        super().Fini()
 
     def custom_topic(self) -> str:
         """The topic that its file names; an empty string for none."""

@@ -78,10 +78,11 @@ class WorldSensors:
                     f"{' and '.join(ON_JOINTS)} is allowed"
                 )
             sensor = sensor_class(kind)(self, parent, element)
-            if sensor.ScopedName() in self.sensors:
-                raise ParameterError(f"{element.where}: <sensor>: there is a {sensor.ScopedName()!r} already")
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             self._diagnostics.failure(element, error)
+            return None
+        if sensor.ScopedName() in self.sensors:  # as in robots whose lumped links had sensors of one name
+            log.warning("%s: <sensor>: there is a %r already; this one is left out", element.where, sensor.ScopedName())
             return None
         self.sensors[sensor.ScopedName()] = sensor
         Noted.noted.count()
@@ -125,7 +126,7 @@ class WorldSensors:
     def load_plugin(self, sensor: Sensor, element: Element) -> bool:
         """Load a plugin of a sensor; whether it runs."""
         filename, name = element.Get(str, "filename"), element.Get(str, "name")
-        plugin = self.world.server.new_plugin("Sensor", filename, name, f"Sensor[{sensor.Name()}]")
+        plugin = self.world.server.new_plugin("Sensor", filename, name, f"Sensor[{sensor.Name()}]", element)
         if plugin is None or not plugin.start(sensor, element):
             return False
         self._plugins.setdefault(sensor, []).append(plugin)

@@ -4,7 +4,7 @@ import pytest
 from plugin_worlds import body
 
 from libgz.classic.math import Pose3d, Vector3d
-from libgz.errors import ClosedError
+from libgz.errors import ClosedError, ParameterError
 
 INNER = "<model name='inner'><pose>0 0 1 0 0 0</pose><link name='tip'/></model>"
 FIXED = "<joint name='hook' type='fixed'><parent>link</parent><child>inner::tip</child></joint>"
@@ -85,3 +85,39 @@ def test_an_attached_model_moves_with_the_other(run):
     core.step(100)
     assert cart.WorldPose().Pos().X() > before.x + 0.05
     assert load.WorldPose().Pos().X() < before.x + 0.01
+
+
+def test_a_model_moves_with_one_that_is_there_and_does_not_lead_it(run):
+    core, view = run(*(body(name, f"{x} 0 9 0 0 0", gravity="false") for x, name in enumerate("abc")))
+    a, b, c = (view.ModelByName(name) for name in "abc")
+    a.AttachStaticModel(b, Pose3d())
+    b.AttachStaticModel(c, Pose3d())
+    for leader, model in ((a, a), (c, a), (c, b)):
+        with pytest.raises(ParameterError, match=f"model '{model.GetName()}' cannot move with '{leader.GetName()}'"):
+            leader.AttachStaticModel(model, Pose3d())
+    view.RemoveModel(a)
+    for leader, model in ((a, b), (b, a)):
+        with pytest.raises(ClosedError):
+            leader.AttachStaticModel(model, Pose3d())
+    core.step(2)
+
+
+def test_a_profile_takes_what_physics_takes(run):
+    core, view = run(body("box"))
+    presets = view.PresetMgr()
+    for key, value in (("iters", "many"), ("iters", -float("inf")), ("sor", -1.0), ("other", 1), ("iters", object())):
+        with pytest.raises(ParameterError):
+            presets.SetCurrentProfileParam(key, value)
+    assert presets.CurrentProfileParam("iters") == 50
+    presets.CreateProfile("mine")
+    with pytest.raises(ParameterError):
+        presets.SetProfileParam("mine", "iters", object())
+    core.set_state(core.get_state())
+    assert presets.CurrentProfile("mine")
+
+
+def test_a_joint_has_forces_on_two_links(model):
+    with pytest.raises(ParameterError, match=r"joint 'hook' has links 0, the parent, and 1, the child; not 2"):
+        model.GetJoint("hook").LinkForce(2)
+    with pytest.raises(ParameterError):
+        model.GetJoint("hook").LinkTorque(-1)

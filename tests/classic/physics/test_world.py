@@ -1,5 +1,7 @@
 """World: time, entities by name, and settings of a world."""
 
+import math
+
 import pytest
 from plugin_worlds import body, collision
 
@@ -117,3 +119,27 @@ def test_the_views_of_a_world_hold_no_state_of_it(world):
     assert physics.worlds() == [world]
     assert physics.has_world("default")
     assert not physics.has_world("other")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("real_time_update_rate", math.nan),
+        ("real_time_update_rate", "fast"),
+        ("max_step_size", math.nan),
+        ("max_step_size", None),
+        ("real_time_factor", math.nan),
+        ("real_time_factor", -1.0),
+        ("iters", math.inf),
+        ("precon_iters", -1),
+    ],
+)
+def test_a_parameter_of_physics_takes_no_other_value(run, key, value):
+    _, view = run(body("box"))
+    before = view.Physics().GetParam(key)
+    with pytest.raises(ParameterError, match=key if key != "max_step_size" else "stepTime|max_step_size"):
+        view.Physics().SetParam(key, value)
+    assert view.Physics().GetParam(key) == before
+    for setter in (view.Physics().SetRealTimeUpdateRate, view.Physics().SetMaxStepSize):
+        with pytest.raises(ParameterError):
+            setter(math.nan)

@@ -22,26 +22,28 @@ RISE = "<time_for_rise>{}</time_for_rise>"
 
 
 def test_speed_and_direction_rise(run):
-    parts = horizontal(RISE.format(0.5), RISE.format(0.25))
-    core, world = run(NO_GRAVITY, wind(), body("a", inside=WINDY), plugin("WindPlugin", **parts))
+    parts = {**horizontal(RISE.format(0.5), RISE.format(0.25)), "vertical": RISE.format(0.2)}
+    core, world = run(NO_GRAVITY, wind("3 4 2"), body("a", inside=WINDY), plugin("WindPlugin", **parts))
     link = world.ModelByName("a").GetLink()
-    speed = direction = 0.0
+    speed = direction = up = 0.0
     for _ in range(300):
         core.step(1)
         speed += 0.001 / 0.5 * (5.0 - speed)
         direction += 0.001 / 0.25 * (math.degrees(math.atan2(4.0, 3.0)) - direction)
+        up += 0.001 / 0.2 * (2.0 - up)
         found = link.WorldWindLinearVel()
         assert math.hypot(found.X(), found.Y()) == pytest.approx(speed)
         assert math.degrees(math.atan2(found.Y(), found.X())) == pytest.approx(direction)
-        assert found.Z() == pytest.approx(speed)  # as in Gazebo
+        assert found.Z() == pytest.approx(up)
 
 
 def test_the_force_is_that_of_the_relative_wind(run):
     factor = 2.0
-    parts = {**horizontal(RISE.format(0.001), RISE.format(0.001)), "force_approximation_scaling_factor": factor}
+    rises = {**horizontal(RISE.format(0.001), RISE.format(0.001)), "vertical": RISE.format(0.001)}
+    parts = {**rises, "force_approximation_scaling_factor": factor}
     core, world = run(
         NO_GRAVITY,
-        wind(),
+        wind("3 4 5"),
         body("a", mass=7.0, inside=WINDY, pose="0 0 0 0 0 1"),
         body("b"),
         plugin("WindPlugin", **parts),
@@ -54,6 +56,22 @@ def test_the_force_is_that_of_the_relative_wind(run):
         np.testing.assert_allclose((found.X(), found.Y(), found.Z()), velocity, rtol=1e-9)
     assert velocity[0] == pytest.approx(3.0 * (1.0 - math.exp(-factor * 0.5)), rel=2e-3)
     assert world.ModelByName("b").WorldLinearVel().Length() == 0.0
+
+
+def test_without_a_factor_there_is_no_force(run, caplog):
+    core, world = run(NO_GRAVITY, wind(), body("a", inside=WINDY), plugin("WindPlugin", **horizontal()))
+    core.step(100)
+    assert world.ModelByName("a").WorldLinearVel().Length() == 0.0
+    assert "no force without a <force_approximation_scaling_factor>" in caplog.text
+
+
+def test_a_link_falls_in_the_wind_as_in_gazebo(run):
+    """Where Gazebo 11.1 has it after 1 s: 9.8 m/s^2, drag 1/s, wind 3 0 2 of which the vertical part rises for 1 s."""
+    parts = {**horizontal(RISE.format(0.001), RISE.format(0.001)), "force_approximation_scaling_factor": 1}
+    core, world = run(wind("3 0 2"), body("a", inside=WINDY, pose="0 0 50 0 0 0"), plugin("WindPlugin", **parts))
+    core.step(1000)
+    place = world.ModelByName("a").WorldPose().Pos()
+    assert (place.X(), place.Y(), place.Z()) == pytest.approx((1.105, 0.0, 46.5984), abs=2e-3)
 
 
 def test_the_wind_varies_as_a_sine(run):
@@ -74,8 +92,11 @@ def test_the_wind_varies_as_a_sine(run):
 
 def test_noise_has_its_spread_and_is_in_the_state(run):
     noise = "<noise type='gaussian'><mean>0</mean><stddev>{}</stddev></noise>"
-    parts = {**horizontal(RISE.format(0.001) + noise.format(0.1), RISE.format(0.001)), "vertical": noise.format(0.3)}
-    core, world = run(NO_GRAVITY, wind("2 0 0"), body("a", inside=WINDY), plugin("WindPlugin", **parts))
+    parts = {
+        **horizontal(RISE.format(0.001) + noise.format(0.1), RISE.format(0.001)),
+        "vertical": RISE.format(0.001) + noise.format(0.3),
+    }
+    core, world = run(NO_GRAVITY, wind("2 0 2"), body("a", inside=WINDY), plugin("WindPlugin", **parts))
     link = world.ModelByName("a").GetLink()
 
     def rows(count):

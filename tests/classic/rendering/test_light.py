@@ -42,6 +42,15 @@ def test_directional_light_falls_by_the_cosine(world_of):
     assert np.unique(pixels) == pytest.approx([0, 255 * math.cos(angle), 255 * math.sin(angle)], abs=1)
 
 
+def test_a_light_without_attenuation_fades_as_in_gazebo(world_of):
+    """By 1 / (1 + distance), up to 10 m: the defaults of SDF."""
+    wall = visual(geometry="<box><size>.02 .02 .02</size></box>")
+    near = {"pose": (2.9, 0, 0, 0, 0, 0), "near": 0.01}
+    for distance, bright in ((2.0, 255 / 3.0), (11.0, 0.0)):
+        world = world_of(model(inside=wall), light("point", pose=f"{2.99 - distance} 0 0 0 0 0"), scene=DARK)
+        assert white(world, **near) == pytest.approx(bright, abs=2)
+
+
 def test_point_light_fades_and_ends_at_its_range(world_of):
     wall = visual(geometry="<box><size>.02 .02 .02</size></box>")
     fading = "<constant>1</constant><linear>.5</linear><quadratic>.25</quadratic>"
@@ -62,7 +71,8 @@ def test_point_light_fades_and_ends_at_its_range(world_of):
 def test_a_spot_lights_its_cone_only(world_of):
     cone = "<spot><inner_angle>.4</inner_angle><outer_angle>.8</outer_angle><falloff>1</falloff></spot>"
     plane = visual(geometry="<plane><normal>-1 0 0</normal><size>8 8</size></plane>")
-    world = world_of(model(inside=plane), light("spot", cone), scene=DARK)
+    steady = "<attenuation><range>100</range><linear>0</linear></attenuation>"
+    world = world_of(model(inside=plane), light("spot", steady + cone), scene=DARK)
     pixels = see(world, hfov=2.0)[24, :, 0].astype(int)
     assert pixels[32] > 240
     angle = np.abs(np.arctan((np.arange(64) + 0.5 - 32) / (32 / math.tan(1.0))))

@@ -408,6 +408,11 @@ def test_materials_of_scripts(world_of, tmp_path):
     assert find_material("My/Nothing", uris.split()) is None
 
 
+@pytest.mark.parametrize("name", ["Runway", "Rocky", "BuildingFrame", "Editor", "EditorPlane", "PointCloud", "Gray"])
+def test_materials_that_gazebo_names_are_known(name):
+    assert find_material(f"Gazebo/{name}") is not None
+
+
 def test_without_light_counting_a_colour_is_plain(world_of):
     looks = material("<lighting>false</lighting><ambient>0 0 0 1</ambient><diffuse>.2 .6 1 1</diffuse>")
     dark = "<scene><ambient>0 0 0 1</ambient></scene>"

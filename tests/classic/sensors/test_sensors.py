@@ -364,7 +364,6 @@ def test_rays_of_one_s_own():
         (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
         (sensor("force_torque", ""), "must be a joint"),
-        (imu() + imu(), "there is a 'default::m::link::s' already"),
         (
             sensor("altimeter", f"<altimeter><vertical_position>{noise('pink')}</vertical_position></altimeter>"),
             "'pink'",
@@ -378,6 +377,13 @@ def test_rays_of_one_s_own():
 def test_wrong_values_are_told_with_file_and_line(text, message):
     with pytest.raises(WorldFileError, match=message):
         world_of("\n" + model("m", text))
+
+
+def test_of_sensors_of_one_name_the_first_is_made(caplog):
+    with world_of(model("m", imu() + imu())) as world:
+        world.step(10)
+        assert list(world.facade.server.sensors.sensors) == ["default::m::link::s"]
+    assert caplog.text.count("<sensor>: there is a 'default::m::link::s' already; this one is left out") == 1
 
 
 def test_a_wrong_sensor_of_a_model_that_joins_later_is_told_and_left_out(caplog):

@@ -10,9 +10,15 @@
 /// Three axes of rotation about the anchor.
 class BallJoint : public Joint
 {
-  public: BallJoint( World *world )
+  public: BallJoint( World *world, JointGroup *group = NULL )
     {
-      this->libgz_handle = libgz_bound->BallJoint_new( this, libgz_handle_of( world ) );
+      this->libgz_handle = libgz_bound->BallJoint_new( this, world ? world->worldId : NULL, libgz_handle_of( group ) );
+      this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
+      libgz_check();
+    }
+  public: BallJoint( dWorldID world, JointGroup *group = NULL )
+    {
+      this->libgz_handle = libgz_bound->BallJoint_new( this, world, libgz_handle_of( group ) );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
       libgz_check();
     }

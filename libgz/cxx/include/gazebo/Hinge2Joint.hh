@@ -10,11 +10,50 @@
 /// Two hinges in series; Attach(chassis, wheel).
 class Hinge2Joint : public Joint
 {
-  public: Hinge2Joint( World *world )
+  public: Hinge2Joint( World *world, JointGroup *group = NULL )
     {
-      this->libgz_handle = libgz_bound->Hinge2Joint_new( this, libgz_handle_of( world ) );
+      this->libgz_handle = libgz_bound->Hinge2Joint_new( this, world ? world->worldId : NULL, libgz_handle_of( group ) );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
       libgz_check();
+    }
+  public: Hinge2Joint( dWorldID world, JointGroup *group = NULL )
+    {
+      this->libgz_handle = libgz_bound->Hinge2Joint_new( this, world, libgz_handle_of( group ) );
+      this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
+      libgz_check();
+    }
+
+  /// The same by three numbers.
+  public: void SetAxis1( double x, double y, double z ) { this->SetAxis1( GzVectorSet( x, y, z ) ); }
+
+  /// The same by three numbers.
+  public: void SetAxis2( double x, double y, double z ) { this->SetAxis2( GzVectorSet( x, y, z ) ); }
+
+  /// The same by three numbers.
+  public: void GetAxis1( dVector3 result ) const
+    {
+      GzVector found = this->GetAxis1();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
+    }
+
+  /// The same by three numbers.
+  public: void GetAxis2( dVector3 result ) const
+    {
+      GzVector found = this->GetAxis2();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
+    }
+
+  /// The same by three numbers.
+  public: void GetAnchor2( dVector3 result ) const
+    {
+      GzVector found = this->GetAnchor2();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
     }
 
   /// The axis of the first body.

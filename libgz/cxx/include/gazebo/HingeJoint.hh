@@ -10,9 +10,15 @@
 /// One axis of rotation.
 class HingeJoint : public Joint
 {
-  public: HingeJoint( World *world )
+  public: HingeJoint( World *world, JointGroup *group = NULL )
     {
-      this->libgz_handle = libgz_bound->HingeJoint_new( this, libgz_handle_of( world ) );
+      this->libgz_handle = libgz_bound->HingeJoint_new( this, world ? world->worldId : NULL, libgz_handle_of( group ) );
+      this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
+      libgz_check();
+    }
+  public: HingeJoint( dWorldID world, JointGroup *group = NULL )
+    {
+      this->libgz_handle = libgz_bound->HingeJoint_new( this, world, libgz_handle_of( group ) );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
       libgz_check();
     }
@@ -20,6 +26,18 @@ class HingeJoint : public Joint
     {
       this->libgz_wrap( handle );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( handle );
+    }
+
+  /// The same by three numbers.
+  public: void SetAxis( double x, double y, double z ) { this->SetAxis( GzVectorSet( x, y, z ) ); }
+
+  /// The same by three numbers.
+  public: void GetAxis( dVector3 result ) const
+    {
+      GzVector found = this->GetAxis();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
     }
 
   /// Set the axis.

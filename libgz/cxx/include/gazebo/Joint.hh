@@ -13,6 +13,19 @@ class World;
 /// Base of all joints. Anchors and axes are global at the time of the call.
 class Joint : public LibgzObject
 {
+
+  /// The same by three numbers.
+  public: void SetAnchor( double x, double y, double z ) { this->SetAnchor( GzVectorSet( x, y, z ) ); }
+
+  /// The same by three numbers.
+  public: void GetAnchor( dVector3 result ) const
+    {
+      GzVector found = this->GetAnchor();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
+    }
+
   /// ODE's number of the kind.
   public: int GetType() const
     {

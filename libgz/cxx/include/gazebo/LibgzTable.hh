@@ -3,7 +3,7 @@
 #ifndef LIBGZ_TABLE_HH
 #define LIBGZ_TABLE_HH
 
-#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 3fa17373;"
+#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 0f61ba25;"
 
 #include "LibgzFrame.h"
 
@@ -181,13 +181,13 @@ struct libgz_table
   void ( *Joint_GetAnchor )( long self, double *out );
   void ( *Joint_SetParam )( long self, int parameter, double value );
   double ( *Joint_GetParam )( long self, int parameter );
-  long ( *HingeJoint_new )( const void *pointer, long world );
+  long ( *HingeJoint_new )( const void *pointer, const void *world, long group );
   void ( *HingeJoint_SetAxis )( long self, double axis_x, double axis_y, double axis_z );
   void ( *HingeJoint_GetAxis )( long self, double *out );
   double ( *HingeJoint_GetAngle )( long self );
   double ( *HingeJoint_GetAngleRate )( long self );
   void ( *HingeJoint_SetTorque )( long self, double torque );
-  long ( *Hinge2Joint_new )( const void *pointer, long world );
+  long ( *Hinge2Joint_new )( const void *pointer, const void *world, long group );
   void ( *Hinge2Joint_SetAxis1 )( long self, double axis_x, double axis_y, double axis_z );
   void ( *Hinge2Joint_SetAxis2 )( long self, double axis_x, double axis_y, double axis_z );
   void ( *Hinge2Joint_GetAxis1 )( long self, double *out );
@@ -197,7 +197,7 @@ struct libgz_table
   double ( *Hinge2Joint_GetAngle1Rate )( long self );
   double ( *Hinge2Joint_GetAngle2Rate )( long self );
   void ( *Hinge2Joint_SetTorque )( long self, double torque1, double torque2 );
-  long ( *UniversalJoint_new )( const void *pointer, long world );
+  long ( *UniversalJoint_new )( const void *pointer, const void *world, long group );
   void ( *UniversalJoint_SetAxis1 )( long self, double axis_x, double axis_y, double axis_z );
   void ( *UniversalJoint_SetAxis2 )( long self, double axis_x, double axis_y, double axis_z );
   void ( *UniversalJoint_GetAxis1 )( long self, double *out );
@@ -207,10 +207,10 @@ struct libgz_table
   double ( *UniversalJoint_GetAngleRate1 )( long self );
   double ( *UniversalJoint_GetAngleRate2 )( long self );
   void ( *UniversalJoint_SetTorque )( long self, double torque1, double torque2 );
-  long ( *BallJoint_new )( const void *pointer, long world );
+  long ( *BallJoint_new )( const void *pointer, const void *world, long group );
   long ( *SliderJoint_new )( const void *pointer, const void *world, long group );
-  void ( *SliderJoint_GetAxis )( long self, double *out );
   void ( *SliderJoint_SetAxis )( long self, double x, double y, double z );
+  void ( *SliderJoint_GetAxis )( long self, double *out );
   double ( *SliderJoint_GetPosition )( long self );
   double ( *SliderJoint_GetPositionRate )( long self );
   void ( *SliderJoint_SetSliderForce )( long self, double force );

@@ -10,6 +10,12 @@
 /// One axis of translation.
 class SliderJoint : public Joint
 {
+  public: SliderJoint( World *world, JointGroup *group = NULL )
+    {
+      this->libgz_handle = libgz_bound->SliderJoint_new( this, world ? world->worldId : NULL, libgz_handle_of( group ) );
+      this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
+      libgz_check();
+    }
   public: SliderJoint( dWorldID world, JointGroup *group = NULL )
     {
       this->libgz_handle = libgz_bound->SliderJoint_new( this, world, libgz_handle_of( group ) );
@@ -17,15 +23,16 @@ class SliderJoint : public Joint
       libgz_check();
     }
 
-  /// The axis.
+  /// The same by a vector.
+  public: void SetAxis( GzVector v ) { this->SetAxis( v.x, v.y, v.z ); }
+
+  /// The same by three numbers.
   public: void GetAxis( dVector3 result ) const
     {
-      double out[3];
-      libgz_bound->SliderJoint_GetAxis( this->libgz_handle, out );
-      libgz_check();
-      result[0] = out[0];
-      result[1] = out[1];
-      result[2] = out[2];
+      GzVector found = this->GetAxis();
+      result[0] = found.x;
+      result[1] = found.y;
+      result[2] = found.z;
     }
 
   /// Set the axis.
@@ -33,6 +40,15 @@ class SliderJoint : public Joint
     {
       libgz_bound->SliderJoint_SetAxis( this->libgz_handle, x, y, z );
       libgz_check();
+    }
+
+  /// The axis.
+  public: GzVector GetAxis() const
+    {
+      GzVector result;
+      libgz_bound->SliderJoint_GetAxis( this->libgz_handle, &result.x );
+      libgz_check();
+      return result;
     }
 
   /// The position [m].

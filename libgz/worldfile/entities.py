@@ -1,0 +1,51 @@
+"""Entities that a worldfile declares: `<!ENTITY width "0.5">` in its DOCTYPE, and `&width;` in a value."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from lxml import etree
+
+from libgz.errors import ParameterError
+
+__all__ = ["Entities"]
+
+MOST = 100_000  # characters that a file's entities may have together, where they are used
+DEEPEST = 40  # entities in entities
+PREDEFINED = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
+REFERENCE = re.compile(r"&([^;&\s]+);")
+
+
+class Entities:
+    """The texts of a document's own entities.
+
+    The parser leaves them alone, for entities can hold other files and grow without limit. Here they are text only, of
+    limited length.
+    """
+
+    def __init__(self, root: etree._Element) -> None:
+        declared: Any = root.getroottree().docinfo.internalDTD  # its stubs lack entities()
+        self._contents = {entity.name: entity.content for entity in declared.entities()} if declared is not None else {}
+        self._left = MOST
+
+    def text(self, name: str) -> str:
+        """The text that replaces `&name;`.
+
+        Raises:
+            ParameterError: it is a file, holds elements, contains itself, or grows without limit.
+        """
+        return self._expanded(name, 0)
+
+    def _expanded(self, name: str, depth: int) -> str:
+        if name in PREDEFINED:
+            return PREDEFINED[name]
+        content = self._contents.get(name)
+        if content is None:
+            raise ParameterError(f"entity &{name}; is not text of this file; other files are not read")
+        if "<" in content:
+            raise ParameterError(f"entity &{name}; holds elements; only text is replaced")
+        self._left -= len(content) + 1
+        if depth > DEEPEST or self._left < 0:
+            raise ParameterError(f"entity &{name}; contains itself, or is longer than {MOST} characters in all")
+        return REFERENCE.sub(lambda match: self._expanded(match[1], depth + 1), content)

@@ -1,0 +1,139 @@
+"""What has changed in memory, found natively or in Python, gives the writing process the same bytes."""
+
+import random
+
+import pytest
+
+import libgz
+from libgz.recording import changes
+from libgz.recording.changes import Changes, Piece, apply_patches
+from libgz.recording.frames import Frames, Kind, tick_times
+from libgz.records import LinkRecord
+
+SIZES = (40, 96, 511, 512, 513, 5056, 20000)
+
+
+@pytest.fixture(params=[True, False], ids=["native", "python"])
+def native(request):
+    if request.param and changes._library() is None:
+        pytest.skip("the native part was not built")
+    return request.param
+
+
+def frames_of(taken):
+    return list(Frames().feed(bytes(taken)))
+
+
+def apply(copies, found):
+    """Write the patches of frames into the copies; the channels that have changed."""
+    patched = [one for one in found if one.kind == Kind.PATCH]
+    for one in patched:
+        apply_patches(copies[one.channel], one.content)
+    return [one.channel for one in patched]
+
+
+def test_copies_equal_the_memory_after_each_step(native):
+    dice = random.Random(7)
+    memories = [bytearray(size) for size in SIZES]
+    looking = Changes([Piece(memory, i) for i, memory in enumerate(memories)], native=native)
+    copies = [bytearray(size) for size in SIZES]
+    looking.record(0, 0)
+    assert apply(copies, frames_of(looking.send())) == list(range(len(SIZES)))  # all are new
+    for step in range(150):
+        touched = sorted(dice.sample(range(len(SIZES)), dice.randrange(3)))
+        for i in touched:
+            for _ in range(dice.randrange(1, 5)):
+                start = dice.randrange(SIZES[i])
+                end = min(SIZES[i], start + dice.choice((1, 8, 31, 32, 700)))
+                memories[i][start:end] = bytes(b ^ dice.randrange(1, 256) for b in memories[i][start:end])
+        looking.record(step, 2 * step)
+        found = frames_of(looking.send())
+        assert apply(copies, found) == touched
+        assert copies == memories
+        assert tick_times(found[0].content) == (step, 2 * step)
+        assert [found[0].kind, found[-1].kind] == [Kind.TICK, Kind.END]
+
+
+def test_frames_wait_in_order(native):
+    memory = bytearray(64)
+    looking = Changes([Piece(memory, 1), Piece(bytearray(64), 2)], native=native)
+    looking.record(1, 1, before=b"")
+    waiting = looking.record(2, 2)
+    for i in range(300):  # more than there is space for at the beginning
+        memory[3] = i % 256
+        more = looking.record(3, 3, 0, before=b"b" * 500, after=b"a")
+        assert more > waiting + 500
+        waiting = more
+    taken = bytes(looking.send())
+    assert len(taken) == waiting
+    assert taken.count(b"b" * 500) == 300
+    assert looking.record(4, 4) < 100
+    assert [one.kind for one in frames_of(looking.send())] == [Kind.TICK, Kind.END]
+
+
+def test_the_first_piece_can_be_left_out(native):
+    memories = bytearray(64), bytearray(64)
+    looking = Changes([Piece(memory, i) for i, memory in enumerate(memories)], native=native)
+    looking.record(0, 0)
+    looking.send()
+    memories[0][0] = memories[1][0] = 1
+    copies = [bytearray(64), bytearray(64)]
+    looking.record(0, 0, first=1)
+    assert apply(copies, frames_of(looking.send())) == [1]
+    looking.record(0, 0)
+    assert apply(copies, frames_of(looking.send())) == [0]
+
+
+def test_writes_of_the_server_and_of_clients_are_recorded_in_the_same_step(native):
+    memory, link = bytearray(5000), LinkRecord()
+    copies = {5: bytearray(5000)}
+    looking = Changes([Piece(memory, 5, ((0, 64), (4000, 8)), link)], native=native)
+    looking.record(0, 0)
+    looking.send()
+    for step in range(40):
+        memory[2000] += 1  # by the server, under the lock
+        link.exchanges += 1
+        looking.record(step, step)
+        assert apply(copies, frames_of(looking.send())) == [5]
+        memory[4003] += 1  # a command
+        looking.record(step, step)
+        assert apply(copies, frames_of(looking.send())) == [5]
+        looking.record(step, step)
+        assert apply(copies, frames_of(looking.send())) == []
+        assert copies[5] == memory
+    memory[3000] += 1  # by somebody who should not
+    for step in range(8):
+        looking.record(step, step)
+        apply(copies, frames_of(looking.send()))
+    assert copies[5] == memory
+
+
+def test_memory_that_is_known_is_not_sent_again(native):
+    memory, other = bytearray(b"x" * 100), bytearray(b"y" * 200)
+    first = Changes([Piece(memory, 1)], native=native)
+    first.record(0, 0)
+    first.send()
+    second = Changes([Piece(memory, 1), Piece(other, 2, seen=True)], first, native=native)
+    second.record(0, 0)
+    assert apply({}, frames_of(second.send())) == []
+    other[150] += 1
+    second.record(0, 0)
+    copies = {2: bytearray(b"y" * 200)}
+    assert apply(copies, frames_of(second.send())) == [2]
+    assert copies[2] == other
+
+
+def test_each_release_of_a_lock_is_counted():
+    text = (
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>"
+        "<model:Pioneer2AT><id>robot1</id></model:Pioneer2AT></gz:world>"
+    )
+    with libgz.World.from_string(text) as world:
+        link = world.interface("position", "robot1").link
+        before = link.exchanges
+        world.step(50)  # natively, 10 times a second of sim time
+        assert link.exchanges >= before + 10
+        before = link.exchanges
+        with world.interface("position", "robot1").locked():
+            pass
+        assert link.exchanges == before + 1

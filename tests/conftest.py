@@ -5,7 +5,9 @@ import logging
 import pytest
 from c_programs import config
 from sdf_worlds import Loader
+from state_runs import forget_kept
 
+from libgz.simulation.snapshot import Snapshots
 from libgz.transport.server import Server
 
 
@@ -17,6 +19,20 @@ def own_logging():
     yield
     logger.setLevel(level)
     logger.propagate, logger.handlers[:] = propagate, handlers
+
+
+@pytest.fixture(autouse=True)
+def whole_states(monkeypatch):
+    """Each state that a test takes is compared with one that is read anew: a change that nobody counted is an error."""
+    save = Snapshots.save
+
+    def audited(snapshots):
+        found = save(snapshots)
+        forget_kept(snapshots._world)
+        assert save(snapshots) == found, "something changed since the last state, and was not counted"
+        return found
+
+    monkeypatch.setattr(Snapshots, "save", audited)
 
 
 @pytest.fixture

@@ -30,10 +30,10 @@ edits = Edits()
 
 
 class Edited:
-    """Base of what counts the assignments of its attributes: those that it names in KEPT, its handle and its ends."""
+    """Base of what counts the assignments of its attributes: those that it names in KEPT, its handle, its end and its bodies."""
 
     KEPT: ClassVar[tuple[str, ...]] = ()
-    _counted: ClassVar[set[str]] = {"_id", "bodies", "_feedback"}
+    _counted: ClassVar[set[str]] = {"_id", "bodies", "_feedback", "_closed"}
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

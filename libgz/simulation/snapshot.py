@@ -9,6 +9,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
+from libgz.physics.edits import edits
 from libgz.physics.state import PARTS as ENGINE_PARTS
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
@@ -46,7 +47,7 @@ class Snapshots:
     def __init__(self, world: World) -> None:
         self._world = world
         self._collected: list[Any] = []  # at the last encoding of the list of entities
-        self._seen = -1  # the count of changes then; -1 if there are changes that are not counted
+        self._seen: tuple[int, int] | None = None  # the counts of changes then; None if some are not counted
         self._listed = b""  # that encoding
         self._seldom = b""  # the encoding of what seldom changes of the entities
         self._seldom_of_world = b""  # and of the world itself
@@ -177,8 +178,8 @@ class Snapshots:
         """Which entities there are, where they come from, what is attached to what, and who has stopped; encoded."""
         world = self._world
         entities = world.entities
-        count = state.changes.last
-        if count == self._seen and entities == self._collected[0] and world.followers == self._collected[3]:
+        counts = state.changes.last, edits.last
+        if counts == self._seen and entities == self._collected[0] and world.followers == self._collected[3]:
             return self._listed
         rows = [*map(_relatives, entities)]
         places = [parent.bodies.index(body) for _, parent, body, *_ in rows if parent is not None and body is not None]
@@ -199,7 +200,7 @@ class Snapshots:
             )
             self._collected = [list(entities), rows, places, list(world.followers)]
         self._read_seldom()
-        self._seen = count if all(entity.SELDOM for entity in entities) else -1
+        self._seen = counts if all(entity.SELDOM for entity in entities) else None
         return self._listed
 
     def _read_seldom(self) -> None:

@@ -107,6 +107,9 @@ class StepContext(ctypes.Structure):
         ("point_count", c_int64),
         ("point_capacity", c_int64),
         ("points", c_void_p),
+        ("earlier_count", c_int64),
+        ("earlier_capacity", c_int64),
+        ("earlier", c_void_p),
     ]
 
 

@@ -72,11 +72,17 @@ class ContactLog:
 
     def __init__(self) -> None:
         self._records: list[tuple[Any, ...]] = []
+        self._earlier: list[tuple[Any, ...]] = []  # of the step before
         self._joints: list[tuple[int, bool]] = []
         self._feedback: Any = None
 
+    def begin(self, recording: bool) -> None:
+        """Begin a step, and keep the records of the step before."""
+        self._earlier = self._records.copy() if recording else []
+        self.clear()
+
     def clear(self) -> None:
-        """Begin a step."""
+        """Remove the records."""
         self._records.clear()
         self._joints.clear()
         self._feedback = None
@@ -106,15 +112,40 @@ class ContactLog:
             if joint:
                 ode_.dJointSetFeedback(joint, ctypes.addressof(feedback))
 
-    def collect_feedback(self) -> None:
+    def carry_on(self, ode_: OdeLibrary) -> None:
+        """Contacts of bodies that are asleep carry what they carried in the step before; carry_on in step.c."""
+        place, start = -1, 0
+        for i, (joint, _) in enumerate(self._joints):
+            if not joint or _is_awake(ode_, joint):
+                continue
+            pair, before = self._records[i][:2], self._earlier
+            if i == 0 or self._records[i - 1][:2] != pair:
+                place = self._find_pair(pair, start)
+            elif place >= 0:
+                place = place + 1 if place + 1 < len(before) and before[place + 1][:2] == pair else -1
+            if place >= 0:
+                start = place
+                self._records[i] = self._records[i][:5] + before[place][5:]
+
+    def _find_pair(self, pair: tuple[int, int], start: int) -> int:
+        """The place of a pair's first record in the step before; -1 without any."""
+        before = self._earlier
+        for n in range(len(before)):
+            i = (start + n) % len(before)
+            if before[i][:2] == pair and (i == 0 or before[i - 1][:2] != pair):
+                return i
+        return -1
+
+    def collect_feedback(self, ode_: OdeLibrary) -> None:
         """Add the forces to the records."""
+        self.carry_on(ode_)
         zero = (0.0, 0.0, 0.0)
         for i, (joint, reversed_) in enumerate(self._joints):
-            if not joint:
+            if not joint or not _is_awake(ode_, joint):
                 continue
             result = self._feedback[i]
             first, second = (tuple(result.f1[:3]), tuple(result.t1[:3])), (tuple(result.f2[:3]), tuple(result.t2[:3]))
-            self._records[i] += (zero, zero, *first) if reversed_ else (*first, *second)
+            self._records[i] = self._records[i][:5] + ((zero, zero, *first) if reversed_ else (*first, *second))
         self._joints = [(0, False)] * len(self._joints)
 
     def set(self, contacts: NDArray[np.void]) -> None:
@@ -129,6 +160,13 @@ class ContactLog:
             for name, value in zip(CONTACT.names or (), record, strict=False):
                 found[name][i] = value
         return found
+
+
+def _is_awake(ode_: OdeLibrary, joint: int) -> bool:
+    """Whether one of a joint's bodies is not asleep."""
+    return any(
+        body and ode_.dBodyIsEnabled(body) for body in (ode_.dJointGetBody(joint, 0), ode_.dJointGetBody(joint, 1))
+    )
 
 
 class FullContacts:

@@ -179,16 +179,15 @@ class PythonStep:
         if valid_for != self._pairs_valid_for:
             self._pairs.clear()
             self._contact_arrays.clear()
-            self._full.log.clear()
             self._pairs_valid_for = valid_for
         self._contact_count = self._full.count = 0
         self._full.touches.clear()
         self._full.overlaps.clear()
         if context.exact_rest and context.contact_rule == ContactRule.CLASSIC:
             self._full.find_held()
-        if recording:
-            self._full.log.clear()
+        self._full.log.begin(bool(recording))
         ode_.dSpaceCollide(context.space, None, self._near)
+        self._full.log.carry_on(ode_)
         context.contact_count = self._contact_count + self._full.count
         self._raise_error()
 
@@ -216,7 +215,7 @@ class PythonStep:
         if done and self._full.overlaps:
             set_apart(context, self._tables, self._full.overlaps, self._full.held)
         if recording:
-            self._full.log.collect_feedback()
+            self._full.log.collect_feedback(ode_)
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
         context.steps += 1

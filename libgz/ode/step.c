@@ -281,6 +281,8 @@ typedef struct {
     int64_t next_checked;     /* body that is looked at next while all rest */
     int64_t point_count, point_capacity;
     touch_point *points;      /* of the touches */
+    int64_t earlier_count, earlier_capacity;
+    contact_record *earlier;  /* the records of the step before */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -1139,11 +1141,27 @@ static void read_joints(const context *c, double *state)
     }
 }
 
+/* Begin the records of a step, and keep those of the step before. */
+static void begin_records(context *c)
+{
+    c->earlier_count = 0;
+    if (c->record_contacts && c->record_count) {
+        contact_record *kept = enlarged(c->earlier, &c->earlier_capacity, c->record_count, sizeof *kept);
+        if (kept) {
+            memcpy(kept, c->records, (size_t)c->record_count * sizeof *kept);
+            c->earlier = kept;
+            c->earlier_count = c->record_count;
+        }
+    }
+    c->record_count = 0;
+}
+
 /* The first half of a step: find contacts and make joints of them. */
 static void find_contacts(context *c)
 {
     int64_t i;
-    c->contact_count = c->record_count = c->touch_count = c->point_count = c->overlap_count = 0;
+    begin_records(c);
+    c->contact_count = c->touch_count = c->point_count = c->overlap_count = 0;
     if (c->exact_rest && c->contact_rule == CLASSIC_RULE) {
         for (i = 0; i < c->body_count; i++)
             if (c->bodies[i])
@@ -1165,15 +1183,59 @@ static void request_feedback(context *c)
     }
 }
 
+static int same_pair(const contact_record *one, const contact_record *other)
+{
+    return one->geom1 == other->geom1 && one->geom2 == other->geom2;
+}
+
+/* The place of a pair's first record in the step before, searched for from `from` on; -1 without any. */
+static int64_t find_pair(const context *c, const contact_record *r, int64_t from)
+{
+    int64_t n;
+    for (n = 0; n < c->earlier_count; n++) {
+        int64_t i = (from + n) % c->earlier_count;
+        if (same_pair(c->earlier + i, r) && (i == 0 || !same_pair(c->earlier + i - 1, r)))
+            return i;
+    }
+    return -1;
+}
+
+static int is_awake(void *body) { return body && dBodyIsEnabled(body); }
+
+/* ODE does not solve contacts of bodies that are asleep: they carry what they carried in the step before, point by point. */
+static void carry_on(context *c)
+{
+    int64_t i, place = -1, from = 0;
+    for (i = 0; i < c->record_count; i++) {
+        contact_record *r = c->records + i;
+        void *joint = c->pending[i].joint;
+        if (!joint || is_awake(dJointGetBody(joint, 0)) || is_awake(dJointGetBody(joint, 1)))
+            continue;
+        if (i == 0 || !same_pair(r - 1, r))
+            place = find_pair(c, r, from);
+        else if (place >= 0)
+            place = place + 1 < c->earlier_count && same_pair(c->earlier + place + 1, r) ? place + 1 : -1;
+        if (place < 0)
+            continue;
+        from = place;
+        memcpy(r->force1, c->earlier[place].force1, 4 * sizeof r->force1);
+    }
+}
+
 /* Copy the forces to the records. ODE's first body is never missing; for a missing second one there is no feedback. */
 static void collect_feedback(context *c)
 {
     int64_t i;
+    carry_on(c);
     for (i = 0; i < c->record_count; i++) {
         pending_contact *p = c->pending + i;
         contact_record *r = c->records + i;
         if (!p->joint)
             continue;
+        if (!is_awake(dJointGetBody(p->joint, 0)) && !is_awake(dJointGetBody(p->joint, 1))) {
+            p->joint = NULL;
+            continue;
+        }
         memcpy(p->reversed ? r->force2 : r->force1, p->result.f1, sizeof r->force1);
         memcpy(p->reversed ? r->torque2 : r->torque1, p->result.t1, sizeof r->torque1);
         if (!p->reversed) {
@@ -1204,8 +1266,10 @@ void gz_free_contacts(context *c)
     free(c->touches);
     free(c->overlaps);
     free(c->points);
+    free(c->earlier);
     c->points = NULL;
-    c->point_count = c->point_capacity = 0;
+    c->earlier = NULL;
+    c->point_count = c->point_capacity = c->earlier_count = c->earlier_capacity = 0;
     c->overlaps = NULL;
     c->overlap_count = c->overlap_capacity = 0;
     c->records = NULL;
@@ -1941,6 +2005,7 @@ void gz_collide(context *c)
 {
     enter_ode();
     find_contacts(c);
+    carry_on(c);
     pthread_mutex_unlock(&ode_lock);
 }
 

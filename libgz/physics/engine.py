@@ -384,7 +384,8 @@ class Engine:
         Fields: ``geom1``, ``geom2``: rows, which `geoms` maps to geoms (row 0: one without an object); ``position``
         [m]; ``normal``, which points into the first geom; ``depth`` [m]; ``force1``, ``torque1``, ``force2``,
         ``torque2``: force on the body of either geom [N], and torque about its centre of mass [N m]; zero for what does
-        not move. All global. After `collide` alone, forces are zero.
+        not move. All global. Bodies that are asleep carry what they carried before. After `collide`, the forces of
+        others are zero.
         """
         return self.step_form.contacts()
 

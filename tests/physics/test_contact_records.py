@@ -234,3 +234,37 @@ def test_velocity_at_a_point_and_energies(engine):
     assert tuple(body.GetPointVel((0, 1, 2))) == pytest.approx((-1, 0, 0))
     assert body.GetKineticEnergy() == pytest.approx(3.0 / 2 + 0.5 * 0.5 * 4)
     assert body.GetPotentialEnergy() == pytest.approx(3 * 10 * 2)
+
+
+def test_bodies_that_sleep_carry_what_they_carried(monkeypatch):
+    def run():
+        engine = Engine(step_time=0.001, solver="quick", seed=3)
+        use_classic(engine)
+        engine.gravity, engine.record_contacts = (0, 0, -10), True
+        ground(engine)
+        low, high = box(engine, (0, 0, 0.5), mass=2.0), box(engine, (0.1, 0, 1.5), mass=4.0)
+        for geom in (low, high):
+            geom.body.set_auto_disable(True)
+        steps(engine, 1500)
+        assert not any(geom.body.IsEnabled() for geom in (low, high))
+        asleep = engine.contacts
+        state = engine.get_state()
+        steps(engine, 3)
+        later = engine.contacts
+        engine.collide()  # alone
+        assert engine.contacts.tobytes() == later.tobytes()
+        engine.set_state(state)
+        steps(engine, 3)
+        assert engine.contacts.tobytes() == later.tobytes()
+        high.body.SetPose(libgz.GzPose(libgz.GzVector(5, 0, 0.5)))  # awake: it carries what it carries there
+        steps(engine, 1)
+        return asleep, later, engine.contacts, (low.row, high.row)
+
+    native, python = in_both_forms(run, monkeypatch)
+    for one, other in zip(native[:3], python[:3], strict=True):
+        assert one.tobytes() == other.tobytes()
+    asleep, later, moved, (low, high) = native
+    assert asleep.tobytes() == later.tobytes()
+    weight = pytest.approx(60.0, abs=1e-6)
+    assert sum(abs(r["force1"] + r["force2"])[2] for r in later if high not in (r["geom1"], r["geom2"])) == weight
+    assert not any({r["geom1"], r["geom2"]} == {low, high} for r in moved)

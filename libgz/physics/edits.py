@@ -30,7 +30,7 @@ edits = Edits()
 
 
 class Edited:
-    """Base of what counts the assignments of its attributes: those that it names in KEPT, its handle, its end and its bodies."""
+    """Base of what counts the assignments of its attributes: its handle, its bodies, its end, and what KEPT names."""
 
     KEPT: ClassVar[tuple[str, ...]] = ()
     _counted: ClassVar[set[str]] = {"_id", "bodies", "_feedback", "_closed"}

@@ -92,7 +92,7 @@ class BoxGeom(Geom):
     @exclusive
     def resize(self, xDim: float, yDim: float, zDim: float) -> None:
         """Change the lengths [m]; the mass stays."""
-        self.size = tuple(_thin(length, "box length [m]") for length in (xDim, yDim, zDim))
+        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
         self._reshaped()
@@ -155,7 +155,7 @@ class CylinderGeom(Geom):
     def resize(self, radius: float, length: float) -> None:
         """Change radius and length [m]; the mass stays."""
         self.radius = positive(radius, "cylinder radius [m]")
-        self.length = _thin(length, "cylinder length [m]")
+        self.length = positive(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
         self._reshaped()

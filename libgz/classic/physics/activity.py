@@ -13,7 +13,7 @@ from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
-from libgz.classic.physics.place import found_at, place_of
+from libgz.classic.physics.place import found_at, place_if_there, place_of
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseAdd, GzPose
 from libgz.simulation.event import Event
@@ -122,7 +122,7 @@ class Activity:
             [get_state(battery) for battery in self._batteries_of_all()],
             self.animations.save(),
             [(place_of(parent), place_of(model), offset) for parent, model, offset in self._attached],
-            [(place_of(view), get_state(view)) for view in self.edited],
+            [(place, get_state(view)) for view in self.edited if (place := place_if_there(view)) is not None],
         )
 
     def load(self, state: Sequence[Any]) -> None:

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.joint import Joint
-from libgz.classic.physics.place import found_at, place_of
+from libgz.classic.physics.place import found_at, place_if_there
 from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
@@ -68,10 +68,7 @@ class Ids:
         if view is self._world:
             return ()
         if not isinstance(view, Joint):
-            try:
-                return place_of(view) if self._present(view) else None
-            except ValueError:  # a link or collision that was removed since
-                return None
+            return place_if_there(view) if self._present(view) else None
         model = view.GetParentModel()
         return (model.core.GetId(), view.core.name) if model is not None and self._present(model) else None
 

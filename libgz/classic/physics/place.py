@@ -12,7 +12,7 @@ from libgz.errors import StateError
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
-__all__ = ["Place", "found_at", "place_of"]
+__all__ = ["Place", "found_at", "place_if_there", "place_of"]
 
 Place = tuple[str, int, int]  # id of the model or light, number of its link, number of the link's geom; -1 for none
 
@@ -26,6 +26,14 @@ def place_of(entity: Entity) -> Place:
     if isinstance(entity, Link):
         return entity.model.core.GetId(), entity.model.core.bodies.index(entity.body), -1
     return view.core.GetId(), -1, -1
+
+
+def place_if_there(entity: Entity) -> Place | None:
+    """Where it stands; None if it is a link or collision that was removed from its model."""
+    try:
+        return place_of(entity)
+    except ValueError:
+        return None
 
 
 def found_at(world: World, place: Place) -> Any:

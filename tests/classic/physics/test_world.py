@@ -114,7 +114,7 @@ def test_models_and_lights_are_removed(world):
 
 
 def test_the_views_of_a_world_hold_no_state_of_it(world):
-    assert set(vars(world)) == {"core", "server", "_world", "_name", "_parent", "_sdf"}
+    assert set(vars(world)) == {"core", "server", "played", "_world", "_name", "_parent", "_sdf"}
     assert world.core.facade is world
     assert physics.worlds() == [world]
     assert physics.has_world("default")

@@ -93,6 +93,7 @@ enum
   dContactBounce = 0x4,
   dContactSoftERP = 0x8,
   dContactSoftCFM = 0x10,
+  dContactMotion1 = 0x20,
   dContactMotionN = 0x80,
   dContactSlip1 = 0x100,
   dContactSlip2 = 0x200,

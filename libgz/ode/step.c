@@ -249,7 +249,7 @@ typedef struct {
     int64_t record_count, record_capacity;
     contact_record *records;
     pending_contact *pending; /* one for each record */
-    const double *surface;    /* 24 a geom: see the SURFACE_ columns below */
+    const double *surface;    /* SURFACE_COLUMNS a geom, see below */
     const int64_t *owner;     /* a number a geom: that of its body */
     int64_t body_count;
     void *const *bodies;      /* NULL: a free row */

@@ -31,6 +31,7 @@ from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
+from libgz.simulation.problems import NOTED, Problem
 from libgz.simulation.world import World
 
 __all__ = ["BUILT", "SdfWorld"]
@@ -146,8 +147,7 @@ class SdfWorld(Era):
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             if not diagnostics.errors:  # else it follows from what the reader has found
                 diagnostics.failure(element, error)
-        for warning in diagnostics.summary():
-            log.warning("%s", warning)
+        self._report_warnings(diagnostics)
         diagnostics.raise_errors()
 
     def _build(self, element: Element, diagnostics: Diagnostics) -> None:
@@ -213,9 +213,15 @@ class SdfWorld(Era):
             del self._documents[known:]
             world.journal.inserted -= 1
             raise
-        for warning in file.diagnostics.summary():
-            log.warning("%s", warning)
+        self._report_warnings(file.diagnostics)
         return world.entities[before:]
+
+    def _report_warnings(self, diagnostics: Diagnostics) -> None:
+        """Note all warnings in the world, and log a few of each kind."""
+        for warning in diagnostics.warnings:
+            self.world.problems.add(Problem(log.name, str(warning), "", "warning"))
+        for line in diagnostics.summary():
+            log.warning("%s", line, extra=NOTED)
 
     def _add(self, document: Document, tops: Iterable[int], diagnostics: Diagnostics) -> None:
         """Build elements of a document by number: models, then their joints, lights; a `<world>` means its joints.

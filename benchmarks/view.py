@@ -91,7 +91,7 @@ class Page:
             camera |= {"near": 0.1, "far": 100.0, "look_at": (1, 0, 0), "up_direction": (0, 0, 1)}
             await socket.send(msgspec.msgpack.encode(camera | {"image_height": 600, "image_width": 800}))
             while not self.ended:
-                raw = await asyncio.wait_for(socket.recv(), 10.0)
+                raw = await asyncio.wait_for(socket.recv(), LONGEST)
                 self.bytes += len(raw)
                 self.frames += len(raw) > 2000
 
@@ -159,6 +159,8 @@ async def _measured(server, viewer, page, observer, robots, rate):
                 other.wait()
         os.kill(viewer.pid, signal.SIGCONT)
         await asyncio.sleep(0.5)
+        if receiving.done():
+            receiving.result()  # raises what ended it
         pairs.append((costs[False], seen))
         neutral.append((costs[False], costs[True]))
     page.ended = True

@@ -53,6 +53,7 @@ def test_the_tests_of_all_pass(folder):
     assert "10 passed" in out, out
 
 
+@pytest.mark.trial
 def test_type_checkers_and_ruff_accept_all(folder):
     mypy = [sys.executable, "-m", "mypy", "--strict", "--explicit-package-bases"]
     run([*mypy, "--cache-dir", str(ROOT / "build" / "mypy_programs"), "."], folder)

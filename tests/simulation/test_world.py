@@ -444,6 +444,7 @@ def test_falls_of_a_world_that_is_reset_again_and_again_are_counted(caplog):
     assert lines[1] == "s::canonical fell below -1000 m (100 times so far): is there ground under it?"
 
 
+@pytest.mark.trial
 def test_falls_of_ever_new_bodies_are_counted(caplog):
     with caplog.at_level(logging.WARNING, "libgz"), world_of("") as world:
         for number in range(150):

@@ -38,6 +38,7 @@ def measured(rows):
     return [{name: value for name, value in row.items() if name not in TIMED} for row in rows]
 
 
+@pytest.mark.trial
 def test_a_sweep_continues_where_its_file_was_truncated(folder):
     change(folder, ("duration = 1.0", "duration = 0.2"), ('"controller/speed" = [0.2, 0.4]\n', ""))
     done = sweep(folder, "-j", "1")

@@ -120,6 +120,7 @@ def test_a_replay_plays_in_a_browser(chromium, recorded, tmp_path):
     page.close()
 
 
+@pytest.mark.trial
 def test_only_what_was_asked_for_is_in_a_replay(recorded, tmp_path):
     sizes = []
     for words in (["--from", 1, "--to", 1.1], ["--frames", 40]):

@@ -282,9 +282,10 @@ class Gears:
             for pose, hub, axis, radius in zip(poses, self._hubs, axes, self._radii, strict=True)
         ]
         self._place_rack(poses[1], along, self._radii[1] * rates[1], step)
-        first, second = (angle - reference for angle, reference in zip(self.angles, self.references, strict=True))
+        (first, second), (first_zero, second_zero) = self.angles, self.references
         # A larger error, as new references may cause, is corrected in many steps: at once it would disturb the rack.
-        error = self._radii[1] * min(max(second + self.ratio * first, -MOST_ERROR), MOST_ERROR)
+        apart = second - second_zero + self.ratio * (first - first_zero)
+        error = self._radii[1] * min(max(apart, -MOST_ERROR), MOST_ERROR)
         for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
             line.place(point, along, off)
 

@@ -21,7 +21,16 @@ from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
 from libgz.simulation.state import carry_state, declares, fields, get_state, seldom, set_state
 
-__all__ = ["LoadedPlugin", "Missing", "MissingPluginError", "called", "find_plugin", "new_plugin", "reload_all"]
+__all__ = [
+    "LoadedPlugin",
+    "Missing",
+    "MissingPluginError",
+    "called",
+    "find_plugin",
+    "is_ready",
+    "new_plugin",
+    "reload_all",
+]
 
 log = logging.getLogger("libgz.classic")
 
@@ -279,6 +288,12 @@ class Missing:
         self._reported.add(key)
         self._places_known = self._places_known or known is None
         log.log(logging.WARNING if known else logging.ERROR, "%s%s", _place(where), text)
+
+
+def is_ready(path: Path) -> bool:
+    """Whether a plugin's file is one of those that come with libgz."""
+    ready = READY / path.name
+    return ready.exists() and ready.samefile(path)
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic.commands import PausedSteps
 from libgz.classic.describe import entity_message
-from libgz.classic.loading import LoadedPlugin, Missing, called, new_plugin, reload_all
+from libgz.classic.loading import LoadedPlugin, Missing, called, is_ready, new_plugin, reload_all
 from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
@@ -606,7 +606,7 @@ class WorldServer:
     def _warn_of_undeclared(self, plugin: LoadedPlugin) -> None:
         kind: Any = plugin.plugin_class
         self._seen.add(kind)
-        if undeclared(kind):
+        if undeclared(kind) and not is_ready(plugin.path):  # those of libgz declare theirs in their bases
             log.warning(
                 "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
                 'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',

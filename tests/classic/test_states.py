@@ -543,3 +543,11 @@ def test_what_seldom_changes_is_read_after_each_change(run):
         run.world.set_state(state)
         assert run.world.get_state() == state
     assert (three.GetName(), hinge.GetName()) == ("three", "hinge")
+
+
+@pytest.mark.parametrize("name", ["ros_diff_drive", "without_effect"])
+def test_ready_plugins_declare_their_state(name, caplog):
+    with World.from_file(EXAMPLES / "ready" / f"{name}.world") as world:
+        world.step(1)
+        world.get_state()
+    assert "does not declare its state" not in caplog.text

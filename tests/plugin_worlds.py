@@ -1,7 +1,9 @@
 """Pieces of SDF for tests of plugins: bodies, hinges, plugins; worlds made of them."""
 
+from topics import send
+
 import libgz
-from libgz.classic import msgs, physics, transport
+from libgz.classic import msgs, physics
 from libgz.classic.math import Pose3d
 
 HINGE = """<joint name='{name}' type='revolute'>
@@ -61,10 +63,6 @@ def wheel(name, x, y):
 
 
 def command(topic, speed, turn=0.0):
-    node = transport.Node()
-    node.Init("default")
-    publisher = node.Advertise(msgs.Pose, topic)
     message = msgs.Pose()
     msgs.Set(message, Pose3d(speed, 0.0, 0.0, 0.0, 0.0, turn))
-    publisher.Publish(message)
-    return publisher
+    return send(topic, message)

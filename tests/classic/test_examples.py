@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from master_uri import free_master_uri
+from topics import send
 
 import libgz
 from libgz.classic import msgs, physics, transport
@@ -39,14 +40,6 @@ def own_places(monkeypatch, tmp_path, caplog):
 def example(name, world=None):
     with libgz.World.from_file(EXAMPLES / name / (world or f"{name}.world")) as core:
         yield core, physics.get_world(core.name)
-
-
-def publish(topic, message):
-    node = transport.Node()
-    node.Init("default")
-    publisher = node.Advertise(type(message), topic)
-    publisher.Publish(message)
-    return publisher
 
 
 def test_every_example_is_listed_in_the_readme():
@@ -157,7 +150,7 @@ def test_joint_pid_turns_the_head_at_the_speed_of_the_topic():
         neck = world.ModelByName("turret").GetJoint("neck")
         core.run(2.0)
         assert neck.GetVelocity(0) == pytest.approx(0.2, abs=0.05)
-        kept = publish("~/turret/vel_cmd", msgs.Vector3d(x=3.0))
+        kept = send("~/turret/vel_cmd", msgs.Vector3d(x=3.0))
         core.run(2.0)
         assert neck.GetVelocity(0) == pytest.approx(3.0, abs=0.05)
         del kept
@@ -212,7 +205,7 @@ def test_pioneer2dx_drives_four_metres_in_twenty_seconds():
         robot = physics.get_world().ModelByName("pioneer2dx")
         message = msgs.Pose()
         msgs.Set(message, Pose3d(0.2, 0.0, 0.0, 0.0, 0.0, 0.0))
-        kept = publish("~/pioneer2dx/vel_cmd", message)
+        kept = send("~/pioneer2dx/vel_cmd", message)
         core.run(20.0)
         x, y, z = robot.WorldPose().Pos()
         assert x == pytest.approx(4.0, abs=0.1)

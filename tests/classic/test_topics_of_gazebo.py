@@ -2,6 +2,7 @@
 
 import pytest
 from plugin_worlds import GROUND, body, collision, keep_to, worlds_of_elements
+from topics import Heard
 
 from libgz.classic import event, msgs, transport
 from libgz.classic.log import LogPlay, LogRecord
@@ -19,14 +20,6 @@ def run():
     yield from worlds_of_elements()
 
 
-class Heard(list):
-    def __init__(self, topic):
-        super().__init__()
-        self.node = transport.Node()
-        self.node.Init("default")
-        self.subscriber = self.node.Subscribe(topic, self.append, True)
-
-
 BOX = "<box><size>1 1 1</size></box>"
 IMU = "<sensor name='imu' type='imu'/>"
 BUMPER = "<sensor name='bumper' type='contact'><contact><collision>c</collision></contact></sensor>"
@@ -34,7 +27,7 @@ BUMPER = "<sensor name='bumper' type='contact'><contact><collision>c</collision>
 
 def test_a_link_with_an_imu_publishes_its_velocities_in_each_iteration(run):
     core, world = run(body("stone", "0 0 9 0 0 0", link=IMU), body("other"))
-    heard, other = Heard("~/stone::link"), Heard("~/other::link")
+    heard, other = Heard("~/stone::link", latching=True), Heard("~/other::link", latching=True)
     world.ModelByName("stone").SetAngularVel((0.0, 0.0, 2.0))
     core.step(100)
     assert len(heard) in (99, 100)
@@ -50,7 +43,7 @@ def test_a_link_with_an_imu_publishes_its_velocities_in_each_iteration(run):
 
 def test_a_contact_sensor_publishes_the_contacts_of_each_iteration(run):
     core, _ = run(GROUND, body("box", "0 0 0.5 0 0 0", link=collision(BOX) + BUMPER))
-    heard = Heard("~/box/link/bumper/contacts")
+    heard = Heard("~/box/link/bumper/contacts", latching=True)
     core.step(50)
     assert len(heard) >= 48
     assert {heard[-1].contact[0].collision1, heard[-1].contact[0].collision2} == {

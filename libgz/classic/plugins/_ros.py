@@ -1,16 +1,17 @@
-"""Elements, topics, joints and rates as plugins of ROS and of ROS 2 name them."""
+"""Elements, topics, joints, rates and noise as plugins of ROS and of ROS 2 have them."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.classic.math import Rand, Vector3d
 from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
-__all__ = ["ros_elements", "ros_joints", "ros_rate", "ros_topic"]
+__all__ = ["noisy", "ros_elements", "ros_joints", "ros_rate", "ros_topic"]
 
 # Elements of ROS 2 whose name in ROS is another one than the same words in camel case.
 RENAMED = {"max_wheel_torque": "wheelTorque", "max_wheel_acceleration": "wheelAcceleration"}
@@ -70,3 +71,10 @@ def ros_rate(model: Model, sdf: Element, default: float) -> float:
     """The rate that `<updateRate>` gives [Hz]; 0 or less: that of the iterations."""
     rate: float = sdf.Get(float, "updateRate", default)[0]
     return rate if rate > 0.0 else 1.0 / model.GetWorld().Physics().GetMaxStepSize()
+
+
+def noisy(vector: Vector3d, deviation: float) -> Vector3d:
+    """A vector with Gaussian noise on each component; without a deviation above 0, the vector itself."""
+    if not deviation > 0.0:
+        return vector
+    return vector + Vector3d(*(Rand.DblNormal(0.0, deviation) for _ in range(3)))

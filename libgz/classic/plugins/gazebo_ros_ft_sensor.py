@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
-from libgz.classic.math import Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint, named_link
-from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
+from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
 from libgz.errors import NotFoundError
 from libgz.simulation.rate import UpdateRate
 
@@ -66,14 +65,9 @@ class GazeboRosFT(ModelPlugin):
         wrench = self.joint.GetForceTorque(0)
         message = msgs.WrenchStamped()
         msgs.Set(message.time, now)
-        msgs.Set(message.wrench.force, self._noisy(wrench.body2Force))
-        msgs.Set(message.wrench.torque, self._noisy(wrench.body2Torque))
+        msgs.Set(message.wrench.force, noisy(wrench.body2Force, self.noise))
+        msgs.Set(message.wrench.torque, noisy(wrench.body2Torque, self.noise))
         self.publisher.Publish(message)
-
-    def _noisy(self, vector: Vector3d) -> Vector3d:
-        if not self.noise > 0.0:
-            return vector
-        return vector + Vector3d(*(Rand.DblNormal(0.0, self.noise) for _ in range(3)))
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosFT)

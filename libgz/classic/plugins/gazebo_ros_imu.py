@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
-from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
+from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -57,14 +57,9 @@ class GazeboRosImu(ModelPlugin):
         message = msgs.IMU(entity_name=self.link.GetScopedName())
         msgs.Set(message.stamp, now)
         msgs.Set(message.orientation, turn)
-        msgs.Set(message.angular_velocity, self._noisy(rate))
-        msgs.Set(message.linear_acceleration, self._noisy(force))
+        msgs.Set(message.angular_velocity, noisy(rate, self.noise))
+        msgs.Set(message.linear_acceleration, noisy(force, self.noise))
         self.publisher.Publish(message)
-
-    def _noisy(self, vector: Vector3d) -> Vector3d:
-        if not self.noise > 0.0:
-            return vector
-        return vector + Vector3d(*(Rand.DblNormal(0.0, self.noise) for _ in range(3)))
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosImu)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
-from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
+from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
 from libgz.errors import NotFoundError
 from libgz.simulation.rate import UpdateRate
 
@@ -67,9 +67,7 @@ class GazeboRosP3D(ModelPlugin):
         pose = self.link.WorldPose()
         if self.frame is not None:
             pose = pose - self.frame.WorldPose()
-        place = pose.Pos() + self.offset.Pos()
-        if self.noise > 0.0:
-            place = place + Vector3d(*(Rand.DblNormal(0.0, self.noise) for _ in range(3)))
+        place = noisy(pose.Pos() + self.offset.Pos(), self.noise)
         message = msgs.PoseStamped()
         msgs.Set(message.time, info.simTime)
         msgs.Set(message.pose, Pose3d(place, self.offset.Rot() * pose.Rot()))

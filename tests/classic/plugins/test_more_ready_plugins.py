@@ -7,30 +7,13 @@ from pathlib import Path
 
 import pytest
 from plugin_worlds import GROUND, body, collision, command, plugin, wheel
+from topics import Heard, send
 
 import libgz
 from libgz.classic import msgs, transport
 from libgz.classic.math import Pose3d
 
 BOX = "<box><size>1 1 1</size></box>"
-
-
-class Heard(list):
-    """The messages of a topic."""
-
-    def __init__(self, topic, space="default"):
-        super().__init__()
-        self.node = transport.Node()
-        self.node.Init(space)
-        self.subscriber = self.node.Subscribe(topic, self.append)
-
-
-def send(topic, message):
-    node = transport.Node()
-    node.Init("default")
-    publisher = node.Advertise(type(message), topic)
-    publisher.Publish(message)
-    return node, publisher
 
 
 def slider(name, axis, low=-10, high=10, mass=1.0, parent="world", kind="prismatic"):

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 from gzserver_process import new_environment
 from plugin_worlds import plugin
+from topics import Heard, send
 
 import libgz
-from libgz.classic import gui, msgs, transport
+from libgz.classic import gui, msgs
 from libgz.classic.loading import new_plugin
 from libgz.classic.physics import get_world
 from libgz.classic.plugins._tracks import _limited
@@ -27,24 +28,6 @@ def example(name, change=lambda text: text):
     text = change((EXAMPLES / f"{name}.world").read_text())
     with libgz.World.from_string(text) as core:
         yield core, get_world()
-
-
-class Heard(list):
-    """The messages of a topic."""
-
-    def __init__(self, topic):
-        super().__init__()
-        self.node = transport.Node()
-        self.node.Init("default")
-        self.subscriber = self.node.Subscribe(topic, self.append)
-
-
-def send(topic, message):
-    node = transport.Node()
-    node.Init("default")
-    publisher = node.Advertise(type(message), topic)
-    publisher.Publish(message)
-    return publisher
 
 
 def spinning(*names, damping=0.0):

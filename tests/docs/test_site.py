@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *(ROOT / "examples").rglob("*.md")])
 LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
+NAMED = re.compile(r"(?<![\w/])(?:benchmarks|scripts|tests)/[\w/.-]+\.(?:py|sh|c)\b")  # files of the project in a text
 BUILD = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-c", str(DOCS), str(ROOT)]
 
 
@@ -66,6 +67,12 @@ def test_links_lead_somewhere(page):
         target = (page.parent / path).resolve() if path else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+def test_files_that_pages_name_exist():
+    named = [(page, name) for page in PAGES for name in NAMED.findall(page.read_text())]
+    assert not [(str(page), name) for page, name in named if not (ROOT / name).exists()]
+    assert len(named) > 10
 
 
 @pytest.fixture(scope="module")

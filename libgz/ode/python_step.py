@@ -15,6 +15,7 @@ from libgz.geometry import rotate
 from libgz.ode import python_state
 from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, Publication, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.nearby import geoms_near
 from libgz.ode.parts import Parts
 from libgz.ode.python_contacts import FullContacts, make_surface
 from libgz.ode.python_islands import Islands
@@ -317,25 +318,11 @@ class PythonStep:
         ode_, context = self._ode, self._context
         seen: list[tuple[int, int, list[float]]] = []
         box = (ctypes.c_double * 6)()
-        probe = context.probe
-
-        def near(_data: int, geom1: int, geom2: int) -> None:
-            try:
-                geom = geom2 if geom1 == probe else geom1
-                if ode_.dGeomIsSpace(geom):
-                    ode_.dSpaceCollide2(probe, geom, None, address)
-                    return
-                row = ode_.dGeomGetData(geom) or 0
-                if not owner or self._tables.geoms.owner[row] != owner:
-                    ode_.dGeomGetAABB(geom, box)
-                    seen.append((geom, row, box[:]))
-            except BaseException as error:  # noqa: BLE001 - as in _make_near
-                self._error = error
-
-        callback = _NEAR_CALLBACK(near)
-        address = ctypes.cast(callback, c_void_p)
-        ode_.dSpaceCollide2(probe, context.space, None, address)
-        self._raise_error()
+        for geom in geoms_near(ode_, context.probe or 0, context.space or 0):
+            row = ode_.dGeomGetData(geom) or 0
+            if not owner or self._tables.geoms.owner[row] != owner:
+                ode_.dGeomGetAABB(geom, box)
+                seen.append((geom, row, box[:]))
         return seen
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import math
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from threading import get_ident
 from typing import Any, Protocol
 
@@ -21,6 +21,7 @@ from libgz.geometry import VectorLike
 from libgz.ode.context import RayScan, Step, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
+from libgz.ode.nearby import geoms_near
 from libgz.ode.step import choose_step
 from libgz.ode.tables import Tables
 from libgz.ode.types import ContactRule
@@ -588,6 +589,15 @@ class Engine:
         """The depth of the deepest contact point of two geoms, by their handles [m]; -1 if they do not touch."""
         self._ode.ensure_thread()
         return self.step_form.overlap(geom1, geom2)
+
+    @exclusive
+    def geoms_near(self, low: Sequence[float], high: Sequence[float]) -> list[Any]:
+        """The geoms whose bounding boxes meet the box between two corners [m], global; in no particular order."""
+        lib, probe = self._ode, self._context.probe or 0
+        box = [(max(a, -LARGEST), min(b, LARGEST)) for a, b in zip(low, high, strict=True)]  # ODE takes no infinity
+        lib.dGeomBoxSetLengths(probe, *(b - a for a, b in box))
+        lib.dGeomSetPosition(probe, *(0.5 * (a + b) for a, b in box))
+        return [self.geoms[lib.dGeomGetData(geom) or 0] for geom in geoms_near(lib, probe, self.top.id)]
 
     def _report_failed_pair(self, rows: tuple[int, ...]) -> None:
         """Report a pair of geoms whose collision detection failed, the first time; row -1 is a ray."""

@@ -12,7 +12,7 @@ from libgz.errors import Diagnostics, GazeboError, ParameterError, nearest
 from libgz.geometry import GzCoordPositionAdd, GzPose, GzVector
 from libgz.sdf.element import Element
 
-__all__ = ["populate"]
+__all__ = ["MOST_MODELS", "populate"]
 
 Array = NDArray[np.float64]
 Random = np.random.Generator

@@ -53,7 +53,7 @@ def solids(models: Iterable[SdfModel]) -> Iterator[Solid]:
             yield Solid(model, model.world.engine, model.bodies[0].mass, low, high)
 
 
-def set_down(added: Iterable[SdfModel], present: Iterable[SdfModel]) -> None:
+def set_down(added: Iterable[SdfModel]) -> None:
     """Lower solids by less than a micrometre so that they touch what they stand on.
 
     Numbers like 0.3 are rounded, and a stack of such boxes has gaps of 1e-16 m. Without contacts all above a gap would
@@ -62,8 +62,7 @@ def set_down(added: Iterable[SdfModel], present: Iterable[SdfModel]) -> None:
     moving = sorted(solids(model for model in added if not model.static and model.parent is None), key=_foot)
     if not moving or not moving[0].engine.exact_rest or moving[0].engine.gravity[2] >= 0.0:
         return
-    own = {id(solid.model) for solid in moving}
-    below = [*_floors(model for model in present if id(model) not in own), *moving]
+    below = [*_floors(moving), *moving]
     below.sort(key=_top)
     tops = [_top(solid) for solid in below]
     lowered: dict[int, float] = {}  # [m] by solid
@@ -89,13 +88,18 @@ def _top(solid: Solid) -> float:
     return solid.high[2]
 
 
-def _floors(models: Iterable[SdfModel]) -> Iterator[Solid]:
-    """What solids may stand on, a geom each; planes only if they are level."""
-    for model in models:
-        for geom in family_geoms(model):
-            low, high = geom.bounds()
+def _floors(moving: list[Solid]) -> Iterator[Solid]:
+    """What else solids may stand on, a geom each; planes only if they are level."""
+    feet = [_foot(solid) for solid in moving]
+    low = (*(min(solid.low[k] for solid in moving) for k in (0, 1)), min(feet) - 2.0 * ROUNDING)
+    high = (*(max(solid.high[k] for solid in moving) for k in (0, 1)), max(feet) + 2.0 * ROUNDING)
+    own = {id(solid.model) for solid in moving}
+    for geom in moving[0].engine.geoms_near(low, high):
+        model = geom.body.model
+        if isinstance(model, SdfModel) and id(model) not in own:
+            bottom, top = geom.bounds()
             if isinstance(geom, PlaneGeom):
                 if geom.normal.z < STRAIGHT:
                     continue
-                high = (*high[:2], geom.altitude)
-            yield Solid(model, model.world.engine, 0.0, low, high)
+                top = (*top[:2], geom.altitude)
+            yield Solid(model, model.world.engine, 0.0, bottom, top)

@@ -44,6 +44,7 @@ BUILDER = "sdf"  # in the journal
 BUILT = ("model", "actor", "light")
 MODELS = {"model": SdfModel, "actor": SdfActor}
 POPULATION = (zlib.crc32(b"population"),)  # its random numbers are its own: equal seeds place equal models
+MOST_DOCUMENTS = 64  # of entities that are gone, besides as many as there are entities
 FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
 
 
@@ -76,7 +77,7 @@ class SdfWorld(Era):
         self.world = world
         self.file: SdfFile | None = None
         self.settings: SdfSettings = default_settings()
-        self._documents: list[Document] = []
+        self._documents: dict[Source, Document] = {}
         world.journal.builders[BUILDER] = self
 
     @property
@@ -160,7 +161,7 @@ class SdfWorld(Era):
             element, np.random.default_rng(np.random.SeedSequence(world.seed, spawn_key=POPULATION)), diagnostics
         )
         document = Document(Source(BUILDER, 0, "", b""), [*built, element])
-        self._documents.append(document)
+        self._documents[document.source] = document
         self._add(document, range(len(built)), diagnostics)
         if any(True for _ in element.named("joint")):
             self._add(document, [len(built)], diagnostics)
@@ -178,7 +179,7 @@ class SdfWorld(Era):
         if not diagnostics.errors:
             models = [model for model in world.entities if isinstance(model, SdfModel)]
             if state is None:
-                set_down(models, models)
+                set_down(models)
             warn_of_contacts(models, diagnostics)
 
     def insert(self, file: SdfFile) -> list[Entity]:
@@ -194,27 +195,34 @@ class SdfWorld(Era):
         elements = [part for part in root.children if part.name in BUILT]
         text = "".join(upgraded(part).ToString() for part in elements)
         source = world.journal.insertion(BUILDER, file.label, f"<sdf version='{NEWEST}'>{text}</sdf>".encode())
-        present = {entity.origin.source for entity in world.entities if entity.origin is not None}
-        self._documents = [one for one in self._documents if not one.source.number or one.source in present]
-        known = len(self._documents)
-        document = Document(source, elements)
-        self._documents.append(document)
+        self._forget_documents()
+        self._documents[source] = document = Document(source, elements)
         try:
             self._add(document, range(len(elements)), file.diagnostics)
             file.diagnostics.raise_errors()
             if len(world.entities) == before:
                 raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
-            models = [model for model in world.entities if isinstance(model, SdfModel)]
             added = [model for model in world.entities[before:] if isinstance(model, SdfModel)]
-            set_down(added, models)
+            set_down(added)
             warn_of_contacts(added, file.diagnostics)
         except BaseException:
             world.remove(world.entities[before:])
-            del self._documents[known:]
+            del self._documents[source]
             world.journal.inserted -= 1
             raise
         self._report_warnings(file.diagnostics)
         return world.entities[before:]
+
+    def _forget_documents(self) -> None:
+        """Forget, now and then, what was inserted and is gone: each insertion of many is to cost the same."""
+        entities = self.world.entities
+        if len(self._documents) > 2 * len(entities) + MOST_DOCUMENTS:
+            present = {entity.origin.source for entity in entities if entity.origin is not None}
+            self._documents = {
+                source: document
+                for source, document in self._documents.items()
+                if not source.number or source in present
+            }
 
     def _report_warnings(self, diagnostics: Diagnostics) -> None:
         """Note all warnings in the world, and log a few of each kind."""
@@ -266,12 +274,12 @@ class SdfWorld(Era):
 
     def _document_of(self, source: Source) -> Document:
         """The document of a source; what was inserted into another world is read again."""
-        for document in self._documents:
-            if document.source == source:
-                return document
+        if source in self._documents:
+            return self._documents[source]
         file = SdfFile.from_string(source.text, source.label)
-        document = Document(source, [part for part in file.root.children if part.name in BUILT])
-        self._documents.append(document)
+        self._documents[source] = document = Document(
+            source, [part for part in file.root.children if part.name in BUILT]
+        )
         return document
 
     def rebuild(self, source: Source, places: Sequence[int]) -> None:

@@ -171,6 +171,22 @@ def test_solids_are_set_down_by_less_than_a_micrometre_on_what_they_stand_on(loa
     assert made.engine.contact_count >= 19
 
 
+def test_a_loose_plane_is_loaded_beside_solids(load):
+    plane = model("loose", link("link", collision("<plane><normal>0 0 1</normal></plane>")))
+    made = load(world(plane, stack(2), physics=physics()))
+    made.step()
+    assert made.body("b1").GetPosition().z == pytest.approx(1.5 * 0.5, abs=0.3)
+
+
+def test_geoms_near_a_place_are_found_also_in_spaces(load):
+    made = load(world(GROUND, stack(3), physics=physics()))
+    near = made.engine.geoms_near((-0.1, -0.1, 0.6), (0.1, 0.1, 0.9))
+    assert [geom.body.model.GetId() for geom in near] == ["b1"]
+    assert {geom.body.model.GetId() for geom in made.engine.geoms_near((-1, -1, -1), (1, 1, math.inf))} == {
+        *("b0", "b1", "b2", "ground_plane")
+    }
+
+
 def test_ten_boxes_by_the_exact_solver_do_not_creep(load):
     made = load(world(GROUND, stack(10), physics=physics(0.002, type="world")))
     made.run(1.0)

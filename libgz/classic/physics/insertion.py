@@ -92,7 +92,7 @@ def insert_now(world: World, file: SdfFile) -> None:
 
 
 def _check_names(world: World, root: Element) -> None:
-    taken = {part.GetName() for part in world.children()}
+    taken = {entity.GetId() for entity in world.core.entities}
     for element in next(root.named("world"), root).children:
         name = element.Get(str, "name") if element.name in BUILT else ""
         if name in taken:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.errors import ParameterError
+from libgz.sdfworld.population import MOST_MODELS
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World
@@ -35,7 +36,7 @@ class RubblePlugin(WorldPlugin):
         """Read the elements.
 
         Raises:
-            ParameterError: a mass is not positive, or the count negative.
+            ParameterError: a mass is not positive, or the count is out of range.
         """
         self.world = world
         corners = [sdf.Get(Vector3d, tag) for tag in ("bottom_right", "top_left")]
@@ -47,8 +48,8 @@ class RubblePlugin(WorldPlugin):
                 f"{sdf.where}: <min_mass> is {self.masses[0]:g} and <max_mass> {self.masses[1]:g}; "
                 "both must be positive, and the first one not larger"
             )
-        if self.count < 0:
-            raise ParameterError(f"{sdf.where}: <count> is {self.count}; it must not be negative")
+        if not 0 <= self.count <= MOST_MODELS:
+            raise ParameterError(f"{sdf.where}: <count> is {self.count}; it must be from 0 to {MOST_MODELS}")
 
     def Init(self) -> None:
         """Insert the boxes."""

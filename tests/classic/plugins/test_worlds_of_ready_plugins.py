@@ -358,6 +358,12 @@ def test_rubble_has_blocks_and_planks_in_its_region():
             assert 0.5 <= box.GetLink("link").GetInertial().Mass() <= 2.0
 
 
+@pytest.mark.parametrize("count", [-1, 100_001])
+def test_rubble_has_a_bound(count, caplog):
+    with example("rubble", lambda text: text.replace("<count>30", f"<count>{count}")):
+        assert f"<count> is {count}; it must be from 0 to 100000" in caplog.text
+
+
 def test_hydra_moves_the_ball_once_a_message():
     with example("hydra", lambda text: text.replace("model://ground_plane", "model://sun")) as (core, world):
         message = msgs.Hydra()

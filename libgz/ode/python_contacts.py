@@ -37,6 +37,8 @@ _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a pat
 # Explained in step.c.
 _SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
 _SOFTNESS_SPREAD, _DEPTH_SPREAD = 0.3, 0.05  # -, [1/s]
+_STICKING = 40.0  # [m/s^2]
+_LARGE, _SMALL_LEVEL, _LARGE_LEVEL = 1e6, -2, 9  # [m], -, -
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
@@ -358,12 +360,42 @@ class FullContacts:
         self._ode.dBodyGetMass(body, ctypes.addressof(mass))
         return float(mass.mass)
 
+    def _level(self, geom: int) -> int:
+        """level_of in step.c."""
+        ode_, body, space = self._ode, self._ode.dGeomGetBody(geom), self._ode.dGeomGetSpace(geom)
+        if ode_.dGeomGetClass(geom) == GeomClass.PLANE:
+            return _LARGE_LEVEL
+        extents = self._extents(geom if body or not space or space == self._context.space else space)
+        part = ode_.dBodyGetFirstGeom(body) if body else None
+        while part:
+            box = self._extents(part)
+            extents = [min(a, b) if k % 2 == 0 else max(a, b) for k, (a, b) in enumerate(zip(extents, box, strict=True))]
+            part = ode_.dBodyGetNextGeom(part)
+        extent = max(0.0, *(extents[k + 1] - extents[k] for k in (0, 2, 4)))
+        if not extent < _LARGE:
+            return _LARGE_LEVEL
+        return min(max(math.frexp(extent)[1], _SMALL_LEVEL), _LARGE_LEVEL)
+
+    def _extents(self, geom: int) -> list[float]:
+        box = (ctypes.c_double * 6)()
+        self._ode.dGeomGetAABB(geom, box)
+        return list(box)
+
+    def _second_first(self, geom1: int, geom2: int) -> bool:
+        """second_first in step.c."""
+        ode_, levels = self._ode, (self._level(geom1), self._level(geom2))
+        if levels[0] != levels[1]:
+            return levels[1] < levels[0]
+        body1, body2 = ode_.dGeomGetBody(geom1), ode_.dGeomGetBody(geom2)
+        made1, made2 = (self._tables.geoms.owner[ode_.dGeomGetData(geom) or 0] for geom in (geom1, geom2))
+        return not body2 or bool(body1 and made2 > made1)
+
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""
         first, second = (row[Surface.FDIR1 : Surface.FDIR1 + 3] for row in (a, b))
-        local, geom = first, geom1
-        if _dot(first, first) == 0.0 or (b[Surface.MU] < a[Surface.MU] and _dot(second, second) > 0.0):
-            local, geom = second, geom2
+        if _dot(first, first) == 0.0 and _dot(second, second) == 0.0:
+            return False
+        local, geom = (second, geom2) if self._second_first(geom1, geom2) else (first, geom1)
         if _dot(local, local) == 0.0:
             return False
         m = self._rotation_of(geom)
@@ -414,7 +446,11 @@ class FullContacts:
         for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:
                 self._add_velocity(body, point.geom.pos, sign, slide)
-        return _set_friction_direction(point, slide)
+        if not _set_friction_direction(point, slide):
+            return False
+        if _dot(slide, point.fdir1[:3]) > self._context.step * (_STICKING * point.surface.mu):
+            point.surface.mu2 = 0.0
+        return True
 
     def _add_velocity(self, body: int, at: Any, sign: float, slide: list[float]) -> None:
         """add_velocity in step.c."""

@@ -335,6 +335,9 @@ enum {
 #define DEPTH_SPREAD 0.05   /* share of REST_DEPTH, per second of a step, by which the depth differs that they keep */
 #define CALM_SPEED 0.1    /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly */
 #define FALLING_STEPS 2.0 /* and so many steps of falling add to it */
+#define STICKING 40.0 /* [m/s^2] at which friction of 1 may stop what touches within one step, so that it sticks */
+#define LARGE 1e6         /* [m] beyond which what lies in a hash space counts as infinite */
+enum { SMALL_LEVEL = -2, LARGE_LEVEL = 9 }; /* of Gazebo's hash space; the large are in no cell */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -500,17 +503,67 @@ static const double *rotation_of(void *geom)
     return dGeomGetClass(geom) == PLANE_CLASS ? none : dGeomGetRotation(geom);
 }
 
-/* The direction in which mu applies: that of the geom with the smaller mu. */
-static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+/* A pair of geoms that touch under the classic rule. */
+typedef struct {
+    const double *a, *b; /* their surfaces */
+    void *geom1, *geom2, *body1, *body2;
+    double max_vel, min_depth;
+    double kept; /* depth that is not corrected */
+    double withheld; /* depth of a point that would be corrected without max_vel */
+    int rigid;   /* 1: the springs stand for rigid surfaces */
+} touching;
+
+/* The level of a hash space to which what a link has belongs: its extent is between half of 2^level and 2^level. Of a
+ * geom without a body, all that its model has. */
+static int level_of(const context *c, void *geom)
 {
-    const double *local = a + SURFACE_FDIR1, *other = b + SURFACE_FDIR1, *r;
-    void *geom = geom1;
+    double box[6], all[6], extent = 0.0;
+    void *body = dGeomGetBody(geom), *space = dGeomGetSpace(geom), *part = NULL;
+    int level, k;
+    if (dGeomGetClass(geom) == PLANE_CLASS)
+        return LARGE_LEVEL;
+    dGeomGetAABB(body || !space || space == c->space ? geom : space, all);
+    if (body)
+        part = dBodyGetFirstGeom(body);
+    for (; part; part = dBodyGetNextGeom(part)) {
+        dGeomGetAABB(part, box);
+        for (k = 0; k < 6; k += 2) {
+            all[k] = smaller(all[k], box[k]);
+            all[k + 1] = larger(all[k + 1], box[k + 1]);
+        }
+    }
+    for (k = 0; k < 6; k += 2)
+        extent = larger(extent, all[k + 1] - all[k]);
+    if (!(extent < LARGE))
+        return LARGE_LEVEL;
+    frexp(extent, &level);
+    return level < SMALL_LEVEL ? SMALL_LEVEL : level > LARGE_LEVEL ? LARGE_LEVEL : level;
+}
+
+/* Whether Gazebo's hash space finds the second geom of a pair first: the one of the lower level, then what does not
+ * move, then what was made last. */
+static int second_first(const context *c, void *geom1, void *geom2)
+{
+    void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2);
+    int level1 = level_of(c, geom1), level2 = level_of(c, geom2);
+    if (level1 != level2)
+        return level2 < level1;
+    return !body2 || (body1 && c->owner[(intptr_t)dGeomGetData(geom2)] > c->owner[(intptr_t)dGeomGetData(geom1)]);
+}
+
+/* The direction in which mu applies: as in Gazebo, that of the geom which its hash space finds first. */
+static int friction_direction(const context *c, const touching *t, contact *point)
+{
+    const double *local = t->a + SURFACE_FDIR1, *other = t->b + SURFACE_FDIR1, *r;
+    void *geom = t->geom1;
     double aim[3];
     int k;
 
-    if (dot(local, local) == 0.0 || (b[SURFACE_MU] < a[SURFACE_MU] && dot(other, other) > 0.0)) {
+    if (dot(local, local) == 0.0 && dot(other, other) == 0.0)
+        return 0;
+    if (second_first(c, t->geom1, t->geom2)) {
         local = other;
-        geom = geom2;
+        geom = t->geom2;
     }
     if (dot(local, local) == 0.0)
         return 0;
@@ -597,13 +650,18 @@ static void add_velocity(const context *c, void *body, const double *at, double 
     sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
 }
 
-/* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. */
+/* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. What already slides
+ * has no friction across: else a force across would be resisted as if it stuck, and skidding wheels would not turn. */
 static int sliding_direction(const context *c, void *body1, void *body2, contact *point)
 {
     double slide[3] = {0.0, 0.0, 0.0};
     add_velocity(c, body1, point->geom.pos, 1.0, slide);
     add_velocity(c, body2, point->geom.pos, -1.0, slide);
-    return set_friction_direction(point, slide);
+    if (!set_friction_direction(point, slide))
+        return 0;
+    if (dot(slide, point->fdir1) > c->step * (STICKING * point->surface.mu))
+        point->surface.mu2 = 0.0;
+    return 1;
 }
 
 /* Torsion: a torque about the normal of at most mu 3 pi / 16 times the radius of the patch times the normal force. */
@@ -626,16 +684,6 @@ static void add_torsion(const double *a, const double *b, contact *point)
     point->surface.rho = point->surface.rho2 = -1.0; /* 0 would cost rows of the solver */
     point->surface.rhoN = lever;
 }
-
-/* A pair of geoms that touch under the classic rule. */
-typedef struct {
-    const double *a, *b; /* their surfaces */
-    void *geom1, *geom2, *body1, *body2;
-    double max_vel, min_depth;
-    double kept; /* depth that is not corrected */
-    double withheld; /* depth of a point that would be corrected without max_vel */
-    int rigid;   /* 1: the springs stand for rigid surfaces */
-} touching;
 
 /* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
 static double of_bodies(const touching *t, int column)
@@ -813,7 +861,7 @@ static void refine_point(const context *c, touching *t, int count, double found,
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
     if ((a[SURFACE_TRACK] == 0.0 && b[SURFACE_TRACK] == 0.0) || !set_track(a, b, t->geom1, t->geom2, point)) {
-        if (friction_direction(a, b, t->geom1, t->geom2, point) ||
+        if (friction_direction(c, t, point) ||
             (c->cone && sliding_direction(c, t->body1, t->body2, point)))
             s->mode |= FDIR1;
     }

@@ -38,6 +38,7 @@ _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a pat
 _SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
 _SOFTNESS_SPREAD, _DEPTH_SPREAD = 0.3, 0.05  # -, [1/s]
 _STICKING = 40.0  # [m/s^2]
+_FLANK = 0.70710678118654752
 _LARGE, _SMALL_LEVEL, _LARGE_LEVEL = 1e6, -2, 9  # [m], -, -
 
 
@@ -301,8 +302,10 @@ class FullContacts:
         tracks = a[Surface.TRACK] != 0.0 or b[Surface.TRACK] != 0.0
         if not (tracks and self._set_track((a, b), geoms, bodies, point)):
             aimed = self._friction_direction(a, b, *geoms, point)
-            if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
+            if aimed:
                 surface.mode |= ContactMode.FDIR1
+            if self._context.cone:
+                self._set_cone(bodies, point, aimed)
         _add_torsion(a, b, point)
         stiffness = _elastic_stiffness(a, b, found)
         if stiffness > 0.0:
@@ -440,17 +443,29 @@ class FullContacts:
         point.surface.mode |= ContactMode.FDIR1 | ContactMode.MOTION1
         return True
 
-    def _sliding_direction(self, bodies: tuple[int, int], point: Any) -> bool:
-        """sliding_direction in step.c."""
+    def _set_cone(self, bodies: tuple[int, int], point: Any, aimed: bool) -> None:
+        """set_cone in step.c."""
+        surface, n = point.surface, point.geom.normal[:3]
+        if not (surface.mu < math.inf and surface.mu2 < math.inf):
+            return
         slide = [0.0, 0.0, 0.0]
         for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:
                 self._add_velocity(body, point.geom.pos, sign, slide)
-        if not _set_friction_direction(point, slide):
-            return False
-        if _dot(slide, point.fdir1[:3]) > self._context.step * (_STICKING * point.surface.mu):
-            point.surface.mu2 = 0.0
-        return True
+        one = point.fdir1[:3] if aimed else _default_direction(n)
+        two = _cross(n, one)
+        along, across = _dot(slide, one), _dot(slide, two)
+        size = math.sqrt(along * along + across * across)
+        if size < 1e-9:
+            return
+        along, across = surface.mu * along / size, surface.mu2 * across / size
+        mu = math.sqrt(along * along + across * across)
+        if not mu > 0.0:
+            return
+        point.fdir1[:3] = [(along * v + across * w) / mu for v, w in zip(one, two, strict=True)]
+        surface.mu = mu
+        surface.mu2 = 0.0 if size > self._context.step * (_STICKING * mu) else mu
+        surface.mode |= ContactMode.FDIR1
 
     def _add_velocity(self, body: int, at: Any, sign: float, slide: list[float]) -> None:
         """add_velocity in step.c."""
@@ -572,6 +587,15 @@ def _set_friction_direction(point: Any, aim: list[float]) -> bool:
         return False
     point.fdir1[:3] = [v / size for v in aim]
     return True
+
+
+def _default_direction(n: list[float]) -> list[float]:
+    """The first of default_directions in step.c."""
+    if math.fabs(n[2]) > _FLANK:
+        k = 1.0 / math.sqrt(n[1] * n[1] + n[2] * n[2])
+        return [0.0, -n[2] * k, n[1] * k]
+    k = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1])
+    return [-n[1] * k, n[0] * k, 0.0]
 
 
 def _dot(a: list[float], b: list[float]) -> float:

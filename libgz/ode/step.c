@@ -335,6 +335,7 @@ enum {
 #define DEPTH_SPREAD 0.05   /* share of REST_DEPTH, per second of a step, by which the depth differs that they keep */
 #define CALM_SPEED 0.1    /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly */
 #define FALLING_STEPS 2.0 /* and so many steps of falling add to it */
+#define FLANK 0.70710678118654752 /* sine of the angle from which ODE takes a normal as upright */
 #define STICKING 40.0 /* [m/s^2] at which friction of 1 may stop what touches within one step, so that it sticks */
 #define LARGE 1e6         /* [m] beyond which what lies in a hash space counts as infinite */
 enum { SMALL_LEVEL = -2, LARGE_LEVEL = 9 }; /* of Gazebo's hash space; the large are in no cell */
@@ -650,18 +651,54 @@ static void add_velocity(const context *c, void *body, const double *at, double 
     sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
 }
 
-/* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. What already slides
- * has no friction across: else a force across would be resisted as if it stuck, and skidding wheels would not turn. */
-static int sliding_direction(const context *c, void *body1, void *body2, contact *point)
+/* ODE's own choice of the direction at right angles to a normal in which mu acts. */
+static void default_direction(const double *n, double *one)
 {
-    double slide[3] = {0.0, 0.0, 0.0};
-    add_velocity(c, body1, point->geom.pos, 1.0, slide);
-    add_velocity(c, body2, point->geom.pos, -1.0, slide);
-    if (!set_friction_direction(point, slide))
-        return 0;
-    if (dot(slide, point->fdir1) > c->step * (STICKING * point->surface.mu))
-        point->surface.mu2 = 0.0;
-    return 1;
+    double k;
+    if (fabs(n[2]) > FLANK) {
+        k = 1.0 / sqrt(n[1] * n[1] + n[2] * n[2]);
+        one[0] = 0.0, one[1] = -n[2] * k, one[2] = n[1] * k;
+    } else {
+        k = 1.0 / sqrt(n[0] * n[0] + n[1] * n[1]);
+        one[0] = -n[1] * k, one[1] = n[0] * k, one[2] = 0.0;
+    }
+}
+
+/* Friction as in a cone: against the sliding velocity v, with mu v1 / |v| along the first direction and mu2 v2 / |v| along
+ * the second. What already slides has no friction across that: else a force across would be resisted as if it stuck, and
+ * skidding wheels would not turn. `aimed`: the contact has a first direction. */
+static void set_cone(const context *c, const touching *t, contact *point, int aimed)
+{
+    surface_parameters *s = &point->surface;
+    const double *n = point->geom.normal;
+    double slide[3] = {0.0, 0.0, 0.0}, one[3], two[3], along, across, size, mu;
+    int k;
+    if (!(s->mu < HUGE_VAL && s->mu2 < HUGE_VAL))
+        return;
+    add_velocity(c, t->body1, point->geom.pos, 1.0, slide);
+    add_velocity(c, t->body2, point->geom.pos, -1.0, slide);
+    if (aimed)
+        memcpy(one, point->fdir1, sizeof one);
+    else
+        default_direction(n, one);
+    two[0] = n[1] * one[2] - n[2] * one[1];
+    two[1] = n[2] * one[0] - n[0] * one[2];
+    two[2] = n[0] * one[1] - n[1] * one[0];
+    along = dot(slide, one);
+    across = dot(slide, two);
+    size = sqrt(along * along + across * across);
+    if (size < 1e-9)
+        return;
+    along = s->mu * along / size;
+    across = s->mu2 * across / size;
+    mu = sqrt(along * along + across * across);
+    if (!(mu > 0.0))
+        return;
+    for (k = 0; k < 3; k++)
+        point->fdir1[k] = (along * one[k] + across * two[k]) / mu;
+    s->mu = mu;
+    s->mu2 = size > c->step * (STICKING * mu) ? 0.0 : mu;
+    s->mode |= FDIR1;
 }
 
 /* Torsion: a torque about the normal of at most mu 3 pi / 16 times the radius of the patch times the normal force. */
@@ -861,9 +898,11 @@ static void refine_point(const context *c, touching *t, int count, double found,
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
     if ((a[SURFACE_TRACK] == 0.0 && b[SURFACE_TRACK] == 0.0) || !set_track(a, b, t->geom1, t->geom2, point)) {
-        if (friction_direction(c, t, point) ||
-            (c->cone && sliding_direction(c, t->body1, t->body2, point)))
+        int aimed = friction_direction(c, t, point);
+        if (aimed)
             s->mode |= FDIR1;
+        if (c->cone)
+            set_cone(c, t, point, aimed);
     }
     add_torsion(a, b, point);
     t->withheld = 0.0;

@@ -150,6 +150,18 @@ def test_a_force_across_the_motion_moves_what_slides_in_the_cone_model(load):
     assert body.GetLinearVel().y == pytest.approx(0.0, abs=1e-3)  # it sticks
 
 
+def test_mu_and_mu2_brake_in_proportion_to_the_parts_of_the_velocity_in_the_cone_model(load):
+    """Measured in Gazebo 11.1: m dv/dt = -m g (mu2 vx, mu vy) / |v|, mu along y where the normal is upright."""
+    low = inertial(pose="0 0 -0.45 0 0 0")
+    cone = "<ode><solver><friction_model>cone_model</friction_model></solver></ode>"
+    box = model("b", link("link", low, collision("box", friction(0.2, 0.6))), pose="0 0 0.5 0 0 0")
+    made = load(world(GROUND, box, physics=cone))
+    made.body("b").SetLinearVel((1, 1, 0))
+    made.step(900)
+    place = made.body("b").GetPosition()
+    assert (place.x, place.y) == pytest.approx((0.1554, 0.2928), rel=0.01)
+
+
 def test_row_7_the_pyramid_turns_what_the_cone_does_not(load):
     low = inertial(pose="0 0 -0.45 0 0 0")
     made = load(world(GROUND, model("b", link("link", low, collision("box", friction(0.3))), pose="0 0 0.5 0 0 0")))

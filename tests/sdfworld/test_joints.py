@@ -292,11 +292,13 @@ def test_a_joint_begins_where_its_links_are_as_in_gazebo(load, caplog):
     assert "<initial_position> has no effect" in caplog.text
 
 
-def test_a_fixed_joint_is_not_softened_as_in_gazebo(load):
+@pytest.mark.parametrize("kind", ["fixed", "ball"])
+def test_a_fixed_or_ball_joint_is_not_softened_as_in_gazebo(load, caplog, kind):
     soft = "<physics><ode><cfm>1</cfm><erp>.1</erp></ode></physics>"
-    made = load(world(model("m", link("l", inertial()), joint("j", "fixed", "world", "l", "", soft))))
+    made = load(world(model("m", link("l", inertial()), joint("j", kind, "world", "l", "", soft))))
     made.step(500)
     assert place(made.body("m")) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+    assert "softens" not in caplog.text
 
 
 def test_an_implicit_spring_on_one_of_two_axes_leaves_the_other_free(load):

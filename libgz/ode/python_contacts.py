@@ -372,7 +372,7 @@ class FullContacts:
         part = ode_.dBodyGetFirstGeom(body) if body else None
         while part:
             box = self._extents(part)
-            extents = [min(a, b) if k % 2 == 0 else max(a, b) for k, (a, b) in enumerate(zip(extents, box, strict=True))]
+            extents = [(min, max)[k % 2](extents[k], box[k]) for k in range(6)]
             part = ode_.dBodyGetNextGeom(part)
         extent = max(0.0, *(extents[k + 1] - extents[k] for k in (0, 2, 4)))
         if not extent < _LARGE:

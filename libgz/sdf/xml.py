@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from typing import Any
 
 from lxml import etree
 
@@ -55,7 +56,8 @@ def parse_document(data: bytes, label: str, diagnostics: Diagnostics) -> etree._
 
 def _replace_entities(root: etree._Element, label: str, diagnostics: Diagnostics) -> None:
     entities = Entities(root)
-    for node in list(root.iter(etree.Entity)):
+    found: list[Any] = list(root.iter(etree.Entity))  # its stubs have elements only
+    for node in found:
         parent, before, text = node.getparent(), node.getprevious(), ""
         if parent is None:
             continue

@@ -308,7 +308,7 @@ def test_an_implicit_spring_on_one_of_two_axes_leaves_the_other_free(load):
     second = "<axis2><xyz>0 0 1</xyz></axis2>"
     holder = joint("f", "fixed", "world", "a", "")
     arm = link("b", inertial(1.0, (1.0, 1.0, 1.0)), pose="1 0 0 0 0 0")
-    parts = joint("u", "universal", "a", "b", "0 1 0", inside=spring, pose="-1 0 0 0 0 0").replace("</joint>", second + wish + "</joint>")
+    parts = joint("u", "universal", "a", "b", "0 1 0", second + wish, spring, "-1 0 0 0 0 0")
     made = load(world(model("m", link("a", inertial()), arm, holder, parts)))
     body = made.model("m").GetBody("b")
     body.SetAngularVel((0, 0, 1))

@@ -128,9 +128,7 @@ def test_a_force_across_the_motion_moves_what_slides_in_the_cone_model(load):
     low, mu, mass = inertial(pose="0 0 -0.45 0 0 0"), 0.3, 1.0
     cone = "<ode><solver><friction_model>cone_model</friction_model></solver></ode>"
     made = load(
-        world(
-            GROUND, model("b", link("link", low, collision("box", friction(mu))), pose="0 0 0.5 0 0 0"), physics=cone
-        )
+        world(GROUND, model("b", link("link", low, collision("box", friction(mu))), pose="0 0 0.5 0 0 0"), physics=cone)
     )
     body, across = made.body("b"), 0.5 * mu * mass * 9.8
     body.SetLinearVel((3, 0, 0))

@@ -512,6 +512,8 @@ typedef struct {
     double kept; /* depth that is not corrected */
     double withheld; /* depth of a point that would be corrected without max_vel */
     int rigid;   /* 1: the springs stand for rigid surfaces */
+    const double *aim; /* direction in which mu applies, in the frame of a geom; NULL: none */
+    void *aiming;
 } touching;
 
 /* The level of a hash space to which what a link has belongs: its extent is between half of 2^level and 2^level. Of a
@@ -552,25 +554,34 @@ static int second_first(const context *c, void *geom1, void *geom2)
     return !body2 || (body1 && c->owner[(intptr_t)dGeomGetData(geom2)] > c->owner[(intptr_t)dGeomGetData(geom1)]);
 }
 
-/* The direction in which mu applies: as in Gazebo, that of the geom which its hash space finds first. */
-static int friction_direction(const context *c, const touching *t, contact *point)
+/* Find whose direction is that in which mu applies: as in Gazebo, that of the geom which its hash space finds first. */
+static void choose_direction(const context *c, touching *t)
 {
-    const double *local = t->a + SURFACE_FDIR1, *other = t->b + SURFACE_FDIR1, *r;
-    void *geom = t->geom1;
+    const double *one = t->a + SURFACE_FDIR1, *two = t->b + SURFACE_FDIR1;
+    t->aim = NULL;
+    if (dot(one, one) == 0.0 && dot(two, two) == 0.0)
+        return;
+    t->aim = one;
+    t->aiming = t->geom1;
+    if (second_first(c, t->geom1, t->geom2)) {
+        t->aim = two;
+        t->aiming = t->geom2;
+    }
+    if (dot(t->aim, t->aim) == 0.0)
+        t->aim = NULL;
+}
+
+/* The direction in which mu applies; 0: there is none. */
+static int friction_direction(const touching *t, contact *point)
+{
+    const double *r;
     double aim[3];
     int k;
-
-    if (dot(local, local) == 0.0 && dot(other, other) == 0.0)
+    if (!t->aim)
         return 0;
-    if (second_first(c, t->geom1, t->geom2)) {
-        local = other;
-        geom = t->geom2;
-    }
-    if (dot(local, local) == 0.0)
-        return 0;
-    r = rotation_of(geom);
+    r = rotation_of(t->aiming);
     for (k = 0; k < 3; k++)
-        aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
+        aim[k] = r[4 * k] * t->aim[0] + r[4 * k + 1] * t->aim[1] + r[4 * k + 2] * t->aim[2];
     return set_friction_direction(point, aim);
 }
 
@@ -898,7 +909,7 @@ static void refine_point(const context *c, touching *t, int count, double found,
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
     if ((a[SURFACE_TRACK] == 0.0 && b[SURFACE_TRACK] == 0.0) || !set_track(a, b, t->geom1, t->geom2, point)) {
-        int aimed = friction_direction(c, t, point);
+        int aimed = friction_direction(t, point);
         if (aimed)
             s->mode |= FDIR1;
         if (c->cone)
@@ -1057,12 +1068,13 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
-    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0.0, 0};
+    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0.0, 0, NULL, NULL};
     make_surface(c, a, b, &surface);
     if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
         set_limits(c, &pair);
+        choose_direction(c, &pair);
         make_rigid(c, &pair, &surface);
         if (!ghost && solves_islands(c))
             note_touch(c, body1, body2, count);

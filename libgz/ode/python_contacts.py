@@ -37,6 +37,9 @@ _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a pat
 # Explained in step.c.
 _SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
 _SOFTNESS_SPREAD, _DEPTH_SPREAD = 0.3, 0.05  # -, [1/s]
+_STICKING = 40.0  # [m/s^2]
+_FLANK = 0.70710678118654752
+_LARGE, _SMALL_LEVEL, _LARGE_LEVEL = 1e6, -2, 9  # [m], -, -
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
@@ -299,8 +302,10 @@ class FullContacts:
         tracks = a[Surface.TRACK] != 0.0 or b[Surface.TRACK] != 0.0
         if not (tracks and self._set_track((a, b), geoms, bodies, point)):
             aimed = self._friction_direction(a, b, *geoms, point)
-            if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
+            if aimed:
                 surface.mode |= ContactMode.FDIR1
+            if self._context.cone:
+                self._set_cone(bodies, point, aimed)
         _add_torsion(a, b, point)
         stiffness = _elastic_stiffness(a, b, found)
         if stiffness > 0.0:
@@ -358,12 +363,42 @@ class FullContacts:
         self._ode.dBodyGetMass(body, ctypes.addressof(mass))
         return float(mass.mass)
 
+    def _level(self, geom: int) -> int:
+        """level_of in step.c."""
+        ode_, body, space = self._ode, self._ode.dGeomGetBody(geom), self._ode.dGeomGetSpace(geom)
+        if ode_.dGeomGetClass(geom) == GeomClass.PLANE:
+            return _LARGE_LEVEL
+        extents = self._extents(geom if body or not space or space == self._context.space else space)
+        part = ode_.dBodyGetFirstGeom(body) if body else None
+        while part:
+            box = self._extents(part)
+            extents = [(min, max)[k % 2](extents[k], box[k]) for k in range(6)]
+            part = ode_.dBodyGetNextGeom(part)
+        extent = max(0.0, *(extents[k + 1] - extents[k] for k in (0, 2, 4)))
+        if not extent < _LARGE:
+            return _LARGE_LEVEL
+        return min(max(math.frexp(extent)[1], _SMALL_LEVEL), _LARGE_LEVEL)
+
+    def _extents(self, geom: int) -> list[float]:
+        box = (ctypes.c_double * 6)()
+        self._ode.dGeomGetAABB(geom, box)
+        return list(box)
+
+    def _second_first(self, geom1: int, geom2: int) -> bool:
+        """second_first in step.c."""
+        ode_, levels = self._ode, (self._level(geom1), self._level(geom2))
+        if levels[0] != levels[1]:
+            return levels[1] < levels[0]
+        body1, body2 = ode_.dGeomGetBody(geom1), ode_.dGeomGetBody(geom2)
+        made1, made2 = (self._tables.geoms.owner[ode_.dGeomGetData(geom) or 0] for geom in (geom1, geom2))
+        return not body2 or bool(body1 and made2 > made1)
+
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""
         first, second = (row[Surface.FDIR1 : Surface.FDIR1 + 3] for row in (a, b))
-        local, geom = first, geom1
-        if _dot(first, first) == 0.0 or (b[Surface.MU] < a[Surface.MU] and _dot(second, second) > 0.0):
-            local, geom = second, geom2
+        if _dot(first, first) == 0.0 and _dot(second, second) == 0.0:
+            return False
+        local, geom = (second, geom2) if self._second_first(geom1, geom2) else (first, geom1)
         if _dot(local, local) == 0.0:
             return False
         m = self._rotation_of(geom)
@@ -408,13 +443,29 @@ class FullContacts:
         point.surface.mode |= ContactMode.FDIR1 | ContactMode.MOTION1
         return True
 
-    def _sliding_direction(self, bodies: tuple[int, int], point: Any) -> bool:
-        """sliding_direction in step.c."""
+    def _set_cone(self, bodies: tuple[int, int], point: Any, aimed: bool) -> None:
+        """set_cone in step.c."""
+        surface, n = point.surface, point.geom.normal[:3]
+        if not (surface.mu < math.inf and surface.mu2 < math.inf):
+            return
         slide = [0.0, 0.0, 0.0]
         for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:
                 self._add_velocity(body, point.geom.pos, sign, slide)
-        return _set_friction_direction(point, slide)
+        one = point.fdir1[:3] if aimed else _default_direction(n)
+        two = _cross(n, one)
+        along, across = _dot(slide, one), _dot(slide, two)
+        size = math.sqrt(along * along + across * across)
+        if size < 1e-9:
+            return
+        along, across = surface.mu * along / size, surface.mu2 * across / size
+        mu = math.sqrt(along * along + across * across)
+        if not mu > 0.0:
+            return
+        point.fdir1[:3] = [(along * v + across * w) / mu for v, w in zip(one, two, strict=True)]
+        surface.mu = mu
+        surface.mu2 = 0.0 if size > self._context.step * (_STICKING * mu) else mu
+        surface.mode |= ContactMode.FDIR1
 
     def _add_velocity(self, body: int, at: Any, sign: float, slide: list[float]) -> None:
         """add_velocity in step.c."""
@@ -536,6 +587,15 @@ def _set_friction_direction(point: Any, aim: list[float]) -> bool:
         return False
     point.fdir1[:3] = [v / size for v in aim]
     return True
+
+
+def _default_direction(n: list[float]) -> list[float]:
+    """The first of default_directions in step.c."""
+    if math.fabs(n[2]) > _FLANK:
+        k = 1.0 / math.sqrt(n[1] * n[1] + n[2] * n[2])
+        return [0.0, -n[2] * k, n[1] * k]
+    k = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1])
+    return [-n[1] * k, n[0] * k, 0.0]
 
 
 def _dot(a: list[float], b: list[float]) -> float:

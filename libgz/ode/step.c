@@ -335,6 +335,10 @@ enum {
 #define DEPTH_SPREAD 0.05   /* share of REST_DEPTH, per second of a step, by which the depth differs that they keep */
 #define CALM_SPEED 0.1    /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly */
 #define FALLING_STEPS 2.0 /* and so many steps of falling add to it */
+#define FLANK 0.70710678118654752 /* sine of the angle from which ODE takes a normal as upright */
+#define STICKING 40.0 /* [m/s^2] at which friction of 1 may stop what touches within one step, so that it sticks */
+#define LARGE 1e6         /* [m] beyond which what lies in a hash space counts as infinite */
+enum { SMALL_LEVEL = -2, LARGE_LEVEL = 9 }; /* of Gazebo's hash space; the large are in no cell */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -500,23 +504,84 @@ static const double *rotation_of(void *geom)
     return dGeomGetClass(geom) == PLANE_CLASS ? none : dGeomGetRotation(geom);
 }
 
-/* The direction in which mu applies: that of the geom with the smaller mu. */
-static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+/* A pair of geoms that touch under the classic rule. */
+typedef struct {
+    const double *a, *b; /* their surfaces */
+    void *geom1, *geom2, *body1, *body2;
+    double max_vel, min_depth;
+    double kept; /* depth that is not corrected */
+    double withheld; /* depth of a point that would be corrected without max_vel */
+    int rigid;   /* 1: the springs stand for rigid surfaces */
+    const double *aim; /* direction in which mu applies, in the frame of a geom; NULL: none */
+    void *aiming;
+} touching;
+
+/* The level of a hash space to which what a link has belongs: its extent is between half of 2^level and 2^level. Of a
+ * geom without a body, all that its model has. */
+static int level_of(const context *c, void *geom)
 {
-    const double *local = a + SURFACE_FDIR1, *other = b + SURFACE_FDIR1, *r;
-    void *geom = geom1;
+    double box[6], all[6], extent = 0.0;
+    void *body = dGeomGetBody(geom), *space = dGeomGetSpace(geom), *part = NULL;
+    int level, k;
+    if (dGeomGetClass(geom) == PLANE_CLASS)
+        return LARGE_LEVEL;
+    dGeomGetAABB(body || !space || space == c->space ? geom : space, all);
+    if (body)
+        part = dBodyGetFirstGeom(body);
+    for (; part; part = dBodyGetNextGeom(part)) {
+        dGeomGetAABB(part, box);
+        for (k = 0; k < 6; k += 2) {
+            all[k] = smaller(all[k], box[k]);
+            all[k + 1] = larger(all[k + 1], box[k + 1]);
+        }
+    }
+    for (k = 0; k < 6; k += 2)
+        extent = larger(extent, all[k + 1] - all[k]);
+    if (!(extent < LARGE))
+        return LARGE_LEVEL;
+    frexp(extent, &level);
+    return level < SMALL_LEVEL ? SMALL_LEVEL : level > LARGE_LEVEL ? LARGE_LEVEL : level;
+}
+
+/* Whether Gazebo's hash space finds the second geom of a pair first: the one of the lower level, then what does not
+ * move, then what was made last. */
+static int second_first(const context *c, void *geom1, void *geom2)
+{
+    void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2);
+    int level1 = level_of(c, geom1), level2 = level_of(c, geom2);
+    if (level1 != level2)
+        return level2 < level1;
+    return !body2 || (body1 && c->owner[(intptr_t)dGeomGetData(geom2)] > c->owner[(intptr_t)dGeomGetData(geom1)]);
+}
+
+/* Find whose direction is that in which mu applies: as in Gazebo, that of the geom which its hash space finds first. */
+static void choose_direction(const context *c, touching *t)
+{
+    const double *one = t->a + SURFACE_FDIR1, *two = t->b + SURFACE_FDIR1;
+    t->aim = NULL;
+    if (dot(one, one) == 0.0 && dot(two, two) == 0.0)
+        return;
+    t->aim = one;
+    t->aiming = t->geom1;
+    if (second_first(c, t->geom1, t->geom2)) {
+        t->aim = two;
+        t->aiming = t->geom2;
+    }
+    if (dot(t->aim, t->aim) == 0.0)
+        t->aim = NULL;
+}
+
+/* The direction in which mu applies; 0: there is none. */
+static int friction_direction(const touching *t, contact *point)
+{
+    const double *r;
     double aim[3];
     int k;
-
-    if (dot(local, local) == 0.0 || (b[SURFACE_MU] < a[SURFACE_MU] && dot(other, other) > 0.0)) {
-        local = other;
-        geom = geom2;
-    }
-    if (dot(local, local) == 0.0)
+    if (!t->aim)
         return 0;
-    r = rotation_of(geom);
+    r = rotation_of(t->aiming);
     for (k = 0; k < 3; k++)
-        aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
+        aim[k] = r[4 * k] * t->aim[0] + r[4 * k + 1] * t->aim[1] + r[4 * k + 2] * t->aim[2];
     return set_friction_direction(point, aim);
 }
 
@@ -597,13 +662,54 @@ static void add_velocity(const context *c, void *body, const double *at, double 
     sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
 }
 
-/* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. */
-static int sliding_direction(const context *c, void *body1, void *body2, contact *point)
+/* ODE's own choice of the direction at right angles to a normal in which mu acts. */
+static void default_direction(const double *n, double *one)
 {
-    double slide[3] = {0.0, 0.0, 0.0};
-    add_velocity(c, body1, point->geom.pos, 1.0, slide);
-    add_velocity(c, body2, point->geom.pos, -1.0, slide);
-    return set_friction_direction(point, slide);
+    double k;
+    if (fabs(n[2]) > FLANK) {
+        k = 1.0 / sqrt(n[1] * n[1] + n[2] * n[2]);
+        one[0] = 0.0, one[1] = -n[2] * k, one[2] = n[1] * k;
+    } else {
+        k = 1.0 / sqrt(n[0] * n[0] + n[1] * n[1]);
+        one[0] = -n[1] * k, one[1] = n[0] * k, one[2] = 0.0;
+    }
+}
+
+/* Friction as in a cone: against the sliding velocity v, with mu v1 / |v| along the first direction and mu2 v2 / |v| along
+ * the second. What already slides has no friction across that: else a force across would be resisted as if it stuck, and
+ * skidding wheels would not turn. `aimed`: the contact has a first direction. */
+static void set_cone(const context *c, const touching *t, contact *point, int aimed)
+{
+    surface_parameters *s = &point->surface;
+    const double *n = point->geom.normal;
+    double slide[3] = {0.0, 0.0, 0.0}, one[3], two[3], along, across, size, mu;
+    int k;
+    if (!(s->mu < HUGE_VAL && s->mu2 < HUGE_VAL))
+        return;
+    add_velocity(c, t->body1, point->geom.pos, 1.0, slide);
+    add_velocity(c, t->body2, point->geom.pos, -1.0, slide);
+    if (aimed)
+        memcpy(one, point->fdir1, sizeof one);
+    else
+        default_direction(n, one);
+    two[0] = n[1] * one[2] - n[2] * one[1];
+    two[1] = n[2] * one[0] - n[0] * one[2];
+    two[2] = n[0] * one[1] - n[1] * one[0];
+    along = dot(slide, one);
+    across = dot(slide, two);
+    size = sqrt(along * along + across * across);
+    if (size < 1e-9)
+        return;
+    along = s->mu * along / size;
+    across = s->mu2 * across / size;
+    mu = sqrt(along * along + across * across);
+    if (!(mu > 0.0))
+        return;
+    for (k = 0; k < 3; k++)
+        point->fdir1[k] = (along * one[k] + across * two[k]) / mu;
+    s->mu = mu;
+    s->mu2 = size > c->step * (STICKING * mu) ? 0.0 : mu;
+    s->mode |= FDIR1;
 }
 
 /* Torsion: a torque about the normal of at most mu 3 pi / 16 times the radius of the patch times the normal force. */
@@ -626,16 +732,6 @@ static void add_torsion(const double *a, const double *b, contact *point)
     point->surface.rho = point->surface.rho2 = -1.0; /* 0 would cost rows of the solver */
     point->surface.rhoN = lever;
 }
-
-/* A pair of geoms that touch under the classic rule. */
-typedef struct {
-    const double *a, *b; /* their surfaces */
-    void *geom1, *geom2, *body1, *body2;
-    double max_vel, min_depth;
-    double kept; /* depth that is not corrected */
-    double withheld; /* depth of a point that would be corrected without max_vel */
-    int rigid;   /* 1: the springs stand for rigid surfaces */
-} touching;
 
 /* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
 static double of_bodies(const touching *t, int column)
@@ -813,9 +909,11 @@ static void refine_point(const context *c, touching *t, int count, double found,
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
     if ((a[SURFACE_TRACK] == 0.0 && b[SURFACE_TRACK] == 0.0) || !set_track(a, b, t->geom1, t->geom2, point)) {
-        if (friction_direction(a, b, t->geom1, t->geom2, point) ||
-            (c->cone && sliding_direction(c, t->body1, t->body2, point)))
+        int aimed = friction_direction(t, point);
+        if (aimed)
             s->mode |= FDIR1;
+        if (c->cone)
+            set_cone(c, t, point, aimed);
     }
     add_torsion(a, b, point);
     t->withheld = 0.0;
@@ -970,12 +1068,13 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
-    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0.0, 0};
+    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0.0, 0, NULL, NULL};
     make_surface(c, a, b, &surface);
     if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
         set_limits(c, &pair);
+        choose_direction(c, &pair);
         make_rigid(c, &pair, &surface);
         if (!ghost && solves_islands(c))
             note_touch(c, body1, body2, count);

@@ -63,6 +63,7 @@ class Body(Edited):
     Attributes:
         model: what it was added to.
         kinematic: whether it moves by its velocity only.
+        made_static: whether a user has made it static since; no more than a mark.
         auto_disable: whether it sleeps when it rests.
         diverged: whether it ever diverged, which is reported once.
         in_wind: whether wind acts on it, by what computes its force.
@@ -77,6 +78,7 @@ class Body(Edited):
     KEPT: ClassVar[tuple[str, ...]] = (
         "bodyName",
         "kinematic",
+        "made_static",
         "auto_disable",
         "diverged",
         "damping",
@@ -92,7 +94,7 @@ class Body(Edited):
         self.model: Any = None
         self.facade: Any = None
         self.diverged = False
-        self.kinematic = False
+        self.kinematic = self.made_static = False
         self.auto_disable = False
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}

@@ -79,10 +79,12 @@ class LineJoint(Joint):
     @exclusive
     def place(self, point: GzVector, direction: GzVector, error: float) -> None:
         """Put the line through a global point [m]; `error` [m] is how far the first body is ahead along it."""
-        half = GzVectorMul(0.5, direction)
+        px, py, pz = point
+        dx, dy, dz = direction
+        dx, dy, dz = 0.5 * dx, 0.5 * dy, 0.5 * dz
         lib, handle = ode(), self.id
-        lib.dJointSetDBallAnchor1(handle, *GzVectorAdd(point, half))
-        lib.dJointSetDBallAnchor2(handle, *GzVectorSub(point, half))
+        lib.dJointSetDBallAnchor1(handle, px + dx, py + dy, pz + dz)
+        lib.dJointSetDBallAnchor2(handle, px - dx, py - dy, pz - dz)
         lib.dJointSetDBallDistance(handle, max(0.0, 1.0 - error))
 
 
@@ -293,12 +295,12 @@ class Gears:
         """Move the rack with its gear, and compensate the effort that accelerated it in the last step."""
         rack, base = self.rack, self.reference
         rack.SetPose(pose)
-        carried, spin = GzVector(), GzVector()
+        spin, velocity = GzVector(), GzVectorMul(speed, along)
         if base is not None and self._slider is not None:
             spin = base.GetAngularRate()
             arm = GzVectorSub(pose.pos, base.GetCoMPose().pos)
-            carried = GzVectorAdd(base.GetLinearVel(), GzVectorCross(spin, arm))
-        rack.SetLinearVel(GzVectorAdd(carried, GzVectorMul(speed, along)))
+            velocity = GzVectorAdd(GzVectorAdd(base.GetLinearVel(), GzVectorCross(spin, arm)), velocity)
+        rack.SetLinearVel(velocity)
         rack.SetAngularVel(spin)
         if self._speed is not None:
             rack.AddForce(*GzVectorMul(self._mass * (speed - self._speed) / step, along))

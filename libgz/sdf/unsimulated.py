@@ -51,7 +51,9 @@ def _found(element: Element) -> Iterator[tuple[Element, str]]:
 
 
 def _softness(joint: Element) -> Element | None:
-    """The `<cfm>` of a joint as a whole, if it is not 0."""
+    """The `<cfm>` of a joint as a whole, if it is not 0, and softens the joint in Gazebo."""
+    if joint.Get(str, "type") in ("ball", "fixed"):
+        return None
     for physics in joint.named("physics"):
         for ode in physics.named("ode"):
             for cfm in ode.named("cfm"):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from typing import Any
 
 from lxml import etree
 
-from libgz.errors import Diagnostics, Place, WorldFileError
+from libgz.entities import Entities
+from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.files import xml_parser
 
 __all__ = ["READABLE", "ROBOT", "ROOTS", "child_of", "line_of", "local_name", "parse_document", "tag_name"]
@@ -18,6 +20,7 @@ READABLE = (*ROOTS, ROBOT)
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")
+_DECLARED, _NAME = re.compile(rb"<!ENTITY\s+([\w.:-]+)"), re.compile(rb"([\w.:-]+);")  # entities
 # A comment, a CDATA section, or an ampersand that begins no reference.
 _SLIPS = re.compile(rb"<!--(.*?)-->|<!\[CDATA\[.*?\]\]>|&(?!(?:#\d+|#x[0-9a-fA-F]+|lt|gt|amp|quot|apos);)", re.DOTALL)
 # libxml2's names of what it recovers from without loss -> what is reported.
@@ -35,16 +38,42 @@ Report = Callable[[int, str], None]  # of a warning, with its line
 
 
 def parse_document(data: bytes, label: str, diagnostics: Diagnostics) -> etree._Element:
-    """The root element of a document.
+    """The root element of a document, with the text of its own entities in their places.
 
     Args:
         data: the document's bytes.
         label: its name in messages.
-        diagnostics: takes a warning for each thing that is not well-formed, and was passed by Gazebo classic's parser.
+        diagnostics: takes a warning for each thing that is not well-formed, and was passed by Gazebo classic's parser,
+            and an error for each entity that is not text of the document.
 
     Raises:
         WorldFileError: it is not well-formed, and cannot be read all the same.
     """
+    root = _parsed(data, label, diagnostics)
+    _replace_entities(root, label, diagnostics)
+    return root
+
+
+def _replace_entities(root: etree._Element, label: str, diagnostics: Diagnostics) -> None:
+    entities = Entities(root)
+    found: list[Any] = list(root.iter(etree.Entity))  # its stubs have elements only
+    for node in found:
+        parent, before, text = node.getparent(), node.getprevious(), ""
+        if parent is None:
+            continue
+        try:
+            text = entities.text(str(node.name))
+        except ParameterError as error:
+            diagnostics.error(Place(label, line_of(parent), tag_name(parent)), str(error))
+        text += node.tail or ""
+        parent.remove(node)
+        if before is None:
+            parent.text = (parent.text or "") + text
+        else:
+            before.tail = (before.tail or "") + text
+
+
+def _parsed(data: bytes, label: str, diagnostics: Diagnostics) -> etree._Element:
     try:
         return etree.fromstring(data, xml_parser())
     except etree.XMLSyntaxError as error:
@@ -87,7 +116,12 @@ def _repaired(data: bytes, report: Report) -> bytes:
         if encoding is not None and encoding[1].lower() not in (b"utf-8", b"us-ascii"):
             data = _decoded(data, encoding[1].decode()).encode()
 
+    declared = set(_DECLARED.findall(data))
+
     def repair(match: re.Match[bytes]) -> bytes:
+        name = _NAME.match(data, match.end()) if match[0] == b"&" else None
+        if name is not None and name[1] in declared:
+            return match[0]
         if match[0] == b"&":
             report(line(match.start()), "'&' should be written &amp;")
             return b"&amp;"

@@ -205,7 +205,9 @@ def _read_ode(element: Element, plan: JointPlan) -> None:
     ode = physics.child("ode")
     plan.feedback = plan.feedback or ode.Get(bool, "provide_feedback")
     plan.implicit = ode.Get(bool, "implicit_spring_damper") or ode.Get(bool, "cfm_damping")
-    keys = {"fudge_factor": "fudge_factor", "cfm": "cfm", "erp": "erp", "bounce": "bounce"}
+    keys = {"fudge_factor": "fudge_factor", "bounce": "bounce"}
+    if plan.kind != "ball":  # as in Gazebo, where SetParam alone softens it
+        keys |= {"cfm": "cfm", "erp": "erp"}
     keys |= {"max_force": "fmax", "velocity": "vel"}
     for tag, key in keys.items():
         if ode.HasElement(tag):

@@ -691,12 +691,13 @@ class SdfJoint:
         if self.joint is None:
             return
         for index, axis in enumerate(self.axes):
-            explicit = not self._engine_springs and not (self.implicit and self._spring_by_stops(index, axis))
-            if axis.springs and explicit:
+            if axis.springs and not self._engine_springs and not (self.implicit and self._spring_by_stops(index, axis)):
                 spring = axis.stiffness * (axis.reference - self.position(index))
                 self._apply(spring - abs(axis.damping) * self.velocity(index), index)
-            if axis.wide and not self._spring_stops.get(index) and self._turns(index) != self._stop_turns.get(index):
-                self._set_stops(index)
+            if axis.wide and not self._spring_stops.get(index):
+                near = abs(self._mechanism.position(index) - self._stop_turns.get(index, math.inf)) < HALF_TURN
+                if not near and self._turns(index) != self._stop_turns.get(index):
+                    self._set_stops(index)
 
     def _spring_by_stops(self, index: int, axis: Axis) -> bool:
         """Let two stops at one place act as spring and damper, unless a limit is met; whether that is possible.
@@ -713,12 +714,21 @@ class SdfJoint:
             return True
         spring = self.engine.step_time * axis.stiffness
         total = spring + abs(axis.damping)
-        self.set_param("stop_erp", spring / total, index)
-        self.set_param("stop_cfm", 1.0 / total, index)
-        self._set_ode_stops(index, target, target)
-        self._spring_stops[index] = True
-        self.edits += 1
+        acts = self._spring_stops.get(index)  # and so most numbers are what they were in the last step
+        for key, value in (("stop_erp", spring / total), ("stop_cfm", 1.0 / total)):
+            if not acts or self._set.get((key, index)) != value:
+                self.set_param(key, value, index)
+        if not (acts and axis.stiffness and self._has_ode_stops(index, target)):
+            self._set_ode_stops(index, target, target)
+        if not acts:
+            self._spring_stops[index] = True
+            self.edits += 1
         return True
+
+    def _has_ode_stops(self, index: int, at: float) -> bool:
+        """Whether both of ODE's stops are at one place."""
+        numbers = self._number("lo_stop", index), self._number("hi_stop", index)
+        return self.joint is not None and all(n is not None and self.joint.GetParam(n) == at for n in numbers)
 
     def _end_spring_stops(self, index: int) -> None:
         """Let the stops be limits again."""

@@ -108,6 +108,22 @@ def test_fill_msg_describes_what_classic_describes(run):
         world.FillMsg(msgs.Model())
 
 
+def test_a_contact_fills_a_message(run):
+    core, world = run(GROUND, body("box", "0 0 0.5 0 0 0", link=collision(BOX)))
+    manager = world.Physics().GetContactManager()
+    manager.SetNeverDropContacts(True)
+    core.step(20)
+    (contact,) = manager.GetContacts()
+    message = msgs.Contact()
+    contact.FillMsg(message)
+    assert {message.collision1, message.collision2} == set(contact.names)
+    assert (message.world, len(message.position), message.time.nsec) == ("default", contact.count, contact.time.nsec)
+    assert abs(sum(one.body_1_wrench.force.z for one in message.wrench)) == pytest.approx(9.8, rel=0.05)
+    assert contact.DebugString().count("Depth[") == contact.count > 0
+    contact.Reset()
+    assert contact.count == 0
+
+
 def test_an_entity_is_placed_on_another_one(run):
     _, world = run(body("table", "3 1 2 0 0 0", link=collision(BOX)), body("cup", link=collision(BOX)))
     world.ModelByName("cup").PlaceOnEntity("table")

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from engine_parts import dress, dressed_box, dressed_ground as ground, in_both_forms, use_classic
+from engine_parts import dress, dressed_box, dressed_ground as ground, in_both_forms, use_classic, use_form
 
 import libgz
 from libgz.ode.lib import ode
@@ -152,14 +152,16 @@ def test_fewer_contacts_on_request(engine):
     assert engine.contact_count == 3
 
 
-def test_both_forms_agree_to_the_bit(monkeypatch):
+@pytest.mark.parametrize("cone", [False, True])
+def test_both_forms_agree_to_the_bit(monkeypatch, cone):
     def build_and_run():
         engine = Engine(step_time=0.001, solver="quick", seed=3)
         use_classic(engine)
+        engine.cone = cone
         ground(engine, mu=0.8, BOUNCE=0.3, BOUNCE_VEL=0.1)
         for i in range(6):
             spin = {
-                "fdir1": (1, 0.3, 0),
+                "fdir1": (1, 0.3, 0) if i % 2 else (0, 0, 0),
                 "SLIP1": 0.01 * i,
                 "MIN_DEPTH": 1e-4 * i,
                 "BOUNCE": 0.1 * i,
@@ -174,14 +176,49 @@ def test_both_forms_agree_to_the_bit(monkeypatch):
     assert native == python
 
 
-def test_the_direction_of_friction_of_a_plane_is_global(engine):
-    """ODE ends the process when it is asked for the rotation of a plane."""
-    engine.gravity = (0, -1.0, -9.8)
-    ground(engine, mu=1.0, mu2=0.0, fdir1=(math.cos(0.5), math.sin(0.5), 0))
-    body = box(engine, (0, 0, 0.5), mu=100, mu2=100)
-    run(engine, 1.0)
-    across = -body.GetLinearVel().x * math.sin(0.5) + body.GetLinearVel().y * math.cos(0.5)
-    assert across == pytest.approx(-math.cos(0.5), abs=0.02)
+def cube(engine, size, height, *, dummy=False, carries=False, **surface):
+    """A cube; one that carries another is heavy, and gravity does not act on it."""
+    body = libgz.Body(engine, dummy=dummy)
+    geom = libgz.BoxGeom(body, Space(engine), size, size, size)
+    geom.SetMass(1e6 if carries else 1.0)
+    body.SetGravityMode(not carries)
+    body.SetPosition((0, 0, height))
+    dress(geom, **surface)
+    return body
+
+
+@pytest.mark.parametrize("form", ["native", "python"])
+@pytest.mark.parametrize(
+    ("upper", "lower", "moves", "acts"),
+    [
+        (0.5, 2.0, False, "upper"),
+        (2.0, 0.5, False, "lower"),
+        (0.9, 0.6, False, "lower"),  # of one level: what does not move
+        (0.05, 0.2, False, "lower"),
+        (0.6, 0.9, True, "upper"),  # what was made last
+        (0.5, 2.0, True, "upper"),
+        (0.5, None, False, "upper"),  # on a plane
+    ],
+)
+def test_of_two_friction_directions_that_of_the_smaller_counts(form, upper, lower, moves, acts, monkeypatch):
+    """Measured in Gazebo 11.1; rough along x, slippery along y."""
+    use_form(form, monkeypatch)
+    for chosen in ("upper", "lower"):
+        engine = Engine(step_time=0.001)
+        use_classic(engine)
+        engine.gravity = (1.0, 1.0, -9.8)
+        kinds = {name: {"mu2": 0.0, "fdir1": (1, 0, 0)} if name == chosen else {} for name in ("upper", "lower")}
+        if lower:
+            cube(engine, lower, lower / 2, dummy=not moves, carries=True, **kinds["lower"])
+        else:
+            ground(engine, **kinds["lower"])
+        body = cube(engine, upper, upper / 2 + (lower or 0.0), **kinds["upper"])
+        run(engine, 0.1)
+        x, y, _ = body.GetLinearVel()
+        if chosen == acts:
+            assert (x, y) == pytest.approx((0.0, 0.1), abs=0.01)
+        else:
+            assert (x, y) != pytest.approx((0.0, 0.1), abs=0.01)
 
 
 def test_a_running_surface_carries_what_lies_on_it_and_drives_what_has_it(engine):

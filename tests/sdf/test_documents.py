@@ -351,7 +351,7 @@ def test_what_is_not_simulated_is_one_warning_for_each_kind():
     )
     link = f"<link name='l'>{projector}{projector}{camera.format('a', -0.1)}{camera.format('b', 0)}{wide}</link>"
     ends = "<parent>world</parent><child>l</child><physics><ode><cfm>{}</cfm></ode></physics>"
-    joints = "".join(f"<joint name='j{cfm}' type='fixed'>{ends.format(cfm)}</joint>" for cfm in (0, 0.1))
+    joints = "".join(f"<joint name='j{cfm}' type='revolute'>{ends.format(cfm)}</joint>" for cfm in (0, 0.1))
     assert texts(world(f"<model name='m'>{link}{joints}</model>")) == [
         "<string>:1: <projector>: projectors are not simulated: nothing is projected (1 more in this world)",
         "<string>:1: <distortion>: images are rendered without it",

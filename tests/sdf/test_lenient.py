@@ -131,3 +131,28 @@ def test_the_check_runs_no_plugin_and_reports_those_that_are_missing(tmp_path):
     assert "there is no plugin 'liblost.so' here" in done.stderr
     assert "libhere" not in done.stderr
     assert not trace.exists()
+
+
+@pytest.mark.parametrize("slip", ["", "<!-- a -- b -->"])
+def test_entities_of_the_document_are_text(slip):
+    declared = "<!DOCTYPE sdf [<!ENTITY y '2'><!ENTITY at '1 &y;'>]>"
+    text = declared + MODEL.format(f"<pose>0 <!-- x --> &at; &y; 0 0</pose><name>&lt;&y;</name>{slip}")
+    file = SdfFile.from_string(text, "w.sdf")
+    assert file.diagnostics.errors == []
+    assert file.root.child("model").Get(str, "pose").split() == ["0", "1", "2", "2", "0", "0"]
+    assert file.root.child("model").Get(str, "name") == "m"
+
+
+@pytest.mark.parametrize(
+    ("entity", "message"),
+    [
+        ("<!ENTITY e SYSTEM 'other.sdf'>", "w.sdf:2: <pose>: entity &e; is not text of this file"),
+        ("<!ENTITY e '<b/>'>", "w.sdf:2: <pose>: entity &e; holds elements"),
+        (f"<!ENTITY e '{'x' * 100_000}'>", "w.sdf:2: <pose>: entity &e; contains itself, or is longer than 100000"),
+    ],
+)
+def test_other_entities_are_errors(entity, message):
+    text = f"<!DOCTYPE sdf [{entity}]>" + MODEL.format("<pose>&e;</pose>")
+    with pytest.raises(WorldFileError, match="entity") as found:
+        libgz.World.from_string(text)
+    assert message.removeprefix("w.sdf:") in str(found.value)

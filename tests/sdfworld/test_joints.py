@@ -292,8 +292,27 @@ def test_a_joint_begins_where_its_links_are_as_in_gazebo(load, caplog):
     assert "<initial_position> has no effect" in caplog.text
 
 
-def test_a_fixed_joint_is_not_softened_as_in_gazebo(load):
+@pytest.mark.parametrize("kind", ["fixed", "ball"])
+def test_a_fixed_or_ball_joint_is_not_softened_as_in_gazebo(load, caplog, kind):
     soft = "<physics><ode><cfm>1</cfm><erp>.1</erp></ode></physics>"
-    made = load(world(model("m", link("l", inertial()), joint("j", "fixed", "world", "l", "", soft))))
+    made = load(world(model("m", link("l", inertial()), joint("j", kind, "world", "l", "", soft))))
     made.step(500)
     assert place(made.body("m")) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+    assert "softens" not in caplog.text
+
+
+def test_an_implicit_spring_on_one_of_two_axes_leaves_the_other_free(load):
+    """A division by zero ended the first step."""
+    spring = "<dynamics><spring_stiffness>5000</spring_stiffness><spring_reference>0</spring_reference></dynamics>"
+    wish = "<physics><ode><implicit_spring_damper>1</implicit_spring_damper></ode></physics>"
+    second = "<axis2><xyz>0 0 1</xyz></axis2>"
+    holder = joint("f", "fixed", "world", "a", "")
+    arm = link("b", inertial(1.0, (1.0, 1.0, 1.0)), pose="1 0 0 0 0 0")
+    parts = joint("u", "universal", "a", "b", "0 1 0", second + wish, spring, "-1 0 0 0 0 0")
+    made = load(world(model("m", link("a", inertial()), arm, holder, parts)))
+    body = made.model("m").GetBody("b")
+    body.SetAngularVel((0, 0, 1))
+    made.step(200)
+    found = made.model("m").sdf_joints["u"]
+    assert abs(found.position(0)) < 0.01
+    assert found.velocity(1) == pytest.approx(0.5, rel=0.01)  # of m r^2 + I = 2, half is about its own centre

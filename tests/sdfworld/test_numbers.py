@@ -123,6 +123,43 @@ def test_row_7_friction_cone(load):
         assert radius == pytest.approx(5 + 9 * 1.5 - mu * 9.8 * 1.5**2 / 2, rel=2e-3)
 
 
+def test_a_force_across_the_motion_moves_what_slides_in_the_cone_model(load):
+    """Friction of a constant size opposes the motion: m dv/dt = F - mu m g v / |v|."""
+    low, mu, mass = inertial(pose="0 0 -0.45 0 0 0"), 0.3, 1.0
+    cone = "<ode><solver><friction_model>cone_model</friction_model></solver></ode>"
+    made = load(
+        world(GROUND, model("b", link("link", low, collision("box", friction(mu))), pose="0 0 0.5 0 0 0"), physics=cone)
+    )
+    body, across = made.body("b"), 0.5 * mu * mass * 9.8
+    body.SetLinearVel((3, 0, 0))
+    x, y = 3.0, 0.0
+    for _ in range(400):
+        body.AddForce(0.0, across, 0.0)
+        made.step()
+        for _ in range(10):
+            size = math.hypot(x, y)
+            x, y = x - 1e-4 * mu * 9.8 * x / size, y + 1e-4 * (across / mass - mu * 9.8 * y / size)
+    velocity = body.GetLinearVel()
+    assert (velocity.x, velocity.y) == pytest.approx((x, y), rel=0.01)
+    for _ in range(1500):
+        made.step()
+    body.AddForce(0.0, across, 0.0)
+    made.step(100)
+    assert body.GetLinearVel().y == pytest.approx(0.0, abs=1e-3)  # it sticks
+
+
+def test_mu_and_mu2_brake_in_proportion_to_the_parts_of_the_velocity_in_the_cone_model(load):
+    """Measured in Gazebo 11.1: m dv/dt = -m g (mu2 vx, mu vy) / |v|, mu along y where the normal is upright."""
+    low = inertial(pose="0 0 -0.45 0 0 0")
+    cone = "<ode><solver><friction_model>cone_model</friction_model></solver></ode>"
+    box = model("b", link("link", low, collision("box", friction(0.2, 0.6))), pose="0 0 0.5 0 0 0")
+    made = load(world(GROUND, box, physics=cone))
+    made.body("b").SetLinearVel((1, 1, 0))
+    made.step(900)
+    place = made.body("b").GetPosition()
+    assert (place.x, place.y) == pytest.approx((0.1554, 0.2928), rel=0.01)
+
+
 def test_row_7_the_pyramid_turns_what_the_cone_does_not(load):
     low = inertial(pose="0 0 -0.45 0 0 0")
     made = load(world(GROUND, model("b", link("link", low, collision("box", friction(0.3))), pose="0 0 0.5 0 0 0")))

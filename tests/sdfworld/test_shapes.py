@@ -207,23 +207,23 @@ def test_an_ellipsoid_is_nearly_its_volume_and_stands_on_its_pole(load):
 
 
 @pytest.mark.parametrize("form", ["native", "python"])
-def test_a_plane_has_normals_of_any_length_and_a_friction_direction(load, monkeypatch, form):
+def test_a_plane_has_normals_of_any_length_and_friction_by_direction(load, monkeypatch, form):
     """At mu 0 along the slope, which is along the direction, a block slides at g sin; across it nothing moves."""
     use_form(form, monkeypatch)
     slope = math.atan(0.4)
 
-    def plane(y, direction):
+    def plane(y):
         shape = "<plane><normal>0.8 0 2</normal></plane>"
-        surface = friction(0, 10, f"<fdir1>{direction}</fdir1>")
-        return model("p", "<static>1</static>", link("l", collision(shape, surface)), pose=f"0 {y} 3 0 0 0")
+        return model("p", "<static>1</static>", link("l", collision(shape, friction(0, 10))), pose=f"0 {y} 3 0 0 0")
 
-    def block(y):
-        shape = collision("<box><size>.4 .4 .2</size></box>", friction(10, 10))
+    def block(y, direction):
+        surface = friction(10, 10, f"<fdir1>{direction}</fdir1>")
+        shape = collision("<box><size>.4 .4 .2</size></box>", surface)
         place = f"{0.1 * math.sin(slope)} {y} {3 + 0.1 * math.cos(slope)} 0 {slope} 0"
         return model(f"b{y}", link("l", inertial(1.0, (0.02, 0.02, 0.02)), shape), pose=place)
 
     for direction, mode in (("1 0 0", "slides"), ("0 1 0", "holds")):
-        made = load(world(plane(0, direction), block(0)))
+        made = load(world(plane(0), block(0, direction)))
         made.step(200)
         speed = math.hypot(*made.body("b0").GetLinearVel())
         expected = 0.2 * 9.8 * math.sin(slope) if mode == "slides" else 0.0

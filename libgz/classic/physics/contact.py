@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic import msgs
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
 
@@ -62,6 +63,40 @@ class Contact:
     def names(self) -> tuple[str, str]:
         """The scoped names of both collisions."""
         return self.collision1.GetScopedName(), self.collision2.GetScopedName()
+
+    def FillMsg(self, msg: Any) -> None:
+        """Fill a msgs.Contact with what it has."""
+        msg.Clear()
+        msg.world = self.world.Name()
+        msg.collision1, msg.collision2 = self.names
+        msgs.Set(msg.time, self.time)
+        msg.position = [msgs.Convert(position) for position in self.positions]
+        msg.normal = [msgs.Convert(normal) for normal in self.normals]
+        msg.depth = self.depths
+        msg.wrench = [self._wrench_message(wrench) for wrench in self.wrench]
+
+    def _wrench_message(self, wrench: JointWrench) -> Any:
+        message = msgs.JointWrench()
+        message.body_1_name, message.body_2_name = self.names
+        message.body_1_id, message.body_2_id = self.collision1.GetId(), self.collision2.GetId()
+        msgs.Set(message.body_1_wrench.force, wrench.body1Force)
+        msgs.Set(message.body_1_wrench.torque, wrench.body1Torque)
+        msgs.Set(message.body_2_wrench.force, wrench.body2Force)
+        msgs.Set(message.body_2_wrench.torque, wrench.body2Torque)
+        return message
+
+    def Reset(self) -> None:
+        """Forget its points."""
+        for values in (self.positions, self.normals, self.depths, self.wrench):
+            values.clear()
+
+    def DebugString(self) -> str:
+        """Its collisions, points and depths as text, for people."""
+        lines = [f"World[{self.world.Name()}]", "Collision1[{}]\nCollision2[{}]".format(*self.names)]
+        lines += [f"Time[{self.time}]", f"Contact Count[{self.count}]"]
+        for i, (position, normal, depth) in enumerate(zip(self.positions, self.normals, self.depths, strict=True)):
+            lines += [f"--- Contact[{i}]", f"  Depth[{depth:g}]", f"  Position[{position}]", f"  Normal[{normal}]"]
+        return "\n".join(lines) + "\n"
 
 
 def read_contacts(world: World, points: NDArray[np.void]) -> list[Contact]:

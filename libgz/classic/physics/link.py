@@ -301,8 +301,8 @@ class Link(Entity):
     # Switches ----------------------------------------------------------------------------------------------------
 
     def IsStatic(self) -> bool:
-        """Whether its model is static."""
-        return self.body.dummy
+        """Whether its model is static, or SetStatic made it so."""
+        return self.body.dummy or self.body.made_static
 
     def SetLinkStatic(self, static: bool) -> None:
         """Make it kinematic and stop it, or dynamic again."""
@@ -407,6 +407,7 @@ class Link(Entity):
     def SetStatic(self, static: bool) -> None:
         """Make it kinematic and stop it, or dynamic again."""
         self.SetLinkStatic(static)
+        self.body.made_static = bool(static)
 
     # Batteries ---------------------------------------------------------------------------------------------------
 

@@ -309,8 +309,11 @@ class Model(Entity):
     # Switches ----------------------------------------------------------------------------------------------------
 
     def IsStatic(self) -> bool:
-        """Whether it never moves by itself."""
-        return bool(getattr(self.core, "static", False))
+        """Whether it never moves by itself: as its file says, or since SetStatic."""
+        if getattr(self.core, "static", False):
+            return True
+        made = [link.IsStatic() for link in self.family_links()]
+        return bool(made) and all(made)
 
     def SetStatic(self, static: bool) -> None:
         """Make all its links kinematic and stop them, or dynamic again."""

@@ -1,4 +1,4 @@
-"""Entities that a worldfile declares: `<!ENTITY width "0.5">` in its DOCTYPE, and `&width;` in a value."""
+"""Entities that a file of XML declares: `<!ENTITY width "0.5">` in its DOCTYPE, and `&width;` in a value."""
 
 from __future__ import annotations
 

@@ -258,7 +258,7 @@ class Shapes:
     def _own_image(self, shape: dict[str, Any]) -> Image.Image | None:
         """The texture that a mesh has beside its triangles, if any."""
         pixels = self._source.data(shape["data"]).get("image") if shape["kind"] == "mesh" else None
-        return None if pixels is None else Image.fromarray(np.ascontiguousarray(pixels))
+        return None if pixels is None else Image.fromarray(np.ascontiguousarray(pixels, dtype=np.uint8))
 
     def _image(self, file: str) -> Image.Image | None:
         """A texture, reduced to what a page needs; None, and one warning, if it cannot be read."""

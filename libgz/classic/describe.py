@@ -8,7 +8,14 @@ from typing import Any
 
 from libgz.classic import msgs
 from libgz.classic.common import Time
-from libgz.classic.looks import collision_visual, entity_visual, fill_geometry, fill_scene, visual_messages
+from libgz.classic.looks import (
+    collision_visual,
+    entity_visual,
+    fill_geometry,
+    fill_plugins,
+    fill_scene,
+    visual_messages,
+)
 from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
@@ -156,8 +163,8 @@ def model_message(model: Model) -> Any:
     for nested in model.NestedModels():
         message.model.append(model_message(nested))
     sdf = model.GetSDF()
-    for element in sdf.named("plugin") if sdf is not None else ():
-        message.plugin.add(name=element.Get(str, "name"), filename=element.Get(str, "filename"))
+    if sdf is not None:
+        fill_plugins(message, sdf)
     return message
 
 
@@ -220,7 +227,8 @@ def _collision_message(collision: Collision) -> Any:
             fill_geometry(geometry, element)
     _fill_surface(message.surface, collision)
     at = _parent(collision)
-    message.visual.extend((entity_visual("COLLISION", message, *at), collision_visual(message, *at)))
+    shown = collision_visual(message, *at, collision.IsStatic())
+    message.visual.extend((entity_visual("COLLISION", message, *at), shown))
     return message
 
 

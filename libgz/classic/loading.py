@@ -13,7 +13,7 @@ from weakref import WeakSet
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
-from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
+from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
@@ -232,7 +232,9 @@ class LoadedPlugin:
     def stop(self, where: str, error: BaseException) -> None:
         """Log the exception that the plugin raised, and drop the plugin."""
         text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
-        if file is not None and file not in text:
+        if file is not None and isinstance(error, GazeboError) and _comes_with_libgz(Path(file)):
+            text = str(error)  # of the world's file, not of the plugin's code
+        elif file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
         note(str(self), where, error, self.where)
         if self.entity is not None:
@@ -250,6 +252,11 @@ class LoadedPlugin:
         for connection in list(self.connections):
             connection.disconnect()
         self.connections.clear()
+
+
+def _comes_with_libgz(file: Path) -> bool:
+    """Whether a file is that of a ready plugin; an editable installation has links to them."""
+    return file.resolve() == (READY / file.name).resolve()
 
 
 names(LoadedPlugin._renew, lambda values: f"{values['doing']} of {values['self']}")

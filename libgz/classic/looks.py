@@ -14,12 +14,15 @@ __all__ = [
     "collision_visual",
     "entity_visual",
     "fill_geometry",
+    "fill_plugins",
     "fill_scene",
     "gui_message",
     "road_messages",
     "visual_messages",
 ]
 
+MATERIALS = "file://media/materials/scripts/gazebo.material"  # where Gazebo has its own ones
+_SHADERS = ("vertex", "pixel", "normal_map_object_space", "normal_map_tangent_space")
 _KINDS = ("box", "cylinder", "sphere", "plane", "image", "heightmap", "mesh", "polyline")
 
 
@@ -51,8 +54,9 @@ def visual_messages(link: Element, name: str, parent: int, static: bool) -> Iter
             fill_geometry(message.geometry, geometry)
         for material in element.named("material"):
             _fill_material(message.material, material)
-        for plugin in element.named("plugin"):
-            message.plugin.add(name=plugin.Get(str, "name"), filename=plugin.Get(str, "filename"))
+        fill_plugins(message, element)
+        for meta in element.named("meta"):
+            message.meta.layer = meta.Get(int, "layer")
         yield message
 
 
@@ -79,20 +83,28 @@ def entity_visual(kind: str, message: Any, parent_name: str, parent_id: int) -> 
     )
 
 
-def collision_visual(collision: Any, name: str, parent: int) -> Any:
+def collision_visual(collision: Any, name: str, parent: int, static: bool) -> Any:
     """What shows the shape of a collision, which a message describes, to those who want to see it.
 
     Args:
         collision: the msgs.Collision.
         name, parent: the link's scoped name and id.
+        static: whether the model does not move.
     """
     own = f"{collision.name}__COLLISION_VISUAL__"
     message = msgs.Visual(
-        name=own, id=_number(own), parent_name=name, parent_id=parent, type="COLLISION", cast_shadows=False
+        name=own,
+        id=_number(own),
+        parent_name=name,
+        parent_id=parent,
+        is_static=static,
+        type="COLLISION",
+        cast_shadows=False,
     )
     message.pose.CopyFrom(collision.pose)
     message.geometry.CopyFrom(collision.geometry)
     message.material.script.name = "Gazebo/OrangeTransparent"
+    message.material.script.uri.append(MATERIALS)
     return message
 
 
@@ -109,13 +121,18 @@ def gui_message(gui: Element) -> Any:
             message.camera.track.name = track.Get(str, "name")
             message.camera.track.min_dist = track.Get(float, "min_dist")
             message.camera.track.max_dist = track.Get(float, "max_dist")
-    for plugin in gui.named("plugin"):
+    fill_plugins(message, gui)
+    return message
+
+
+def fill_plugins(message: Any, element: Element) -> None:
+    """Describe the `<plugin>` elements of an element in its message."""
+    for plugin in element.named("plugin"):
         message.plugin.add(
             name=plugin.Get(str, "name"),
             filename=plugin.Get(str, "filename"),
             innerxml="".join(child.ToString() for child in plugin.children),
         )
-    return message
 
 
 def road_messages(world: Element) -> Iterator[Any]:
@@ -160,6 +177,12 @@ def fill_geometry(message: Any, geometry: Element) -> None:
         message.heightmap.filename = shape.Get(str, "uri")
         msgs.Set(message.heightmap.size, shape.Get(GzVector, "size"))
         msgs.Set(message.heightmap.origin, shape.Get(GzVector, "pos"))
+        message.heightmap.use_terrain_paging = shape.Get(bool, "use_terrain_paging")
+        for texture in shape.named("texture"):
+            images = {key: texture.Get(str, key) for key in ("diffuse", "normal")}
+            message.heightmap.texture.add(size=texture.Get(float, "size"), **images)
+        for blend in shape.named("blend"):
+            message.heightmap.blend.add(**{key: blend.Get(float, key) for key in ("min_height", "fade_dist")})
     else:
         part = message.polyline.add(height=shape.Get(float, "height"))
         for point in shape.named("point"):
@@ -176,6 +199,11 @@ def _fill_material(message: Any, material: Element) -> None:
     for script in material.named("script"):
         message.script.name = script.Get(str, "name")
         message.script.uri.extend(uri.Get(str) for uri in script.named("uri"))
+    for shader in material.named("shader"):
+        if (kind := shader.Get(str, "type")) in _SHADERS:
+            message.shader_type = kind.upper()
+        if shader.HasElement("normal_map"):
+            message.normal_map = shader.Get(str, "normal_map")
     for name in ("ambient", "diffuse", "specular", "emissive"):
         if material.HasElement(name):
             msgs.Set(getattr(message, name), material.Get(GzColor, name))
@@ -192,6 +220,16 @@ def fill_scene(message: Any, scene: Element) -> None:
     for sky in scene.named("sky"):
         message.sky.time = sky.Get(float, "time")
         message.sky.sunrise, message.sky.sunset = sky.Get(float, "sunrise"), sky.Get(float, "sunset")
+        for clouds in sky.named("clouds"):
+            message.sky.wind_speed, message.sky.wind_direction = (
+                clouds.Get(float, "speed"),
+                clouds.Get(float, "direction"),
+            )
+            message.sky.humidity, message.sky.mean_cloud_size = (
+                clouds.Get(float, "humidity"),
+                clouds.Get(float, "mean_size"),
+            )
+            msgs.Set(message.sky.cloud_ambient, clouds.Get(GzColor, "ambient"))
     for fog in scene.named("fog"):
         if (kind := fog.Get(str, "type")) in ("linear", "exp", "exp2"):
             message.fog.type = {"linear": "LINEAR", "exp": "EXPONENTIAL", "exp2": "EXPONENTIAL2"}[kind]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -236,6 +236,7 @@ class TriMeshGeom(Geom):
     normals: NDArray[np.float64] | None = None
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
+    image: Callable[[], NDArray[np.uint8]] | None = None  # a texture that is computed, shape (n, m, 3), top row first
     KEPT = ("changed_mesh",)
     _mesh: Mesh | None = None  # the present one
     _first_mesh: Mesh | None = None
@@ -302,7 +303,7 @@ class TriMeshGeom(Geom):
             self._data = None
         # Large, and a closed world is in memory until Python collects its cycles.
         self.vertices, self.triangles = np.empty((0, 3)), np.empty((0, 3), dtype=np.uint32)
-        self.normals = self.texture_coordinates = self.colors = None
+        self.normals = self.texture_coordinates = self.colors = self.image = None
         self._mesh = self._first_mesh = None
         self._ode_vertices = self._ode_triangles = None
 

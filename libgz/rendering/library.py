@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 from libgz.physics.geom import Geom
+from libgz.physics.geoms import TriMeshGeom
 from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight, rings
@@ -111,6 +112,7 @@ class Library:
         self._planes: dict[tuple[int, Sight, Look, bool], Compiled] = {}
         self._shapes: dict[str, Compiled] = {}
         self._textures: dict[tuple[Path, bool], int] = {}
+        self._images: dict[Callable[[], NDArray[np.uint8]], int] = {}  # textures that geoms compute
         self._levels: dict[Path, tuple[Level, ...]] = {}
         self._white = 0
         self._colors: tuple[object, ...] | None = None  # of the list that is being compiled
@@ -128,6 +130,10 @@ class Library:
         keys = {item.key for item in content.items}
         for key in [k for k in self._items if k[0] not in keys]:
             self.gl.glDeleteLists(self._items.pop(key).list, 1)
+        images = {geom.image for item in content.items for geom in item.geoms if isinstance(geom, TriMeshGeom)}
+        for image in [image for image in self._images if image not in images]:
+            number = ctypes.c_uint(self._images.pop(image))
+            self.gl.glDeleteTextures(1, ctypes.byref(number))
         for compiled in self._planes.values():
             self.gl.glDeleteLists(compiled.list, 1)
         self._planes.clear()
@@ -238,14 +244,14 @@ class Library:
 
     def _load_texture(self, geom: Geom, look: Look) -> None:
         """Load a texture before a list begins; made inside the list, it would be made again in every image."""
-        self.texture(geom.appearance.texture_file if look.textures else None)
+        self._texture_of(geom, look)
         if look.shaded:
             self._white_texture()
 
     def _draw_geom(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
         """Submit meshes with the material and texture of their geom, or their own."""
-        gl, appearance = self.gl, geom.appearance
-        texture = self.texture(appearance.texture_file if look.textures else None)
+        gl = self.gl
+        texture = self._texture_of(geom, look)
         colors = geom.material()
         for shape in meshes:
             own = shape.material
@@ -310,6 +316,16 @@ class Library:
         if shape.two_sided:
             gl.glLightModeli(Constant.LIGHT_MODEL_TWO_SIDE, 0)
             gl.glEnable(Constant.CULL_FACE)
+
+    def _texture_of(self, geom: Geom, look: Look) -> int:
+        """The number of the texture of a geom: of a file, or one that it computes; 0 if it has none."""
+        image = geom.image if isinstance(geom, TriMeshGeom) else None
+        if not look.textures or geom.appearance.texture_file is not None or image is None:
+            return self.texture(geom.appearance.texture_file if look.textures else None)
+        if image not in self._images:
+            smoothing = Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST
+            self._images[image] = self._upload(image(), Constant.CLAMP_TO_EDGE, *smoothing)
+        return self._images[image]
 
     def texture(self, path: Path | None, repeat: bool = True) -> int:
         """The number of a texture; 0, and one warning, if its file cannot be read."""

@@ -362,7 +362,20 @@ class SdfFile:
         if xml.get("merge", "").strip().lower() in ("true", "1") and entity.name == parent.name == "model":
             merge(entity, parent, self.diagnostics)
         else:
+            self._share_static(entity, parent)
             parent.InsertElement(entity)
+
+    def _share_static(self, entity: Element, parent: Element) -> None:
+        """Make a model static as a whole if one that it includes is, and itself states nothing, as in Gazebo."""
+        given = next(entity.named("static"), None)
+        if parent.name != "model" or any(True for _ in parent.named("static")) or given is None or not given.Get(bool):
+            return
+        self.diagnostics.warn(
+            parent,
+            f"is static as a whole, because the included model {entity.Get(str, 'name')!r} is; "
+            "with <static>false</static> before the include only that one is",
+        )
+        parent.InsertElement(given.Clone())
 
     def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, etree._Element]) -> None:
         """Apply name, pose, static and plugins of an include to the included entity."""

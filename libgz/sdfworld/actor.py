@@ -23,6 +23,7 @@ from libgz.geometry import (
     GzVector,
 )
 from libgz.physics.body import Body
+from libgz.physics.bone_motion import fitted, read_motion
 from libgz.physics.geoms import SkinGeom, SphereGeom
 from libgz.physics.skeletons import Figure, SkeletonAnimation, matrix_turns, read_figure, turn_matrices
 from libgz.sdf.element import Element
@@ -166,14 +167,26 @@ class SdfActor(SdfModel):
         folder = Path(element.file).parent if element.file and not element.file.startswith("<") else None
         try:
             path = find_uri(uri, folder)
-            if path.suffix.lower() != ".dae":
-                raise ParameterError(f"{uri!r} is not a COLLADA file (.dae), which skeletons are read from")
-            figure = read_figure(path)
+            figure = self._read(path, element)
         except (GazeboError, NotFoundError) as error:
             self.diagnostics.warn(element, f"{error}; the actor has no such {element.name}")
             return None
         scale = element.Get(float, "scale")
         return figure if scale == 1.0 else figure.scaled(scale)
+
+    @staticmethod
+    def _read(path: Path, element: Element) -> Figure:
+        """The figure of a file.
+
+        Raises:
+            GazeboError: it is of another kind, or cannot be read.
+        """
+        if path.suffix.lower() == ".bvh" and element.name == "animation":
+            return read_motion(path)
+        if path.suffix.lower() == ".dae":
+            return read_figure(path)
+        known = "COLLADA (.dae) and BVH (.bvh)" if element.name == "animation" else "COLLADA (.dae)"
+        raise ParameterError(f"{path} is not allowed as a <{element.name}>; files of {known} are")
 
     def _add_bones(self, figure: Figure, pose: GzPose) -> None:
         frames = figure.world(_matrix(pose), figure.positions, figure.turns)
@@ -215,7 +228,8 @@ class SdfActor(SdfModel):
                 f"{len(figure.names)} bones; the actor does not play it",
             )
         else:
-            self.clips[name] = _Clip(figure.animations[0], element.Get(bool, "interpolate_x"))
+            animation = fitted(figure, self.figure) if _is_motion(element) else figure.animations[0]
+            self.clips[name] = _Clip(animation, element.Get(bool, "interpolate_x"))
 
     def _read_script(self, script: Element) -> None:
         self.loop, self.delay = script.Get(bool, "loop"), script.Get(float, "delay_start")
@@ -374,6 +388,11 @@ class SdfActor(SdfModel):
     def MasterDescribe(self, store: Any) -> dict[str, Any]:
         """As of all models; its pose changes, though nothing pushes it."""
         return {**super().MasterDescribe(store), "static": False}
+
+
+def _is_motion(element: Element) -> bool:
+    """Whether the file of an `<animation>` has a motion without a skin."""
+    return element.Get(str, "filename").strip().lower().endswith(".bvh")
 
 
 def _matrix(pose: GzPose) -> Array:

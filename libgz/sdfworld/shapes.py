@@ -16,7 +16,6 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
-from libgz.physics.image_files import open_image
 from libgz.physics.mesh_files import MeshPart, read_mesh
 from libgz.physics.meshes import grid_triangles, vertex_normals
 from libgz.physics.outlines import extrude
@@ -24,6 +23,7 @@ from libgz.physics.space import Space
 from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
+from libgz.sdfworld.terrain import read_cover, terrain_mesh
 
 __all__ = ["KNOWN", "make_collision", "make_visual"]
 
@@ -40,7 +40,6 @@ SIMPLE: dict[str, tuple[Callable[..., Geom], tuple[str, ...]]] = {
     "cylinder": (CylinderGeom, ("radius", "length")),
     "capsule": (CapsuleGeom, ("radius", "length")),
 }
-MOST_PIXELS = 4097 * 4097
 PATCHES = 16  # of a rendered plane, in each direction: light is computed at their corners
 
 Note = Callable[[Element, str], None]  # reports a warning about an element
@@ -88,6 +87,9 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
                 geom.texture_coordinates, geom.columns = _across(), PATCHES + 1
             if shape.name == "heightmap":
                 geom.normals = vertex_normals(part.vertices, part.triangles)
+                cover = read_cover(_find(shape), shape, note)
+                if cover is not None:
+                    geom.texture_coordinates, geom.image = cover.texture_coordinates, cover.image
             if part.color is not None:
                 geom.SetColor(GzColor(*part.color))
             found.append(geom)
@@ -208,26 +210,7 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
 
 
 def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
-    """Ground from an image: black is the bottom, the brightest pixel is size z above it; the top row lies at +y."""
-    path = _find(shape)
-    size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")
-    for value, what in ((size.x, "heightmap size x [m]"), (size.y, "heightmap size y [m]")):
-        positive(value, what)
-    with open_image(path, MOST_PIXELS) as image:
-        if min(image.size) < 2:
-            raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
-        grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
-        pixels = np.array(grey, dtype=np.float64)
-    if not np.isfinite(pixels).all():
-        raise GazeboError(f"{path} has pixels that are not finite numbers")
-    brightest = float(pixels.max())
-    heights = pixels * (size.z / brightest) if brightest > 0.0 else pixels
-    rows, columns = heights.shape
-    x = np.linspace(-0.5 * size.x, 0.5 * size.x, columns) + pos.x
-    y = np.linspace(-0.5 * size.y, 0.5 * size.y, rows) + pos.y
-    across, along = np.meshgrid(x, y)
-    vertices = np.stack([across, along, heights[::-1] + pos.z], axis=-1).reshape(-1, 3)
-    return [MeshPart("heightmap", vertices, grid_triangles(rows, columns))]
+    return [terrain_mesh(_find(shape), shape)]
 
 
 def _polyline(_shape: Element, element: Element) -> list[MeshPart]:

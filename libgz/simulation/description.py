@@ -80,6 +80,7 @@ def plain(value: Any) -> Any:
 def _mesh(geom: TriMeshGeom, store: Store) -> dict[str, Any]:
     arrays: dict[str, NDArray[Any] | None] = {"vertices": geom.vertices, "triangles": geom.triangles}
     arrays |= {"normals": geom.normals, "texture_coordinates": geom.texture_coordinates, "colors": geom.colors}
+    arrays["image"] = geom.image() if geom.image is not None else None
     return {"data": store({name: array for name, array in arrays.items() if array is not None})}
 
 

@@ -314,9 +314,14 @@ class Publication:
         if key in self._stored:
             found = self._stored[key][1]
         else:
-            small = {name: part.astype(np.float32 if part.dtype.kind == "f" else "u4") for name, part in arrays.items()}
+            small = {name: part.astype(_small(part.dtype)) for name, part in arrays.items()}
             found = self.shared.write_data(small)
             if sum(part.nbytes for part in sources) >= LARGE:
                 self._stored[key] = sources, found
         self._used.add(found["file"])
         return found
+
+
+def _small(kind: np.dtype[Any]) -> str:
+    """The type of numbers in which a file has an array: bytes of images stay bytes."""
+    return "f4" if kind.kind == "f" else "u1" if kind == np.uint8 else "u4"

@@ -145,7 +145,7 @@ class Shapes:
         key, factor = _key(shape)
         stretched = tuple(float(a * b) for a, b in zip(factor, scale, strict=True))
         clear = material["opacity"] < 1.0
-        image = self._image(texture["file"]) if texture is not None else None
+        image = self._image(texture["file"]) if texture is not None else self._own_image(shape)
         look: tuple[Any, ...] = ()
         if image is not None and texture is not None:
             look = (texture["file"], tuple(texture["size"]), tuple(material["diffuse"]))
@@ -254,6 +254,11 @@ class Shapes:
                 found.append(Form((*key, color), vertices, faces, glb, False, True))
             self._forms[key] = found
         return self._forms[key]
+
+    def _own_image(self, shape: dict[str, Any]) -> Image.Image | None:
+        """The texture that a mesh has beside its triangles, if any."""
+        pixels = self._source.data(shape["data"]).get("image") if shape["kind"] == "mesh" else None
+        return None if pixels is None else Image.fromarray(np.ascontiguousarray(pixels, dtype=np.uint8))
 
     def _image(self, file: str) -> Image.Image | None:
         """A texture, reduced to what a page needs; None, and one warning, if it cannot be read."""

@@ -204,6 +204,10 @@ def test_a_client_s_window_opens(server):
     """The start of gzclient: all topics of its window, all its requests, and what a user does first."""
     master = Connection(server[0])
     eventually(lambda: "/gazebo/w/log/status" in master.ask("get_topics", "topic_list", "GzString_V").data)
+    topics = set(master.ask("get_topics", "topic_list", "GzString_V").data)
+    assert topics >= {
+        f"/gazebo/w/{name}" for name in ("factory", "world_control", "user_cmd")
+    }  # the server's subscriptions
     assert list(master.ask("get_topic_namespaces", "get_topic_namespaces_response", "GzString_V").data) == ["w"]
     published = {one.topic: one.msg_type for one in
                  master.ask("get_publishers", "publisher_list", "Publishers").publisher}  # fmt: skip

@@ -271,3 +271,62 @@ def test_skeletons_that_do_not_fit_are_a_warning(load, tmp_path, caplog):
 def test_wrong_times_are_errors_with_line(load):
     with pytest.raises(WorldFileError, match=r"<string>:1: .*<time> is -1; it must be 0 s or later"):
         load(actor(trajectory((-1, "0 0 0 0 0 0"))))
+
+
+MOTION = """HIERARCHY
+ROOT shoulder
+{ OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT elbow
+  { OFFSET 0 0 50
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site { OFFSET 0 0 50 } } }
+MOTION
+Frames: 3
+Frame Time: 0.5
+0 40 0 0 0 0 0 0 0
+0 40 50 0 0 0 0 0 45
+0 40 100 0 0 0 0 0 90
+"""
+
+
+@pytest.fixture
+def captured(tmp_path):
+    """Elements of an actor whose two bones play a captured motion."""
+    (tmp_path / "arm.dae").write_text(two_bones())
+    (tmp_path / "arm.bvh").write_text(MOTION)
+    return (
+        f"<skin><filename>{tmp_path}/arm.dae</filename></skin><animation name='walk'>"
+        f"<filename>{tmp_path}/arm.bvh</filename><scale>0.02</scale></animation>"
+    )
+
+
+def test_a_captured_motion_moves_the_bones(load, captured, caplog):
+    world = load(actor(inside=captured, pose="0 0 0 0 0 0"))
+    go_to(world, 0.5)
+    elbow, shoulder = (world.model("a").GetBody(name).GetPose() for name in ("elbow", "shoulder"))
+    # y up and z ahead, 0.02 m each: 0.8 m high, 1 m ahead after 0.5 s; the elbow turns about the axis that is up.
+    assert np.subtract(elbow.pos, shoulder.pos) == pytest.approx((1, 0, 0), abs=1e-6)
+    assert shoulder.pos.z == pytest.approx(0.8)
+    assert GzQuaternToEuler(elbow.rot).z == pytest.approx(math.pi / 4, abs=0.06)
+    assert not caplog.records
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("HIERARCHY", "", "'ROOT' stands where 'HIERARCHY' is expected"),
+        ("Frames: 3", "Frames: 4", "27 numbers; 4 frames of 9 are stated"),
+        ("0 40 100", "0 40 nan", "27 numbers"),
+        ("JOINT elbow", "ROOT elbow", "ROOT is not allowed here"),
+        ("Zrotation Xrotation Yrotation\n    End", "Zrotation Xrotation Wrotation\n    End", "channel 'Wrotation'"),
+        ("MOTION", "", "'Frames:' is not expected"),
+        ("Frame Time: 0.5", "Frame Time: 0", "every 0 s"),
+        (MOTION, "HIERARCHY ROOT", "it ends too early"),
+    ],
+)
+def test_a_damaged_motion_is_a_warning(load, captured, tmp_path, caplog, old, new, message):
+    (tmp_path / "arm.bvh").write_text(MOTION.replace(old, new, 1))
+    load(actor(inside=captured)).Step()
+    assert message in caplog.text
+    assert "the actor has no such animation" in caplog.text

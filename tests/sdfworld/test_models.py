@@ -15,6 +15,20 @@ from libgz.sdfworld.world import SdfWorld
 # Nested models ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(("own", "static"), [("", True), ("<static>0</static>", False), ("<static>1</static>", True)])
+def test_a_model_that_includes_a_static_one_is_static_unless_it_states_otherwise(load, tmp_path, caplog, own, static):
+    (tmp_path / "shelf").mkdir()
+    (tmp_path / "shelf" / "model.config").write_text("<model><name>shelf</name><sdf version='1.6'>m.sdf</sdf></model>")
+    shelf = model("shelf", "<static>1</static>", link("frame"))
+    (tmp_path / "shelf" / "m.sdf").write_text(f"<sdf version='1.6'>{shelf}</sdf>")
+    include = f"<include><uri>file://{tmp_path}/shelf</uri></include>"
+    made = load(world(model("cell", own, include, link("crate", inertial()), pose="0 0 5 0 0 0")))
+    made.run(0.1)
+    assert (made.body("cell", "crate").GetPosition().z == 5.0) == static
+    assert made.model("cell::shelf").static
+    assert ("is static as a whole" in caplog.text) == (own == "")
+
+
 def test_a_model_of_models_alone(load):
     arm = model("arm", link("hand", inertial()), pose="0 0 1 0 0 0")
     made = load(world(model("robot", arm, pose="1 2 0 0 0 0"), gravity="0 0 0"))

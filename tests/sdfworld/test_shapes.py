@@ -9,7 +9,9 @@ from engine_parts import use_form
 from PIL import Image
 from sdf_worlds import GROUND, collision, friction, inertial, link, model, place, world
 
+from libgz.geometry import GzPosePointAt, GzVector
 from libgz.ode.types import Surface
+from libgz.rendering.camera import Camera
 
 CUBE = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
 QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -246,3 +248,51 @@ def test_a_shape_with_a_length_of_0_falls_through_the_ground_as_in_gazebo(load, 
     made.step(1000)
     assert made.body("m").GetPosition().z == pytest.approx(0.5 - 4.9, abs=0.01)
     assert "touches nothing" in caplog.text
+
+
+def terrain(shape):
+    visual = f"<visual name='v'><geometry>{shape}</geometry></visual>"
+    return f"<model name='m'><static>1</static><link name='l'>{visual}</link></model>"
+
+
+def test_a_height_map_has_its_textures_mixed_by_height(load, tmp_path):
+    steps = Image.new("L", (5, 5))
+    steps.putdata([0, 0, 0, 255, 255] * 5)
+    steps.save(tmp_path / "steps.png")
+    for name, color in (("low", (200, 0, 0)), ("high", (0, 0, 200))):
+        Image.new("RGB", (8, 8), color).save(tmp_path / f"{name}.png")
+    layers = "".join(
+        f"<texture><diffuse>file://{tmp_path}/{name}.png</diffuse><size>1</size></texture>" for name in ("low", "high")
+    )
+    blend = "<blend><min_height>0.5</min_height><fade_dist>1</fade_dist></blend>"
+    shape = f"<heightmap><uri>file://{tmp_path}/steps.png</uri><size>8 8 2</size>{layers}{blend}</heightmap>"
+    made = load(world(terrain(shape)))
+    [geom] = made.body("m", "l").geoms
+    image = geom.image()
+    side = len(image)
+    assert tuple(image[side // 2, side // 8]) == (200, 0, 0)  # at -x: below
+    assert tuple(image[side // 2, -side // 8]) == (0, 0, 200)
+    assert image[side // 2, round(side * 0.625)].tolist() == pytest.approx([100, 0, 100], abs=15)  # 1 m high
+    assert geom.texture_coordinates[[0, -1]].tolist() == [[0, 0], [1, 1]]
+    with Camera(made, 32, 24) as camera:
+        for x, ahead, behind in ((-2, 0, 2), (3, 2, 0)):
+            camera.SetPose(GzPosePointAt(GzVector(x, 0, 6), GzVector(x + 0.1, 0, 0), GzVector(0, 0, 1)))
+            middle = camera.Update()[12, 16].astype(int)
+            assert middle[ahead] > 2 * middle[behind]
+
+
+@pytest.mark.parametrize(
+    ("inside", "text"),
+    [
+        ("<texture><diffuse>file://nowhere.png</diffuse></texture>", "nowhere.png"),
+        ("<texture><size>2</size></texture>", "no <diffuse>"),
+        ("<texture><diffuse>file://PATH/h.png</diffuse></texture>" * 2, "texture 2 has no <blend>"),
+        ("<texture><diffuse>file://PATH/h.png</diffuse><size>0</size></texture>", "texture size"),
+    ],
+)
+def test_a_texture_of_a_height_map_that_cannot_be_used_is_a_warning(load, inside, text, tmp_path, caplog):
+    Image.new("L", (5, 5), 9).save(tmp_path / "h.png")
+    inside = inside.replace("PATH", str(tmp_path))
+    shape = f"<heightmap><uri>file://{tmp_path}/h.png</uri><size>8 8 2</size>{inside}</heightmap>"
+    load(world(terrain(shape)))
+    assert text in caplog.text

@@ -6,12 +6,14 @@ import io
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 import libgz
 from libgz.files import installed_worlds
 from libgz.rendering.image import jpeg_text
 from libgz.view.local import LocalSource
+from libgz.view.shapes import Shapes
 from libgz.view.viewer import Viewer
 
 STATIC = """<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>
@@ -92,6 +94,24 @@ def test_a_mesh_whose_file_is_missing_hides_nothing_else():
         state = viewer.source.state()
         assert viewer.view.bounds(viewer.view.ids["robot1"], state) is not None
         assert viewer.view.bounds(viewer.view.ids["hills"], state) is None
+
+
+def test_the_ground_of_a_height_map_has_its_textures(tmp_path):
+    Image.new("L", (5, 5), 9).save(tmp_path / "h.png")
+    Image.new("RGB", (8, 8), (0, 200, 0)).save(tmp_path / "grass.png")
+    texture = f"<texture><diffuse>file://{tmp_path}/grass.png</diffuse><normal>-</normal><size>1</size></texture>"
+    shape = f"<heightmap><uri>file://{tmp_path}/h.png</uri><size>8 8 2</size>{texture}</heightmap>"
+    visual = f"<visual name='v'><geometry>{shape}</geometry></visual>"
+    ground = f"<model name='m'><static>1</static><link name='l'>{visual}</link></model>"
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='w'>{ground}</world></sdf>") as world:
+        source = LocalSource(world)
+        [shape] = source.scene["entities"][0]["bodies"][0]["shapes"]
+        [[form]] = [[one.form for one in Shapes(source).instances(shape)]]
+        loaded = trimesh.load(io.BytesIO(form.glb), file_type="glb")
+        [part] = loaded.geometry.values()
+        found = np.asarray(part.visual.material.baseColorTexture.convert("RGB"))
+        assert found.reshape(-1, 3).mean(axis=0) == pytest.approx((0, 200, 0), abs=3)
+        assert np.ptp(part.visual.uv, axis=0) == pytest.approx((1, 1))
 
 
 def test_trails_are_above_the_ground_and_begin_anew_after_a_reset():

@@ -28,6 +28,7 @@ class CameraSensor(LinkSensor):
 
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "image"
+    topic_added = True
     message_type: ClassVar[Any] = msgs.ImageStamped
     renders: ClassVar[bool] = True
     camera_type: ClassVar[type[CameraView]] = CameraView

@@ -29,6 +29,7 @@ class ContactSensor(LinkSensor):
     """Reports the contacts of all iterations since its last measurement."""
 
     topic_suffix: ClassVar[str | None] = ""
+    topic_added = True
     message_type: ClassVar[Any] = msgs.Contacts
     gathers: ClassVar[bool] = True
 

@@ -51,6 +51,7 @@ class ImuSensor(LinkSensor):
     )
 
     topic_suffix: ClassVar[str | None] = "imu"
+    topic_added = True
     message_type: ClassVar[Any] = msgs.IMU
 
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:

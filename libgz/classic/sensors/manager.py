@@ -157,7 +157,7 @@ class WorldSensors:
         Noted.noted.count()
         self._gathering = [sensor for sensor in self._active if sensor.gathers]
         topics, inactive = TopicManager.Instance(), (s for s in self.sensors.values() if s not in self._active)
-        self._idle = [(topics.topic(one.publisher.GetTopic()), one) for one in inactive if one.publisher]
+        self._idle = [(topics.topic(each.GetTopic()), one) for one in inactive for each in one.publishers]
 
     def update(self) -> None:
         """Let the sensors that are due measure, after an iteration."""
@@ -200,11 +200,10 @@ class WorldSensors:
             self._node = Node()
             self._node.Init(self.world.core.topic_space)
         for sensor in self.sensors.values():
-            topic = sensor.Topic()
-            if sensor.publisher is None and topic and sensor.message_type:
+            for topic in sensor.topics() if sensor.message_type and not sensor.publishers else ():
                 try:
                     with unowned():  # a plugin may have made the sensor's joint
-                        sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
+                        sensor.publishers.append(self._node.Advertise(sensor.message_type, topic, 100))
                 except GazeboError as error:
                     log.error("%s: <sensor>: %s", sensor.sdf.where, error)
             if sensor.announcer is None:

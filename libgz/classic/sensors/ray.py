@@ -44,6 +44,7 @@ class RaySensor(LinkSensor):
 
     category: ClassVar[SensorCategory] = SensorCategory.RAY
     topic_suffix: ClassVar[str | None] = "scan"
+    topic_added = True
     message_type: ClassVar[Any] = msgs.LaserScanStamped
     noise_type: ClassVar[SensorNoiseType] = SensorNoiseType.RAY_NOISE
 

@@ -76,6 +76,7 @@ class Sensor(Noted):
     category: ClassVar[SensorCategory] = SensorCategory.OTHER
     topic_suffix: ClassVar[str | None] = None  # follows the sensor's name in its topic; None: it has no topic
     topic_appended: ClassVar[bool] = False  # whether its file's topic is appended to its own instead of replacing it
+    topic_added: ClassVar[bool] = False  # whether it publishes beside its file's topic on its own, the one in Gazebo
     message_type: ClassVar[Any] = None  # of its topic
     renders: ClassVar[bool] = False  # whether it needs images
     gathers: ClassVar[bool] = False  # whether `gather` is called after each iteration while it is active
@@ -92,7 +93,7 @@ class Sensor(Noted):
         self._update_event = Event(f"Updated of sensor {self.ScopedName()}")
         self._message_event = Event(f"Update of sensor {self.ScopedName()}")
         self.noises: dict[SensorNoiseType, NoiseModel] = {}
-        self.publisher: Publisher | None = None
+        self.publishers: list[Publisher] = []
         self.announcer: Publisher | None = None  # of what describes it
         self.source = ""  # the text of its element, if that is not in the element of its parent
 
@@ -139,6 +140,13 @@ class Sensor(Noted):
         if self.topic_appended:
             return self._own_topic(given)
         return given or (self._own_topic(self.topic_suffix) if self.topic_suffix is not None else "")
+
+    def topics(self) -> list[str]:
+        """All topics that it publishes on; `Topic` is the first one."""
+        found = [self.Topic()]
+        if self.topic_added and self.topic_suffix is not None and custom_topic(self.sdf) == found[0]:
+            found.append(self._own_topic(self.topic_suffix))
+        return [topic for topic in dict.fromkeys(found) if topic]
 
     def custom_topic(self) -> str:
         """The topic that its file names; an empty string for none."""
@@ -191,7 +199,7 @@ class Sensor(Noted):
 
     def listened(self) -> bool:
         """Whether its topic has subscribers."""
-        return self.publisher is not None and self.publisher.HasConnections()
+        return any(publisher.HasConnections() for publisher in self.publishers)
 
     def UpdateRate(self) -> float:
         """Measurements a second of sim time [Hz]; 0: one in each iteration."""
@@ -267,8 +275,8 @@ class Sensor(Noted):
         if self._message_event or self.listened():
             message = self.message()
             self._message_event(message)
-            if self.publisher is not None:
-                self.publisher.Publish(message)
+            for publisher in self.publishers:
+                publisher.Publish(message)
 
     def message(self) -> Any:
         """The last measurement as a message of `message_type`."""
@@ -344,9 +352,9 @@ class Sensor(Noted):
         self._update_event.clear()
         for noise in self.noises.values():
             noise.Fini()
-        if self.publisher is not None:
-            self.publisher.Fini()
-            self.publisher = None
+        for publisher in self.publishers:
+            publisher.Fini()
+        self.publishers = []
         if self.announcer is not None:
             self.announcer.Fini()
             self.announcer = None

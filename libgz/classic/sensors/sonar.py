@@ -42,6 +42,7 @@ class SonarSensor(LinkSensor):
     )
 
     topic_suffix: ClassVar[str | None] = "sonar"
+    topic_added = True
     message_type: ClassVar[Any] = msgs.SonarStamped
 
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:

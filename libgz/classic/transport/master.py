@@ -173,7 +173,8 @@ class Master:
         if request.request == "get_publishers":
             client.connection.send(packet("publisher_list", self._all_publishers()))
         elif request.request == "get_topics":
-            topics = sorted({one.topic for one in self._publishers()})
+            lists = (each for client in self._clients for each in (client.publishers, client.subscribers))
+            topics = sorted({one.topic for each in lists for one in each})
             client.connection.send(packet("topic_list", message_type("GzString_V")(data=topics)))
         elif request.request == "get_topic_namespaces":
             names = message_type("GzString_V")(data=self._namespaces())

@@ -185,3 +185,24 @@ GZ_REGISTER_MODEL_PLUGIN(P)
             assert loaded.plugin.found == [own, own]
         assert "multiple sensors" not in caplog.text
         assert sensors.get_sensor("s") is None  # outside plugins there are two
+
+
+def test_a_sensor_with_a_topic_publishes_on_its_own_one_too():
+    from libgz.classic import transport
+
+    scene = model("m", sensor("ray", "<topic>/scan</topic>" + ray(3, (-0.1, 0.1)), "laser", on=False, rate=10))
+    with world_of(scene) as world:
+        scans = []
+        node = transport.Node()
+        node.Init("default")
+        assert get("laser").Topic() == "/scan"
+        assert get("laser").topics() == ["/scan", "~/m/link/laser/scan"]
+        for topic in get("laser").topics():
+            kept = node.Subscribe(topic, scans.append)
+            world.step(500)
+            transport.TopicManager.Instance().ProcessNodes()
+            assert len(scans) == 5
+            scans.clear()
+            kept.Unsubscribe()
+            world.step(200)
+            scans.clear()

@@ -205,6 +205,29 @@ def test_a_heightmap_is_sent_as_numbers(tmp_path):
         assert found.size.x == 4.0
 
 
+def test_clients_are_sent_all_that_shows_a_visual():
+    text = """<scene><sky><clouds><speed>3</speed><humidity>0.2</humidity></clouds></sky></scene>
+      <model name='m'><link name='l'>
+      <visual name='v'><geometry><heightmap><uri>file://h.png</uri><size>4 4 2</size><texture><diffuse>d.png</diffuse>
+        <normal>n.png</normal><size>3</size></texture><blend><min_height>1</min_height><fade_dist>2</fade_dist></blend>
+        </heightmap></geometry>
+        <material><shader type='normal_map_tangent_space'><normal_map>n.png</normal_map></shader></material>
+        <meta><layer>2</layer></meta><plugin name='p' filename='libp.so'><period>2</period></plugin></visual>
+      </link></model>"""
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='described'>{text}</world></sdf>") as world:
+        world.attach_era()
+        node = transport.Node()
+        node.Init("described")
+        scene = msgs.Scene.FromString(ask(world, node, "scene_info").serialized_data)
+        visual = next(one for one in scene.model[0].link[0].visual if one.name == "m::l::v")
+        [texture], [blend] = visual.geometry.heightmap.texture, visual.geometry.heightmap.blend
+        assert (texture.diffuse, texture.normal, texture.size) == ("d.png", "n.png", 3.0)
+        assert (blend.min_height, blend.fade_dist) == (1.0, 2.0)
+        assert (visual.material.shader_type, visual.material.normal_map, visual.meta.layer) == (4, "n.png", 2)
+        assert visual.plugin[0].innerxml.strip() == "<period>2</period>"
+        assert (scene.sky.wind_speed, scene.sky.humidity) == (3.0, 0.2)
+
+
 def test_an_actor_publishes_its_bones(tmp_path):
     path = Path(__file__).parents[3] / "examples" / "plugins" / "ready" / "actor.world"
     text = path.read_text().replace("ActorPlugin", "unused").split("<plugin")[0] + "</actor></world></sdf>"

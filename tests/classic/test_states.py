@@ -17,6 +17,7 @@ from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
 from libgz.classic.math import PID, Color, Pose3d, Rand, Vector3d
 from libgz.classic.rendering import Visual, get_scene
+from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
 from libgz.errors import ClosedError, StateError
@@ -551,3 +552,27 @@ def test_ready_plugins_declare_their_state(name, caplog):
         world.step(1)
         world.get_state()
     assert "does not declare its state" not in caplog.text
+
+
+def test_contacts_of_a_removed_model_end_with_it():
+    sensor = """<sensor name='bump' type='contact'><always_on>1</always_on><update_rate>10</update_rate>
+<contact><collision>c</collision></contact></sensor>"""
+    low, high = box("low", "0 0 0.2 0 0 0", link=sensor), box("high", "0 0 0.6 0 0 0")
+
+    def touching(run):
+        run.steps(120)
+        message = get_sensor("bump").Contacts()
+        return {name for contact in message.contact for name in (contact.collision1, contact.collision2)}
+
+    with World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{low}{high}</world></sdf>") as world:
+        run = Run(world)
+        run.steps(30)
+        before = world.get_state()
+        run.view.RemoveModel("high")
+        run.steps(1)
+        then = world.get_state()
+        assert touching(run) == {"ground::l::c", "low::l::c"}
+        world.set_state(then)
+        assert touching(run) == {"ground::l::c", "low::l::c"}
+        world.set_state(before)
+        assert "high::l::c" in touching(run)

@@ -253,15 +253,15 @@ class SdfJoint:
     @classmethod
     def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace) -> JointPlan:
         """What to make for a joint that a state has."""
-        _, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, _ = state
+        mechanism, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, _ = state
         made = [Axis(GzVector(*numbers[:3]), *numbers[3:]) for numbers in axes]
         frame = find(child) or find(parent)
         anchor = frame.GetPose() if frame is not None else GzPose()
         return JointPlan(
             name,
             kind,
-            find(parent),
-            find(child),
+            find(parent) if mechanism is not None else None,
+            find(child) if mechanism is not None else None,
             anchor,
             made,
             pitch,
@@ -307,9 +307,9 @@ class SdfJoint:
         self.detach()
         self.links = links
         if holds:
-            places = self._in_child, self._in_parent
+            places = self._in_child, self._in_parent, self._local
             self.attach(links.parent, links.child)
-            self._in_child, self._in_parent = places
+            self._in_child, self._in_parent, self._local = places
 
     def restore(self) -> None:
         """Count turns from zero again, after links were returned to where they began."""

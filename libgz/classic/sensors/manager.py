@@ -161,6 +161,9 @@ class WorldSensors:
 
     def update(self) -> None:
         """Let the sensors that are due measure, after an iteration."""
+        if not self.sensors:
+            self._now, self._next = 0.0, -math.inf  # as in a world that never had one
+            return
         for topic, sensor in self._idle:
             if topic.subscribers or topic.remote:
                 self.reschedule(sensor)
@@ -228,8 +231,10 @@ class WorldSensors:
 
     # State -------------------------------------------------------------------------------------------------------
 
-    def save(self) -> tuple[Any, ...]:
-        """The state of all sensors, as plain data."""
+    def save(self) -> tuple[Any, ...] | None:
+        """The state of all sensors, as plain data; None without any."""
+        if not self.sensors:
+            return None
         return self._now, self._next, self._rows(), [reader.get(part) for reader, part in self._changing]
 
     def _rows(self) -> bytes:
@@ -247,9 +252,9 @@ class WorldSensors:
             self._encoded, self._seen = encode(rows), counts
         return self._encoded
 
-    def load(self, state: Sequence[Any]) -> None:
+    def load(self, state: Sequence[Any] | None) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
-        now, due, encoded, changing = state
+        now, due, encoded, changing = state if state is not None else (0.0, -math.inf, encode([]), [])
         moved = encoded != self._rows()
         if moved:
             self._load_rows(decode(encoded))

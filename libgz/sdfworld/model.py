@@ -471,7 +471,7 @@ class SdfModel(Entity):
         if key == self._kept_at:
             return self._kept.encoded
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
-        joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
+        joints = [(name, joint.save(self.sdf)) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         colliding = [name for name, body in self.links.items() if body in self._spaces]
         self._kept_at = key if frame is None and added is None else None
@@ -496,7 +496,7 @@ class SdfModel(Entity):
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         for name, body in self.links.items():
             self.set_self_collide(body, name in (colliding or ()))
-        load_joints(self.world, self.sdf_joints, joints or ())
+        load_joints(self.world, self.sdf_joints, joints or (), self.sdf)
 
     @property
     def _motion(self) -> bytes | tuple[Any, ...]:
@@ -593,10 +593,12 @@ class SdfModel(Entity):
             space.close()
 
 
-def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]]) -> None:
+def load_joints(
+    world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]], holder: Element
+) -> None:
     """Give joints the states that `SdfJoint.save` returned, by name; those that are missing are made again.
 
-    They are in the order of the states then.
+    They are in the order of the states then. `holder` contains the `<joint>` elements of the file.
     """
 
     def find(place: Place) -> Body | None:
@@ -608,17 +610,19 @@ def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple
             raise StateError(f"a joint of this state is attached to link {number + 1} of {owner!r}, which is not there")
         return bodies[number]
 
-    kept, before = list(state), dict(joints)
+    kept, before, own = list(state), dict(joints), list(holder.named("joint"))
     joints.clear()
     for name, one in kept:
-        joint = before.pop(name, None)
-        if joint is None:
-            joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find))
+        joint = before.get(name)
+        if joint is None or not joint.fits(one):
+            element = next((element for element in own if element.Get(str, "name") == name), None)
+            joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find, element))
         joints[name] = joint
         joint.on_acts = world.update_rows_changed
         joint.load(one, find)
     for joint in before.values():
-        joint.close()
+        if joint not in joints.values():
+            joint.close()
     changes.count()
     world.update_rows_changed()
 

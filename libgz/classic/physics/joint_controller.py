@@ -57,7 +57,7 @@ class JointController:
 
     def _changed_pids(self) -> list[dict[str, tuple[float, ...]]]:
         return [
-            {name: state for name, pid in pids.items() if (state := pid.SaveState()) != NEW_PID}
+            {name: state for name, pid in sorted(pids.items()) if (state := pid.SaveState()) != NEW_PID}
             for pids in (self._position_pids, self._velocity_pids)
         ]
 

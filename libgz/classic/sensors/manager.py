@@ -49,6 +49,7 @@ class WorldSensors:
         self._now = 0.0  # [s] of the last iteration
         self._next = -math.inf  # [s] sim time of the next measurement
         self._diagnostics = Diagnostics()
+        self._parent_name: str | None = None  # of a sensor that is made again
         self._started = False
         self._node: Node | None = None
         self._encoded = b""  # what seldom changes of the sensors
@@ -309,9 +310,20 @@ class WorldSensors:
         for own in sdf.named("sensor") if element is None and sdf is not None else ():
             if name.endswith(f"::{own.Get(str, 'name')}"):
                 element = own
-        made = self.create(holder, element) if element is not None else None  # type: ignore[arg-type]
+        if element is None:
+            return
+        # It has the name that its parent had when it was first made.
+        self._parent_name = name.removeprefix(f"{self.world.Name()}::").removesuffix(f"::{element.Get(str, 'name')}")
+        try:
+            made = self.create(holder, element)  # type: ignore[arg-type]
+        finally:
+            self._parent_name = None
         if made is not None:
             made.source = source
+
+    def name_of(self, parent: Link | Joint) -> str:
+        """The name of the parent of a new sensor."""
+        return parent.GetScopedName() if self._parent_name is None else self._parent_name
 
     # Look up -----------------------------------------------------------------------------------------------------
 

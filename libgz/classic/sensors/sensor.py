@@ -43,6 +43,9 @@ class SensorOwner(Protocol):
 
     world: World
 
+    def name_of(self, parent: Link | Joint) -> str:
+        """The name of the parent of a new sensor."""
+
     def reschedule(self, sensor: Sensor) -> None:
         """The sensor's activity or rate may have changed."""
 
@@ -82,7 +85,7 @@ class Sensor(Noted):
 
     def __init__(self, sensors: SensorOwner, parent: Link | Joint, sdf: Element) -> None:
         self.sensors, self.world, self.parent, self.sdf = sensors, sensors.world, parent, sdf
-        self._name, self._parent_name = sdf.Get(str, "name"), parent.GetScopedName()
+        self._name, self._parent_name = sdf.Get(str, "name"), sensors.name_of(parent)
         self._number = next(_ids)
         self._pose = sdf.Get(Pose3d, "pose")
         self._active: bool | None = True if sdf.Get(bool, "always_on") else None

@@ -259,7 +259,8 @@ class SdfJoint:
     @classmethod
     def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace, element: Element | None) -> JointPlan:
         """What to make for a joint that a state has; `element` is the file's of this name."""
-        mechanism, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, *_ = state
+        mechanism, (parent, child, reference), described, axes, *_ = state
+        kind, implicit, parameters, pitch, ratio, feedback, *_ = described
         made = [Axis(GzVector(*numbers[:3]), *numbers[3:]) for numbers in axes]
         frame = find(child) or find(parent)
         anchor = frame.GetPose() if frame is not None else GzPose()

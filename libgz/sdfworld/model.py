@@ -593,9 +593,7 @@ class SdfModel(Entity):
             space.close()
 
 
-def load_joints(
-    world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]], holder: Element
-) -> None:
+def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]], holder: Element) -> None:
     """Give joints the states that `SdfJoint.save` returned, by name; those that are missing are made again.
 
     They are in the order of the states then. `holder` contains the `<joint>` elements of the file.

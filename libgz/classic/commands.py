@@ -121,7 +121,7 @@ class Commands:
         changed: Callable[[Model | Light], object] = lambda _entity: None,
     ) -> None:
         self._world, self._respond, self._paused_steps, self._changed = world, respond, paused_steps, changed
-        self._made: set[str] = set()  # lights of ~/factory/light
+        self._made: set[str] = set()  # lights of ~/factory/light, while they are inserted
         self._tally = Tally(MOST_CAUSES)
 
     def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
@@ -298,8 +298,11 @@ class Commands:
         element = file.root.child("light")
         element.set_attribute("name", message.name)
         element.set_attribute("type", LIGHT_KINDS[max(0, message.type - 1)])
-        insert_now(self._world, file)
         self._made.add(message.name)
+        try:
+            insert_now(self._world, file)
+        finally:
+            self._made.discard(message.name)
         try:
             self.light_modify(message)
         except GazeboError:  # no light with only some of its properties
@@ -307,10 +310,8 @@ class Commands:
             raise
 
     def was_made(self, name: str) -> bool:
-        """Whether a new light came by ~/factory/light, where all clients have seen it; it is asked once."""
-        made = name in self._made
-        self._made.discard(name)
-        return made
+        """Whether a new light comes by ~/factory/light, where all clients have seen it."""
+        return name in self._made
 
     def light_modify(self, message: Any) -> None:
         """~/light/modify: change pose, kind, colours, range, cone, shadows and attenuation of a light."""

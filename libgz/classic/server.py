@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -464,10 +463,11 @@ class WorldServer:
         quiet = dict(zip(QUIET, decode(saved["quiet"]), strict=True)) if saved["quiet"] != self._quiet() else None
         if quiet is not None:
             Rand.LoadState(quiet["random"])
+            self.ids.load_names(quiet["ids"])
         if saved["sensors"] is not None:
-            self.all_sensors().load(saved["sensors"])
-        elif self.sensors is not None:
-            self.sensors.load((0.0, -math.inf, encode([]), []))
+            self.all_sensors()
+        if self.sensors is not None:
+            self.sensors.load(saved["sensors"])
         if quiet is not None:
             self._load_quiet(quiet["activity"], quiet["scene"])
         if saved["plugins"] is not None:

@@ -63,6 +63,10 @@ class _Table:
         self._numbers[row] = self._made
         return row
 
+    def number(self, row: int) -> int:
+        """Which one of all objects that of a row was; 0 without any. No other ever has that number."""
+        return self._numbers.get(row, 0)
+
     def census(self) -> tuple[tuple[int, ...], ...]:
         """Rows in order of construction; numbers of the objects; free rows; rows in use and objects ever made."""
         return tuple(self._numbers), tuple(self._numbers.values()), tuple(self._free), (self.used, self._made)

@@ -125,14 +125,14 @@ class Thread:
     def __init__(self, piston: PistonJoint, pitch: float) -> None:
         self.piston = piston
         self.pitch = pitch
-        self._line = LineJoint(piston.engine, name=f"{piston.name} thread")
-        self._line.Attach(*piston.bodies)
+        self.line = LineJoint(piston.engine, name=f"{piston.name} thread")
+        self.line.Attach(*piston.bodies)
         piston.engine.add_coupling(self)
 
     @property
     def broken(self) -> bool:
         """Whether a body that it held was closed."""
-        return self._line.closed
+        return self.line.closed
 
     @property
     def error(self) -> float:
@@ -141,12 +141,12 @@ class Thread:
 
     def provide_feedback(self, on: bool) -> None:
         """Whether `feedback` is filled in each step."""
-        self._line.provide_feedback(on)
+        self.line.provide_feedback(on)
 
     @property
     def feedback(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
         """Forces and torques of the thread on the piston's bodies in the last step; see `Joint.feedback`."""
-        return self._line.feedback
+        return self.line.feedback
 
     def update(self) -> None:
         """Place the line along the flank, before a step."""
@@ -154,11 +154,11 @@ class Thread:
         outward = _perpendicular(axis)
         tangent = GzVectorCross(axis, outward)
         point = GzVectorAdd(self.piston.GetAnchor(), GzVectorMul(1.0 / self.pitch, outward))
-        self._line.place(point, GzVectorMul(FLANK, GzVectorAdd(axis, tangent)), FLANK * self.error)
+        self.line.place(point, GzVectorMul(FLANK, GzVectorAdd(axis, tangent)), FLANK * self.error)
 
     def close(self) -> None:
         """Remove the coupling."""
-        self._line.close()
+        self.line.close()
 
 
 class Gears:
@@ -177,7 +177,7 @@ class Gears:
         reference: what carries both; None or a dummy for the world.
     """
 
-    KEPT = ("ratio", "references", "angles", "_speed", "_radii", "_mass")
+    KEPT = ("ratio", "references", "angles", "_local", "_hubs", "_speed", "_radii", "_mass")
 
     def __init__(
         self,
@@ -193,7 +193,7 @@ class Gears:
         self._hubs = [self._find_hub(body) for body in bodies]
         self.angles, self.references = [0.0, 0.0], [0.0, 0.0]
         self._speed: float | None = None
-        self.rack = Body(world, name="rack")
+        self.rack = Body(world, name=f"rack of {bodies[0].label} and {bodies[1].label}")
         self._set_rack_mass()
         self._lines = []
         for body in bodies:
@@ -249,6 +249,11 @@ class Gears:
     def broken(self) -> bool:
         """Whether a body that it held was closed."""
         return any(line.closed for line in self._lines)
+
+    @property
+    def line(self) -> LineJoint:
+        """The first of its joints."""
+        return self._lines[0]
 
     def direction(self, index: int) -> GzVector:
         """The current axis of the first (0) or second (1) body, global."""

@@ -16,7 +16,6 @@ import json
 import struct
 import weakref
 import zlib
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 from operator import attrgetter
@@ -112,7 +111,7 @@ class _Present:
             list(table.values()) for table in (engine.bodies, engine.geoms, engine.joints)
         )
         watched: dict[Any, list[Any]] = {}
-        looks = ((self.bodies, ()), (self.geoms, ("appearance.edits",)), (self.joints, ("bodies", "_feedback")))
+        looks = ((self.bodies, ()), (self.geoms, ("appearance.edits", "space")), (self.joints, ("bodies", "_feedback")))
         for things, more in looks:
             for thing in things:
                 watched.setdefault(_watcher(_type(thing), "_id", *more), []).append(thing)
@@ -169,7 +168,7 @@ class EngineState:
             "memory": engine.step_form.get_state(self._present_parts(engine, present)),
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
             "dummies": self._dummy_poses(dummies) if dummies else b"",
-            "couplings": [list(_plain_values(one)) for one in couplings if not one.broken] if couplings else [],
+            "couplings": _couplings(couplings, joints) if couplings else [],
             "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
         }
 
@@ -224,7 +223,7 @@ class EngineState:
     ) -> bytes:
         engine, tables = self._engine, self._engine.tables
         codes = _codes(bodies, dummies)
-        spaces = [engine.top, *engine.spaces]
+        place = {space: i for i, space in enumerate((engine.top, *engine.spaces))}
         number = {joint: i for i, joint in enumerate(joints)}
         plain = {
             "rows": [table.census() for table in (tables.bodies, tables.joints, tables.geoms)],
@@ -238,7 +237,8 @@ class EngineState:
             ],
             "feedback": [joint._feedback is not None for joint in joints],
             "attached": [number[joint] for joint in attached],
-            "spaces": [spaces.index(space.parent) for space in engine.spaces],
+            "spaces": [place[space.parent] for space in engine.spaces],
+            "inside": [None if geom.space is None else place[geom.space] for geom in geoms],
         }
         return json.dumps(plain, separators=(",", ":")).encode()
 
@@ -300,9 +300,13 @@ class EngineState:
 
     def _restore_parts(self, state: dict[str, Any]) -> None:
         engine = self._engine
-        for coupling, values in zip(engine.couplings, state["couplings"], strict=True):
-            for name, value in zip(_kept(_type(coupling)), values, strict=True):
-                setattr(coupling, name, value)
+        if state["couplings"] or engine.couplings:
+            joints = list(engine.joints.values())
+            present = {joints.index(one.line): one for one in engine.couplings if not one.broken}
+            engine.couplings = [present[place] for place, _ in state["couplings"]]
+            for coupling, (_, values) in zip(engine.couplings, state["couplings"], strict=True):
+                for name, value in zip(_kept(_type(coupling)), values, strict=True):
+                    setattr(coupling, name, value)
         engine.moved_dummies.update(engine.dummies)
         engine.tables.record.changes += 1
         if engine.dummies and state["dummies"] != self._dummy_poses(engine.dummies):
@@ -323,10 +327,12 @@ class EngineState:
             for thing in reversed(list(things)):
                 if id(thing) not in keep and not thing.closed:
                     thing.close()
-        for space in reversed(list(engine.spaces)[len(saved["spaces"]) :]):
+        bodies, dummies, geoms, joints, spaces = matched
+        for space in reversed([space for space in engine.spaces if space not in spaces]):
             space.close()
+        engine.spaces.clear()
+        engine.spaces.update(dict.fromkeys(spaces))
         engine.couplings = [coupling for coupling in engine.couplings if not coupling.broken]
-        bodies, dummies, geoms, joints = matched
         ordered = ((tables.bodies, bodies), (tables.joints, joints), (tables.geoms, geoms))
         for (table, things), census in zip(ordered, saved["rows"], strict=True):
             if table.census() != _tuples(census) or list(table.objects.values()) != things:
@@ -376,80 +382,93 @@ class EngineState:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)
 
-    def _match(self, saved: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
-        """The objects that are in the state: bodies, dummies, geoms, joints; nothing is changed yet."""
+    def _match(self, saved: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any], list[Any], list[Any]]:
+        """The objects that are in the state: bodies, dummies, geoms, joints, spaces; nothing is changed yet."""
         engine, tables = self._engine, self._engine.tables
         censuses = dict(zip(("bodies", "joints", "geoms"), saved["rows"], strict=True))
+        # By numbers from 0 on, and from -1 on downwards, as `_codes`.
+        names = [label for label, _ in (*saved["bodies"], *reversed(saved["dummies"]))]
         missing: list[str] = []
 
         def find(
-            kind: str, wanted: list[Any], things: list[Any], trait: Callable[[Any], Any], name: Callable[[Any], str]
+            kind: str, wanted: list[Any], things: Iterable[Any], trait: Callable[[Any], Any], least: int
         ) -> list[Any]:
-            table = getattr(tables, kind, None)
-            if table is not None:
-                numbers = dict(zip(table.census()[1], table.objects.values(), strict=True))
-                same = [numbers.get(number) for number in censuses[kind][1]]
-                if all(t is not None and trait(t) == w for t, w in zip(same, wanted, strict=True)):
-                    return same
-            result, rest = [], iter(things)
-            for want in wanted:
-                result.append(next((thing for thing in rest if trait(thing) == want), None))
-            if None in result:
-                lost = Counter(map(json.dumps, wanted)) - Counter(json.dumps(trait(thing)) for thing in things)
-                lost = lost or Counter([json.dumps(wanted[result.index(None)])])
-                missing.extend(name(json.loads(want)) for want in lost.elements())
-            return result
+            """Things of these traits, else of their first parts: those of the same numbers first, then any."""
+            table, present = getattr(tables, kind, None), list(things)
+            numbers = dict(zip(table.census()[1], present, strict=True)) if table is not None else {}
+            found = [numbers.get(number) for number in censuses[kind][1]] if table is not None else []
+            for parts in (None, least):
+                for candidates in (found, _chosen(present, wanted, trait, parts)):
+                    traits = [trait(thing)[:parts] if thing is not None else None for thing in candidates]
+                    if traits == [want[:parts] for want in wanted]:
+                        return candidates
+            chosen = _chosen(present, wanted, trait, least)
+            missing.extend(_text(kind, want, names) for want, one in zip(wanted, chosen, strict=True) if one is None)
+            return chosen
 
-        names = [label for label, _ in (*saved["bodies"], *saved["dummies"])]
-        bodies = find("bodies", [b[1][0] for b in saved["bodies"]], list(engine.bodies.values()), _name, _body_text)
-        dummies = find("dummies", [b[1][0] for b in saved["dummies"]], list(engine.dummies), _name, _body_text)
-        codes = _codes(bodies, dummies)
-
-        def geom_trait(geom: Any) -> Any:
-            return [type(geom).__name__, codes.get(geom.body)]
-
-        def geom_text(trait: Any) -> str:
-            kind, code = trait
-            return f"{kind} of body {names[code if code >= 0 else len(bodies) - 1 - code]!r}"
-
-        geoms = find("geoms", [g[:2] for g in saved["geoms"]], list(engine.geoms.values()), geom_trait, geom_text)
-        # One that was detached and is made anew comes last, and its name may be that of others.
-        wanted = [[j[0], j[2][0]] for j in saved["joints"]]
-        present = _reordered(
-            list(engine.joints.values()),
-            [(*want, *pair) for want, (_, pair, _) in zip(wanted, saved["joints"], strict=True)],
-            lambda joint: (*_joint_trait(joint), *map(codes.get, joint.bodies)),
+        bodies, dummies = (
+            find(kind, [(values[0], label) for label, values in saved[kind]], things, _body_trait, 1)
+            for kind, things in (("bodies", engine.bodies.values()), ("dummies", engine.dummies))
         )
-        joints = find("joints", wanted, present, _joint_trait, _joint_text)
-        if len(engine.spaces) < len(saved["spaces"]):
-            missing.append(f"{len(saved['spaces']) - len(engine.spaces)} spaces of geoms")
+        codes = _codes(bodies, dummies)
+        wanted = [tuple(row[:2]) for row in saved["geoms"]]
+        geoms = find("geoms", wanted, engine.geoms.values(), lambda g: (type(g).__name__, codes.get(g.body)), 2)
+        joints = find(
+            "joints",
+            [(kind, values[0], *pair) for kind, pair, values in saved["joints"]],
+            engine.joints.values(),
+            lambda joint: (type(joint).__name__, joint.name, *map(codes.get, joint.bodies)),
+            2,
+        )
+        spaces = self._match_spaces(saved, geoms)
+        if None in spaces:
+            missing.append(f"{spaces.count(None)} spaces of geoms")
         if missing:
             more = len(missing) - MOST_NAMED
             listed = ", ".join(missing[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
             raise StateError(f"this state has what the world has not (any more): {listed}")
-        return bodies, dummies, geoms, joints
+        return bodies, dummies, geoms, joints, spaces
+
+    def _match_spaces(self, saved: dict[str, Any], geoms: list[Any]) -> list[Any]:
+        """The spaces in the order of the state: known by their geoms, and by their parts; of empty ones any."""
+        engine, parents = self._engine, saved["spaces"]
+        found: dict[int, Any] = {0: engine.top}
+        for geom, place in zip(geoms, saved["inside"], strict=True):
+            if place is not None and geom is not None and geom.space is not None:
+                found.setdefault(place, geom.space)
+        for i in range(len(parents), 0, -1):
+            if i in found:
+                found.setdefault(parents[i - 1], found[i].parent)
+        left = [space for space in engine.spaces if space not in found.values()]
+        for i, parent in enumerate(parents, 1):
+            if i not in found:
+                found[i] = next((space for space in left if space.parent is found.get(parent)), None)
+                left = [space for space in left if space is not found[i]]
+        return [found[i] for i in range(1, len(parents) + 1)]
 
 
-def _name(body: Any) -> Any:
-    return body.bodyName
+def _couplings(couplings: Iterable[Any], joints: list[Any]) -> list[tuple[int, list[Any]]]:
+    """What couplings keep, each behind the number of its first joint."""
+    return [(joints.index(one.line), [*_plain_values(one)]) for one in couplings if not one.broken]
 
 
-def _body_text(name: Any) -> str:
-    return f"body {name or 'unnamed'!r}"
+def _body_trait(body: Any) -> tuple[Any, ...]:
+    return body.bodyName, body.label
 
 
-def _joint_trait(joint: Any) -> Any:
-    return [type(joint).__name__, joint.name]
+def _text(kind: str, trait: Sequence[Any], names: Sequence[str]) -> str:
+    """What is missing, in words."""
+    if kind in ("bodies", "dummies"):
+        return f"body {trait[0] or 'unnamed'!r}"
+    return f"{trait[0]} of body {names[trait[1]]!r}" if kind == "geoms" else f"{trait[0]} {trait[1] or 'unnamed'!r}"
 
 
-def _joint_text(trait: Any) -> str:
-    return f"{trait[0]} {trait[1] or 'unnamed'!r}"
-
-
-def _reordered(things: list[Any], wanted: list[Any], trait: Callable[[Any], Any]) -> list[Any]:
-    """Things in the order of the wanted traits, by all of a trait, else by its first two parts; others follow."""
+def _chosen(
+    things: Iterable[Any], wanted: Sequence[Any], trait: Callable[[Any], Any], least: int | None
+) -> list[Any | None]:
+    """A thing for each of the wanted traits: by all of it, else by its first parts; None where there is none."""
     left, found = list(things), [None] * len(wanted)
-    for parts in (None, 2):
+    for parts in dict.fromkeys((None, least)):
         by_trait: dict[Any, list[Any]] = {}
         for thing in reversed(left):
             by_trait.setdefault(trait(thing)[:parts], []).append(thing)
@@ -457,7 +476,7 @@ def _reordered(things: list[Any], wanted: list[Any], trait: Callable[[Any], Any]
             if found[i] is None and by_trait.get(want[:parts]):
                 found[i] = by_trait[want[:parts]].pop()
         left = [thing for others in by_trait.values() for thing in reversed(others)]
-    return [thing for thing in found if thing is not None] + left
+    return found
 
 
 def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:

@@ -27,6 +27,7 @@ from libgz.physics.check import finite, unit_axis
 from libgz.physics.couplings import Gears
 from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
+from libgz.sdf.element import Element
 from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.sdfworld.links import accelerate_links, links_behind, move_links
 from libgz.sdfworld.mechanism import (
@@ -226,8 +227,12 @@ class SdfJoint:
 
     # State -----------------------------------------------------------------------------------------------------------
 
-    def save(self) -> tuple[Any, ...]:
-        """Its state as plain data, beside its efforts, and what the engine has of its ODE joints."""
+    def save(self, holder: Element) -> tuple[Any, ...]:
+        """Its state as plain data, beside its efforts, and what the engine has of its ODE joints.
+
+        Args:
+            holder: what contains the `<joint>` elements of the file that `load_joints` will find.
+        """
         self.release_deleted()
         links, mechanism = self.links, self._mechanism
         return (
@@ -236,6 +241,7 @@ class SdfJoint:
             _description(self),
             [_numbers_of_axis(axis) for axis in self.axes],
             [_numbers_of_vector(axis) for axis in self._local],
+            self.plan.element is not None and self.plan.element.GetParent() is holder,
         )
 
     @property
@@ -251,17 +257,18 @@ class SdfJoint:
             joint._applied, joint._before = [first, second], [third, fourth]
 
     @classmethod
-    def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace) -> JointPlan:
-        """What to make for a joint that a state has."""
-        _, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, _ = state
+    def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace, element: Element | None) -> JointPlan:
+        """What to make for a joint that a state has; `element` is the file's of this name."""
+        mechanism, (parent, child, reference), described, axes, *_ = state
+        kind, implicit, parameters, pitch, ratio, feedback, *_ = described
         made = [Axis(GzVector(*numbers[:3]), *numbers[3:]) for numbers in axes]
         frame = find(child) or find(parent)
         anchor = frame.GetPose() if frame is not None else GzPose()
         return JointPlan(
             name,
             kind,
-            find(parent),
-            find(child),
+            find(parent) if mechanism is not None else None,
+            find(child) if mechanism is not None else None,
             anchor,
             made,
             pitch,
@@ -270,7 +277,12 @@ class SdfJoint:
             implicit,
             feedback,
             dict(parameters),
+            element if state[-1] else None,
         )
+
+    def fits(self, state: Sequence[Any]) -> bool:
+        """Whether it is a joint as that of a state: of the same kind."""
+        return bool((self.kind, self.implicit) == tuple(state[2][:2]))
 
     def load(self, state: Sequence[Any], find: FindPlace) -> None:
         """Take a state that `save` returned: of this joint, or of one of this name that was removed since.
@@ -282,7 +294,7 @@ class SdfJoint:
             find: returns a link by its place.
         """
         self.release_deleted()
-        name, (*ends, _), (_, _, _, pitch, ratio, feedback, *flags), axes, local = state
+        name, (*ends, _), (_, _, _, pitch, ratio, feedback, *flags), axes, local, _ = state
         plan, tables, frames = self.plan, flags[3:6], (flags[6:13], flags[13:])
         plan.pitch, plan.ratio = pitch, ratio
         self._in_child, self._in_parent = (GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:])) for frame in frames)
@@ -307,9 +319,9 @@ class SdfJoint:
         self.detach()
         self.links = links
         if holds:
-            places = self._in_child, self._in_parent
+            places = self._in_child, self._in_parent, self._local
             self.attach(links.parent, links.child)
-            self._in_child, self._in_parent = places
+            self._in_child, self._in_parent, self._local = places
 
     def restore(self) -> None:
         """Count turns from zero again, after links were returned to where they began."""

@@ -60,8 +60,7 @@ class SdfModel(Entity):
         self._frame = GzPose()  # of a model without any link
         self._places: list[tuple[Body, GzPose, GzPose]] = []  # where links began: in the model frame, and global
         self._start = GzPose()  # where the model was then
-        self._spaces: dict[Body, Space] = {}  # of links that touch, or have touched, others of the model
-        self._self_colliding: set[Body] = set()
+        self._spaces: dict[Body, Space] = {}  # of links that touch others of the model
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
         self._kept = Kept()  # of `_parts`
         self._kept_at: tuple[int, ...] | None = None  # what had been counted then
@@ -256,7 +255,6 @@ class SdfModel(Entity):
         body = self.links.pop(name)
         self.bodies.remove(body)
         changes.count()
-        self._self_colliding.discard(body)
         self._places = [place for place in self._places if place[0] is not body]
         self.sdf.RemoveChild(self._added.pop(name))
         body.close()
@@ -271,24 +269,21 @@ class SdfModel(Entity):
 
     def self_collides(self, body: Body) -> bool:
         """Whether a link touches others of its model."""
-        return body in self._self_colliding
+        return body in self._spaces
 
     def set_self_collide(self, body: Body, collide: bool) -> None:
         """Let a link touch others of its model, or not. It needs a space of its own: geoms of one never touch."""
         if collide == self.self_collides(body):
             return
         changes.count()
-        space = self.modelSpaceId
+        space, former = self.modelSpaceId, self._spaces.pop(body, None)
         if collide:
-            if body not in self._spaces or self._spaces[body].closed:  # a state that is loaded may have closed it
-                self._spaces[body] = Space(self.world.engine)
-            space = self._spaces[body]
-            self._self_colliding.add(body)
-        else:
-            self._self_colliding.discard(body)
+            space = self._spaces[body] = Space(self.world.engine)
         for geom in body.geoms:
             if geom.space is not None:
                 geom.move_to(space)
+        if former is not None:
+            former.close()
 
     def _in_wind(self, link: Element) -> bool:
         """Whether wind acts on a link; its own setting overrides the model's."""
@@ -309,7 +304,6 @@ class SdfModel(Entity):
         space = self.modelSpaceId
         if self._self_collides(link):
             space = self._spaces[body] = Space(self.world.engine)
-            self._self_colliding.add(body)
         for collision in link.named("collision"):
             self._guard(collision, self.add_collision, body, collision, space)
         last = next(reversed(list(link.named("collision"))), None)
@@ -465,7 +459,7 @@ class SdfModel(Entity):
 
     @property
     def _has_parts(self) -> bool:
-        return bool(self._canonical is None or self._added or self.sdf_joints or self._self_colliding)
+        return bool(self._canonical is None or self._added or self.sdf_joints or self._spaces)
 
     @property
     def _parts(self) -> bytes | None:
@@ -477,9 +471,9 @@ class SdfModel(Entity):
         if key == self._kept_at:
             return self._kept.encoded
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
-        joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
+        joints = [(name, joint.save(self.sdf)) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
-        colliding = [name for name, body in self.links.items() if body in self._self_colliding]
+        colliding = [name for name, body in self.links.items() if body in self._spaces]
         self._kept_at = key if frame is None and added is None else None
         return self._kept.encode((frame, added, joints, colliding))
 
@@ -502,7 +496,7 @@ class SdfModel(Entity):
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         for name, body in self.links.items():
             self.set_self_collide(body, name in (colliding or ()))
-        load_joints(self.world, self.sdf_joints, joints or ())
+        load_joints(self.world, self.sdf_joints, joints or (), self.sdf)
 
     @property
     def _motion(self) -> bytes | tuple[Any, ...]:
@@ -599,10 +593,10 @@ class SdfModel(Entity):
             space.close()
 
 
-def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]]) -> None:
+def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]], holder: Element) -> None:
     """Give joints the states that `SdfJoint.save` returned, by name; those that are missing are made again.
 
-    They are in the order of the states then.
+    They are in the order of the states then. `holder` contains the `<joint>` elements of the file.
     """
 
     def find(place: Place) -> Body | None:
@@ -614,17 +608,19 @@ def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple
             raise StateError(f"a joint of this state is attached to link {number + 1} of {owner!r}, which is not there")
         return bodies[number]
 
-    kept, before = list(state), dict(joints)
+    kept, before, own = list(state), dict(joints), list(holder.named("joint"))
     joints.clear()
     for name, one in kept:
-        joint = before.pop(name, None)
-        if joint is None:
-            joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find))
+        joint = before.get(name)
+        if joint is None or not joint.fits(one):
+            element = next((element for element in own if element.Get(str, "name") == name), None)
+            joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find, element))
         joints[name] = joint
         joint.on_acts = world.update_rows_changed
         joint.load(one, find)
     for joint in before.values():
-        joint.close()
+        if joint not in joints.values():
+            joint.close()
     changes.count()
     world.update_rows_changed()
 

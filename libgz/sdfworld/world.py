@@ -248,7 +248,7 @@ class SdfWorld(Era):
                 elif element.name == "light":
                     self._register(SdfLight(self.world, element, diagnostics), document, top * FAMILY)
                 else:
-                    joints = WorldJoints(self.world, list(element.named("joint")), diagnostics)
+                    joints = WorldJoints(self.world, element, diagnostics)
                     joints.origin = Origin(document.source, top * FAMILY)
                     self.world.adopt(joints)
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met

@@ -27,20 +27,21 @@ class WorldJoints(Entity):
 
     Args:
         world: where.
-        elements: the `<joint>` elements.
+        holder: the `<world>`, which contains the `<joint>` elements.
         diagnostics: takes the errors.
     """
 
     is_model = False
 
-    def __init__(self, world: World, elements: list[Element], diagnostics: Diagnostics) -> None:
+    def __init__(self, world: World, holder: Element, diagnostics: Diagnostics) -> None:
         super().__init__(world)
+        self.sdf = holder
         self.SetName("joints")
         self.SetId("world_joints")
         self.AddBody(Body(world, dummy=True), True)
         self.sdf_joints: dict[str, SdfJoint] = {}
         self._kept = Kept()
-        for element in elements:
+        for element in holder.named("joint"):
             if lost := lost_link(element, self.find_link):
                 diagnostics.warn(element, lost)
                 continue
@@ -53,14 +54,14 @@ class WorldJoints(Entity):
 
     def SaveState(self) -> tuple[bytes, bytes]:
         """The joints, and their efforts."""
-        joints = self._kept.encode([(name, joint.save()) for name, joint in self.sdf_joints.items()])
+        joints = self._kept.encode([(name, joint.save(self.sdf)) for name, joint in self.sdf_joints.items()])
         return joints, b"".join([joint.efforts for joint in self.sdf_joints.values()])
 
     def LoadState(self, state: tuple[bytes, bytes]) -> None:
         """Take what SaveState returned."""
         joints, efforts = state
         if joints != self.SaveState()[0]:
-            load_joints(self.world, self.sdf_joints, decode(joints))
+            load_joints(self.world, self.sdf_joints, decode(joints), self.sdf)
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
 
     def MasterRows(self, rows: UpdateRows) -> None:

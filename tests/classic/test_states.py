@@ -17,9 +17,10 @@ from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
 from libgz.classic.math import PID, Color, Pose3d, Rand, Vector3d
 from libgz.classic.rendering import Visual, get_scene
+from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import ClosedError, StateError
+from libgz.errors import ClosedError, ParameterError, StateError
 from libgz.simulation.event import owner
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
@@ -551,3 +552,95 @@ def test_ready_plugins_declare_their_state(name, caplog):
         world.step(1)
         world.get_state()
     assert "does not declare its state" not in caplog.text
+
+
+def test_contacts_of_a_removed_model_end_with_it():
+    sensor = """<sensor name='bump' type='contact'><always_on>1</always_on><update_rate>10</update_rate>
+<contact><collision>c</collision></contact></sensor>"""
+    low, high = box("low", "0 0 0.2 0 0 0", link=sensor), box("high", "0 0 0.6 0 0 0")
+
+    def touching(run):
+        run.steps(120)
+        message = get_sensor("bump").Contacts()
+        return {name for contact in message.contact for name in (contact.collision1, contact.collision2)}
+
+    with World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{low}{high}</world></sdf>") as world:
+        run = Run(world)
+        run.steps(30)
+        before = world.get_state()
+        run.view.RemoveModel("high")
+        run.steps(1)
+        then = world.get_state()
+        assert touching(run) == {"ground::l::c", "low::l::c"}
+        world.set_state(then)
+        assert touching(run) == {"ground::l::c", "low::l::c"}
+        world.set_state(before)
+        assert "high::l::c" in touching(run)
+
+
+CHAIN = """<model name='chain'><pose>0 5 2 0 0 0</pose>
+<link name='a'/><link name='b'><pose>0.3 0 0 0 0.2 0.1</pose></link><link name='c'><pose>0.6 0 0 0 0.1 0</pose></link>
+<link name='d'><pose>0.9 0 0 0 0 0</pose></link><link name='e'><pose>0.9 0.4 0 0 0 0</pose></link>
+<joint name='thread' type='screw'><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz></axis>
+<thread_pitch>10</thread_pitch></joint>
+<joint name='hinge' type='revolute'><parent>b</parent><child>c</child><axis><xyz>0 1 0.1</xyz></axis>
+<sensor name='wrench' type='force_torque'><always_on>1</always_on></sensor></joint>
+<joint name='first' type='revolute'><parent>c</parent><child>d</child><axis><xyz>0 0 1</xyz></axis></joint>
+<joint name='second' type='revolute'><parent>c</parent><child>e</child><axis><xyz>0 0 1</xyz></axis></joint>
+<joint name='gears' type='gearbox'><parent>d</parent><child>e</child><axis><xyz>0 0 1</xyz></axis>
+<axis2><xyz>0 0 1</xyz></axis2><gearbox_ratio>2</gearbox_ratio>
+<gearbox_reference_body>c</gearbox_reference_body></joint></model>"""
+
+
+def rejoined(chain):
+    chain.GetJoint("gears").Detach()
+    chain.GetJoint("thread").Detach()
+    chain.GetJoint("thread").Attach(chain.GetLink("a"), chain.GetLink("b"))
+
+
+def removed(chain):
+    chain.RemoveJoint("hinge")
+    chain.RemoveJoint("gears")
+    chain.CreateJoint("hinge", "ball", chain.GetLink("a"), chain.GetLink("c"))
+
+
+def joined_with_itself(chain):
+    with pytest.raises(ParameterError, match="cannot join body"):
+        chain.GetJoint("hinge").Attach(chain.GetLink("a"), chain.GetLink("a"))
+
+
+def spaces(chain):
+    for name in ("d", "a", "c"):
+        chain.GetLink(name).SetSelfCollide(True)
+    chain.GetLink("d").SetSelfCollide(False)
+
+
+def renamed(chain):
+    chain.SetName("other")
+
+
+def linked(chain):
+    box = chain.GetWorld().ModelByName("box")
+    box.CreateLink("new")  # another order than that of the models
+    chain.CreateLink("new").SetLinearVel((0.1, 0.0, 0.0))
+
+
+CHANGES = (rejoined, removed, joined_with_itself, spaces, renamed, linked)
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+def test_changes_of_joints_and_links_are_in_a_state_and_undone_by_one(change):
+    text = f"<sdf version='1.6'><world name='default'>{GROUND}{CHAIN}{box('box', '2 0 1 0 0.1 0')}</world></sdf>"
+    with World.from_string(text) as world:
+        run = Run(world)
+        run.activate()
+        run.steps(5)
+        repeats(run, lambda: change(run.view.ModelByName("chain")), steps=10)
+        change(run.view.ModelByName("chain"))
+        run.steps(3)
+        changed = world.get_state()
+        with world.clone() as clone:
+            assert clone.get_state() == changed
+        world.reset()
+        world.set_state(changed)
+        assert world.get_state() == changed

@@ -66,6 +66,11 @@ class Activity:
         for controller in self._controllers_of(joint):
             controller.RemoveJoint(joint)
 
+    def renamed(self) -> None:
+        """A view was renamed."""
+        for controller in self._controllers.values():
+            controller.renamed()
+
     def _controllers_of(self, joint: Joint) -> Iterator[JointController]:
         part = joint.GetParentModel()
         while isinstance(part, Model):

@@ -77,8 +77,7 @@ class Base:
 
     def SetName(self, name: str) -> None:
         """Set the name."""
-        self._world.server.ids.note_name(self)
-        self._name = name
+        self._world.server.ids.rename(self, name)
 
     def GetScopedName(self, prependWorldName: bool = False) -> str:
         """The names from the top-level model down to this object, joined by ``::``."""

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.classic import msgs
 from libgz.classic.common import Time
-from libgz.classic.math import Vector3d
+from libgz.classic.math import Quaterniond, Vector3d
+from libgz.ode.context import CONTACT
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import World
-    from libgz.physics.geom import Geom
 
-__all__ = ["Contact", "JointWrench", "loaded_contacts", "read_contacts"]
+__all__ = ["RECORD", "Contact", "JointWrench", "contact_records", "read_contacts"]
+
+# A contact point with its sim time [ns], and the numbers of both geoms and rotations of their links at that time.
+RECORD = np.dtype([("time", np.int64), ("number", np.int64, 2), ("turn", np.float64, (2, 4)), ("point", CONTACT)])
 
 
 @dataclass
@@ -43,16 +45,6 @@ class Contact:
     normals: list[Vector3d] = field(default_factory=list)
     depths: list[float] = field(default_factory=list)
     wrench: list[JointWrench] = field(default_factory=list)
-
-    def save(self) -> tuple[Any, ...]:
-        """The contact as plain data, for `loaded_contacts`."""
-        wrenches = [
-            tuple(tuple(part) for part in (w.body1Force, w.body1Torque, w.body2Force, w.body2Torque))
-            for w in self.wrench
-        ]
-        geoms = [_place(collision.geom) for collision in (self.collision1, self.collision2)]
-        vectors = [tuple(map(tuple, rows)) for rows in (self.positions, self.normals)]
-        return geoms, self.time.nanoseconds, vectors, self.depths, wrenches
 
     @property
     def count(self) -> int:
@@ -99,54 +91,51 @@ class Contact:
         return "\n".join(lines) + "\n"
 
 
-def read_contacts(world: World, points: NDArray[np.void]) -> list[Contact]:
-    """Records of contact points (see `Engine.contacts`) as contacts, one for each pair of collisions."""
-    engine, now = world.core.engine, world.SimTime()
-    pairs: dict[tuple[int, int], Contact] = {}
-    for point in points:
-        rows = int(point["geom1"]), int(point["geom2"])
-        if rows not in pairs:
-            geoms = [engine.geoms[row] for row in rows if row in engine.geoms]
-            touching = [found for geom in geoms if (found := world.collision_of(geom)) is not None]
-            if len(touching) < 2:
-                continue
-            pairs[rows] = Contact(world, touching[0], touching[1], now)
-        contact = pairs[rows]
-        contact.positions.append(Vector3d(*point["position"].tolist()))
-        contact.normals.append(Vector3d(*point["normal"].tolist()))
-        contact.depths.append(float(point["depth"]))
-        contact.wrench.append(_wrench(contact, point))
-    return list(pairs.values())
+def contact_records(world: World, points: NDArray[np.void]) -> NDArray[np.void]:
+    """Contact points of the last iteration (see `Engine.contacts`) as numbers that `read_contacts` can read later."""
+    found = np.zeros(len(points), RECORD)
+    if not len(points):
+        return found
+    found["point"], found["time"] = points, world.SimTime().nanoseconds
+    rows = points["geom1"].tolist(), points["geom2"].tolist()
+    known = {row: _number_and_turn(world, row) for row in {*rows[0], *rows[1]}}
+    for side, column in enumerate(rows):
+        found["number"][:, side] = [known[row][0] for row in column]
+        found["turn"][:, side] = [known[row][1] for row in column]
+    return found
 
 
-def _wrench(contact: Contact, point: np.void) -> JointWrench:
-    """Forces and torques on both links, in the link frames, as in Gazebo."""
-    turn1, turn2 = contact.collision1.link.WorldPose().rot, contact.collision2.link.WorldPose().rot
-    return JointWrench(
-        turn1.RotateVectorReverse(Vector3d(*point["force1"].tolist())),
-        turn1.RotateVectorReverse(Vector3d(*point["torque1"].tolist())),
-        turn2.RotateVectorReverse(Vector3d(*point["force2"].tolist())),
-        turn2.RotateVectorReverse(Vector3d(*point["torque2"].tolist())),
-    )
+def _number_and_turn(world: World, row: int) -> tuple[int, tuple[float, ...]]:
+    """The number of a collision, and the rotation of its link; 0 for what is no collision of a model."""
+    table = world.core.engine.tables.geoms
+    geom = table.objects.get(row)
+    if geom is None or world.collision_of(geom) is None:
+        return 0, (1.0, 0.0, 0.0, 0.0)
+    turn = geom.body.GetPose().rot
+    return table.number(row), (turn.u, turn.x, turn.y, turn.z)
 
 
-def _place(geom: Geom) -> tuple[str, int, int]:
-    """The id of a geom's entity, the number of its link, and its own number there."""
-    body = geom.body
-    return body.model.GetId(), body.model.bodies.index(body), body.geoms.index(geom)
-
-
-def loaded_contacts(world: World, states: Iterable[Any]) -> list[Contact]:
-    """Contacts again from what `Contact.save` returned, without those of collisions that are not there any more."""
-    contacts = []
-    for geoms, nanoseconds, (positions, normals), depths, wrenches in states:
-        pair = [world.collision_of(world.core.model(owner).bodies[link].geoms[at]) for owner, link, at in geoms]
-        if pair[0] is None or pair[1] is None:
+def read_contacts(world: World, records: NDArray[np.void]) -> list[Contact]:
+    """Contacts from `contact_records`, one for each pair of collisions and iteration; without removed collisions."""
+    table = world.core.engine.tables.geoms
+    contacts: dict[tuple[int, ...], Contact] = {}
+    columns = [records[name].tolist() for name in ("time", "number", "turn")]
+    columns += [records["point"][name].tolist() for name in CONTACT.names or ()]
+    for nanoseconds, numbers, turns, row1, row2, position, normal, depth, *efforts in zip(*columns, strict=True):
+        if [table.number(row1), table.number(row2)] != numbers or 0 in numbers:
             continue
-        contact = Contact(world, pair[0], pair[1], Time(0, nanoseconds))
-        contact.positions = [Vector3d(*vector) for vector in positions]
-        contact.normals = [Vector3d(*vector) for vector in normals]
-        contact.depths = list(depths)
-        contact.wrench = [JointWrench(*(Vector3d(*part) for part in wrench)) for wrench in wrenches]
-        contacts.append(contact)
-    return contacts
+        key = nanoseconds, row1, row2
+        contact = contacts.get(key)
+        if contact is None:
+            first, second = (world.collision_of(table.objects[row]) for row in (row1, row2))
+            if first is None or second is None:
+                continue
+            contact = contacts[key] = Contact(world, first, second, Time(0, nanoseconds))
+        contact.positions.append(Vector3d(*position))
+        contact.normals.append(Vector3d(*normal))
+        contact.depths.append(depth)
+        turn1, turn2 = (Quaterniond(*turn) for turn in turns)
+        parts = zip((turn1, turn1, turn2, turn2), efforts, strict=True)
+        # In the link frames, as in Gazebo.
+        contact.wrench.append(JointWrench(*(turn.RotateVectorReverse(part) for turn, part in parts)))
+    return [*contacts.values()]

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
-from libgz.classic.physics.contact import Contact, read_contacts
+from libgz.classic.physics.contact import Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
 from libgz.errors import NotFoundError, ParameterError, nearest
@@ -103,7 +103,7 @@ class ContactManager:
         now = engine.steps, engine.collisions
         if self._read_at != now:
             self._read_at = now
-            self._contacts = read_contacts(self._world, engine.contacts)
+            self._contacts = read_contacts(self._world, contact_records(self._world, engine.contacts))
         return self._contacts
 
     # Filters -----------------------------------------------------------------------------------------------------

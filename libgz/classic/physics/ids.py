@@ -36,9 +36,11 @@ class Ids:
             self._last = self._numbers[view] = found = self._last + 1
         return found
 
-    def note_name(self, view: Base) -> None:
-        """A view is about to be renamed."""
+    def rename(self, view: Base, name: str) -> None:
+        """Rename a view."""
         self._names.setdefault(view, view._name)
+        view._name = name
+        self._world.server.activity.renamed()
         changes.count()
 
     def save(self) -> tuple[Any, ...]:
@@ -50,17 +52,20 @@ class Ids:
         numbers = sorted((row for row in rows if row[0] is not None), key=lambda row: row[1])
         return self._last, numbers, sorted((row for row in names if row[0] is not None), key=repr)
 
-    def load(self, state: Sequence[Any]) -> None:
-        """Take what `save` returned."""
-        self._last, rows, names = state
-        for view, name in self._names.items():
-            view._name = name
-        views = [(self._at(place), number) for place, number in rows]
+    def load_names(self, state: Sequence[Any]) -> None:
+        """Take the names of what `save` returned: sensors and plugins are found by them."""
+        _, _, names = state
+        for view, name in [*self._names.items()]:
+            self.rename(view, name)
         for view, name in [(self._at(place), name) for place, name in names]:
             if view is not None:
-                self.note_name(view)
-                view._name = name
-        changes.count()
+                self.rename(view, name)
+
+    def load(self, state: Sequence[Any]) -> None:
+        """Take what `save` returned."""
+        self.load_names(state)
+        self._last, rows, _ = state
+        views = [(self._at(place), number) for place, number in rows]
         self._numbers = WeakKeyDictionary({view: number for view, number in views if view is not None})
 
     def _place(self, view: Any) -> tuple[Any, ...] | None:

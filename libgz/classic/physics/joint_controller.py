@@ -57,7 +57,7 @@ class JointController:
 
     def _changed_pids(self) -> list[dict[str, tuple[float, ...]]]:
         return [
-            {name: state for name, pid in pids.items() if (state := pid.SaveState()) != NEW_PID}
+            {name: state for name, pid in sorted(pids.items()) if (state := pid.SaveState()) != NEW_PID}
             for pids in (self._position_pids, self._velocity_pids)
         ]
 
@@ -90,6 +90,15 @@ class JointController:
         for rows in (self._joints, self._position_pids, self._velocity_pids):
             rows.pop(name, None)
         self._drop_targets(name)
+
+    def renamed(self) -> None:
+        """Know the joints by the names that they have now."""
+        names = {before: joint.GetScopedName() for before, joint in self._joints.items()}
+        tables: tuple[dict[str, Any], ...] = (self._joints, self._position_pids, self._velocity_pids)
+        for table in (*tables, self._forces, self._positions, self._velocities):
+            rows = [(names.get(name, name), value) for name, value in table.items()]
+            table.clear()
+            table.update(rows)
 
     def _drop_targets(self, name: str) -> None:
         for targets in (self._forces, self._positions, self._velocities):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from libgz.classic import msgs
-from libgz.classic.physics.contact import Contact, loaded_contacts, read_contacts
+from libgz.classic.physics.contact import RECORD, Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
@@ -38,21 +38,22 @@ class ContactSensor(LinkSensor):
         self._prefix = f"{parent.GetScopedName()}::"
         names = [element.Get(str) for element in sdf.child("contact").named("collision")]
         self._collisions = [self._prefix + name.removeprefix(self._prefix) for name in names]
-        self._waiting: deque[list[Contact]] = deque(maxlen=MOST_ITERATIONS)
-        self._contacts: list[Contact] = []
+        self._waiting: deque[bytes] = deque(maxlen=MOST_ITERATIONS)  # contact records of iterations
+        self._taken = b""  # those of the last measurement
+        self._read: tuple[int, list[Contact]] | None = None  # the contacts in those, and the count of geoms then
         self._manager = self.world.Physics().GetContactManager()
         self._filter = ""  # name of the topic of each iteration's contacts
 
     def SaveState(self) -> tuple[object, ...]:
         """The contacts that wait, and those of the last measurement."""
-        return [[contact.save() for contact in found] for found in self._waiting], [c.save() for c in self._contacts]
+        return [*self._waiting], self._taken
 
     def LoadState(self, state: Any) -> None:
         """Take what SaveState returned."""
-        waiting, contacts = state
+        waiting, self._taken = state
         self._waiting.clear()
-        self._waiting.extend(loaded_contacts(self.world, found) for found in waiting)
-        self._contacts = loaded_contacts(self.world, contacts)
+        self._waiting.extend(waiting)
+        self._read = None
 
     def Init(self) -> None:
         """Check that the collisions exist."""
@@ -94,9 +95,11 @@ class ContactSensor(LinkSensor):
     def gather(self) -> None:
         """Collect this iteration's contacts."""
         points = self.world.core.engine.contacts
-        rows = [c.geom.row for c in self.link.GetCollisions() if c.GetScopedName() in self._collisions]
-        mine = points[np.isin(points["geom1"], rows) | np.isin(points["geom2"], rows)] if len(points) else points
-        self._waiting.append(read_contacts(self.world, mine))
+        if len(points):
+            mine = [c.geom.row for c in self.link.GetCollisions() if c.GetScopedName() in self._collisions]
+            rows = zip(points["geom1"].tolist(), points["geom2"].tolist(), strict=True)
+            points = points[[row1 in mine or row2 in mine for row1, row2 in rows]]
+        self._waiting.append(contact_records(self.world, points).tobytes())
 
     def ready(self, elapsed: float) -> bool:
         """Whether there was an iteration since the last measurement."""
@@ -104,8 +107,17 @@ class ContactSensor(LinkSensor):
 
     def measure(self, elapsed: float) -> None:
         """Take over the collected contacts."""
-        self._contacts = [contact for found in self._waiting for contact in found]
+        self._taken = b"".join(self._waiting)
+        self._read = None
         self._waiting.clear()
+
+    @property
+    def _contacts(self) -> list[Contact]:
+        """The contacts of the last measurement, of collisions that still are there."""
+        count = self.world.core.engine.tables.geoms.changes
+        if self._read is None or self._read[0] != count:
+            self._read = count, read_contacts(self.world, np.frombuffer(self._taken, RECORD))
+        return self._read[1]
 
     def message(self) -> Any:
         """The contacts of the last measurement as a msgs.Contacts."""
@@ -114,7 +126,7 @@ class ContactSensor(LinkSensor):
     def reset(self) -> None:
         """Forget all contacts."""
         self._waiting.clear()
-        self._contacts = []
+        self._taken, self._read = b"", None
         super().reset()
 
     # Contacts ----------------------------------------------------------------------------------------------------

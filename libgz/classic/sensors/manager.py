@@ -49,6 +49,7 @@ class WorldSensors:
         self._now = 0.0  # [s] of the last iteration
         self._next = -math.inf  # [s] sim time of the next measurement
         self._diagnostics = Diagnostics()
+        self._parent_name: str | None = None  # of a sensor that is made again
         self._started = False
         self._node: Node | None = None
         self._encoded = b""  # what seldom changes of the sensors
@@ -161,6 +162,9 @@ class WorldSensors:
 
     def update(self) -> None:
         """Let the sensors that are due measure, after an iteration."""
+        if not self.sensors:
+            self._now, self._next = 0.0, -math.inf  # as in a world that never had one
+            return
         for topic, sensor in self._idle:
             if topic.subscribers or topic.remote:
                 self.reschedule(sensor)
@@ -227,8 +231,10 @@ class WorldSensors:
 
     # State -------------------------------------------------------------------------------------------------------
 
-    def save(self) -> tuple[Any, ...]:
-        """The state of all sensors, as plain data."""
+    def save(self) -> tuple[Any, ...] | None:
+        """The state of all sensors, as plain data; None without any."""
+        if not self.sensors:
+            return None
         return self._now, self._next, self._rows(), [reader.get(part) for reader, part in self._changing]
 
     def _rows(self) -> bytes:
@@ -246,9 +252,9 @@ class WorldSensors:
             self._encoded, self._seen = encode(rows), counts
         return self._encoded
 
-    def load(self, state: Sequence[Any]) -> None:
+    def load(self, state: Sequence[Any] | None) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
-        now, due, encoded, changing = state
+        now, due, encoded, changing = state if state is not None else (0.0, -math.inf, encode([]), [])
         moved = encoded != self._rows()
         if moved:
             self._load_rows(decode(encoded))
@@ -303,9 +309,20 @@ class WorldSensors:
         for own in sdf.named("sensor") if element is None and sdf is not None else ():
             if name.endswith(f"::{own.Get(str, 'name')}"):
                 element = own
-        made = self.create(holder, element) if element is not None else None  # type: ignore[arg-type]
+        if element is None:
+            return
+        # It has the name that its parent had when it was first made.
+        self._parent_name = name.removeprefix(f"{self.world.Name()}::").removesuffix(f"::{element.Get(str, 'name')}")
+        try:
+            made = self.create(holder, element)  # type: ignore[arg-type]
+        finally:
+            self._parent_name = None
         if made is not None:
             made.source = source
+
+    def name_of(self, parent: Link | Joint) -> str:
+        """The name of the parent of a new sensor."""
+        return parent.GetScopedName() if self._parent_name is None else self._parent_name
 
     # Look up -----------------------------------------------------------------------------------------------------
 

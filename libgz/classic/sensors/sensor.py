@@ -43,6 +43,9 @@ class SensorOwner(Protocol):
 
     world: World
 
+    def name_of(self, parent: Link | Joint) -> str:
+        """The name of the parent of a new sensor."""
+
     def reschedule(self, sensor: Sensor) -> None:
         """The sensor's activity or rate may have changed."""
 
@@ -83,7 +86,7 @@ class Sensor(Noted):
 
     def __init__(self, sensors: SensorOwner, parent: Link | Joint, sdf: Element) -> None:
         self.sensors, self.world, self.parent, self.sdf = sensors, sensors.world, parent, sdf
-        self._name = sdf.Get(str, "name")
+        self._name, self._parent_name = sdf.Get(str, "name"), sensors.name_of(parent)
         self._number = next(_ids)
         self._pose = sdf.Get(Pose3d, "pose")
         self._active: bool | None = True if sdf.Get(bool, "always_on") else None
@@ -111,8 +114,8 @@ class Sensor(Noted):
         return f"{self.world.Name()}::{self.ParentName()}::{self._name}"
 
     def ParentName(self) -> str:
-        """``model::link``."""
-        return self.parent.GetScopedName()
+        """``model::link``: as it was when the sensor was made, as in Gazebo, even if one of them was renamed."""
+        return self._parent_name
 
     def WorldName(self) -> str:
         """The world's name."""

@@ -426,7 +426,7 @@ def test_a_truncated_skin_is_shown_if_half_of_it_is_there(tmp_path, caplog, shar
     whole = model_3ds(30)
     path.write_bytes(whole[: int(share * len(whole))])  # nothing says how many faces the missing objects had
     if share < 0.5:
-        with pytest.raises(GazeboError, match="of its 6[0-9] faces can be read"):
+        with pytest.raises(GazeboError, match=r"of its 6[0-9] faces can be read"):
             read_skin(path)
     else:
         assert sum(len(mesh.vertices) for mesh in read_skin(path)) >= 3 * 64 * (share - 0.05)

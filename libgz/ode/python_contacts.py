@@ -302,6 +302,8 @@ class FullContacts:
             if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
                 surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
+        if surface.mode & ContactMode.BOUNCE:
+            self._limit_bounce(bodies, limit, point)
         stiffness = _elastic_stiffness(a, b, found)
         if stiffness > 0.0:
             spring, kd = self._context.step * stiffness, a[Surface.KD] + b[Surface.KD]
@@ -328,6 +330,14 @@ class FullContacts:
         surface.soft_cfm = max(surface.soft_cfm * (most / surface.soft_erp), _REST_CFM / lighter)
         surface.soft_erp = most
         return withheld
+
+    def _limit_bounce(self, bodies: tuple[int, int], limit: float, point: Any) -> None:
+        """limit_bounce in step.c."""
+        n = point.geom.normal
+        apart = self._velocity_apart(bodies, point)
+        approach = -(apart[0] * n[0] + apart[1] * n[1] + apart[2] * n[2])
+        if approach * point.surface.bounce > limit:
+            point.surface.bounce = limit / approach
 
     def _vary(self, min_depth: float, point: Any) -> float:
         """vary in step.c: the depth that is kept."""
@@ -410,11 +420,15 @@ class FullContacts:
 
     def _sliding_direction(self, bodies: tuple[int, int], point: Any) -> bool:
         """sliding_direction in step.c."""
-        slide = [0.0, 0.0, 0.0]
+        return _set_friction_direction(point, self._velocity_apart(bodies, point))
+
+    def _velocity_apart(self, bodies: tuple[int, int], point: Any) -> list[float]:
+        """The velocity of the first body at a contact point, relative to the second one [m/s]; add_velocity in step.c."""
+        found = [0.0, 0.0, 0.0]
         for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:
-                self._add_velocity(body, point.geom.pos, sign, slide)
-        return _set_friction_direction(point, slide)
+                self._add_velocity(body, point.geom.pos, sign, found)
+        return found
 
     def _add_velocity(self, body: int, at: Any, sign: float, slide: list[float]) -> None:
         """add_velocity in step.c."""

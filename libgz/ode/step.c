@@ -597,12 +597,19 @@ static void add_velocity(const context *c, void *body, const double *at, double 
     sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
 }
 
+/* The velocity of the first body at a contact point, relative to the second one. */
+static void velocity_apart(const context *c, void *body1, void *body2, const contact *point, double *found)
+{
+    found[0] = found[1] = found[2] = 0.0;
+    add_velocity(c, body1, point->geom.pos, 1.0, found);
+    add_velocity(c, body2, point->geom.pos, -1.0, found);
+}
+
 /* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. */
 static int sliding_direction(const context *c, void *body1, void *body2, contact *point)
 {
-    double slide[3] = {0.0, 0.0, 0.0};
-    add_velocity(c, body1, point->geom.pos, 1.0, slide);
-    add_velocity(c, body2, point->geom.pos, -1.0, slide);
+    double slide[3];
+    velocity_apart(c, body1, body2, point, slide);
     return set_friction_direction(point, slide);
 }
 
@@ -778,6 +785,16 @@ static void limit_speed(const context *c, touching *t, surface_parameters *s, do
     s->soft_erp = most;
 }
 
+/* Let bodies bounce no faster than max_vel, either. */
+static void limit_bounce(const context *c, const touching *t, contact *point)
+{
+    double apart[3], approach;
+    velocity_apart(c, t->body1, t->body2, point, apart);
+    approach = -dot(apart, point->geom.normal);
+    if (approach * point->surface.bounce > t->max_vel)
+        point->surface.bounce = t->max_vel / approach;
+}
+
 /* What a contact point corrects: the depth that was found, without what is kept and min_depth, no faster than max_vel.
  * One that is not as deep as what is kept lets the bodies approach. */
 static void set_depth(const context *c, touching *t, double found, contact *point)
@@ -819,6 +836,8 @@ static void refine_point(const context *c, touching *t, int count, double found,
     }
     add_torsion(a, b, point);
     t->withheld = 0.0;
+    if (s->mode & BOUNCE)
+        limit_bounce(c, t, point);
     set_depth(c, t, found, point);
 }
 

@@ -75,18 +75,22 @@ def test_slip_lets_bodies_creep_under_a_force(engine):
     assert body.GetLinearVel().y == pytest.approx(2.0 * 2.0 * 0.1, rel=0.015)
 
 
-def test_bounce_needs_both_and_a_threshold(engine):
-    ground(engine, BOUNCE=0.5, BOUNCE_VEL=0.1, KD=1e6)
-    bouncing = box(engine, (0, 0, 1.5), BOUNCE=0.8, BOUNCE_VEL=0.1, KD=1e6)
-    dull = box(engine, (3, 0, 1.5), BOUNCE=0.0, KD=1e6)
-    peaks = [0.0, 0.0]
+def test_bounce_needs_both_a_threshold_and_max_vel(engine):
+    ground(engine, BOUNCE=0.5, BOUNCE_VEL=0.1, KP=1e8, KD=1e6)
+    bouncing = box(engine, (0, 0, 1.5), BOUNCE=0.8, BOUNCE_VEL=0.1, KP=1e8, KD=1e6, MAX_VEL=10.0)
+    dull = box(engine, (3, 0, 1.5), BOUNCE=0.0, KP=1e8, KD=1e6, MAX_VEL=10.0)
+    limited = box(engine, (6, 0, 1.5), BOUNCE=0.8, BOUNCE_VEL=0.1, KP=1e8, KD=1e6, MAX_VEL=1.0)
+    default = box(engine, (9, 0, 1.5), BOUNCE=0.8, BOUNCE_VEL=0.1, KP=1e8, KD=1e6, MAX_VEL=0.01)
+    peaks = [0.0] * 4
     for _ in range(1200):
         engine.step()
-        for i, body in enumerate((bouncing, dull)):
+        for i, body in enumerate((bouncing, dull, limited, default)):
             if body.GetLinearVel().z > 0:
                 peaks[i] = max(peaks[i], body.GetPosition().z - 0.5)
     assert peaks[0] == pytest.approx(0.25, abs=0.02)  # e^2 h, e the smaller one
     assert peaks[1] < 0.02
+    assert peaks[2] == pytest.approx(1.0 / (2.0 * 9.8), rel=0.08)  # v^2 / 2 g
+    assert peaks[3] < 1e-3
 
 
 def test_a_penetration_gives_no_more_velocity_than_max_vel(engine):
@@ -164,6 +168,7 @@ def test_both_forms_agree_to_the_bit(monkeypatch):
                 "MIN_DEPTH": 1e-4 * i,
                 "BOUNCE": 0.1 * i,
                 "BOUNCE_VEL": 0.1,
+                "MAX_VEL": 0.4 * i,
             }
             body = box(engine, (0.4 * i, 0.1 * i, 0.6 + 1.1 * i), mu=0.2 * i, mu2=0.5, MAX_CONTACTS=4 + i, **spin)
             body.SetAngularVel((i, 1, 0))

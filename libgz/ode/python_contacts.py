@@ -423,7 +423,7 @@ class FullContacts:
         return _set_friction_direction(point, self._velocity_apart(bodies, point))
 
     def _velocity_apart(self, bodies: tuple[int, int], point: Any) -> list[float]:
-        """The velocity of the first body at a contact point, relative to the second one [m/s]; add_velocity in step.c."""
+        """The velocity of the first body at a contact point, relative to the second one [m/s]."""
         found = [0.0, 0.0, 0.0]
         for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:

@@ -6,7 +6,8 @@ libgz.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+import ctypes
+from typing import ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
@@ -45,24 +46,54 @@ HINGES = (("SHOULDER", SHOULDER, Y), ("UPPERARM", SHOULDER, X), ("ELBOW", ELBOW,
 
 
 class JointServo:
-    """A joint whose axes follow the commands of a client."""
+    """A joint whose axes follow the commands of a client.
 
-    STATE: ClassVar[tuple[str, ...]] = ("command",)
+    Attributes:
+        seen: what the client wrote, valid or not, when `command` followed from it; None if it was set otherwise.
+    """
+
+    STATE: ClassVar[tuple[str, ...]] = ("command", "seen")
 
     def __init__(self, joint: HingeJoint | UniversalJoint) -> None:
         self.joint = joint
-        self._command = numbers(2)()
+        self._command, self._seen, self._settled = numbers(2)(), numbers(2)(), ctypes.c_int64(0)
         axes = (1, 2) if isinstance(joint, UniversalJoint) else (1,)
         self._servos = [Servo(Axis(joint, number), GAIN, TORQUE) for number in axes]
 
     @property
-    def command(self) -> Any:
-        """Wanted angle of each axis [rad]."""
-        return self._command
+    def command(self) -> tuple[float, float]:
+        """Wanted angle of each axis [rad]; it holds until the client's next tick."""
+        return self._command[0], self._command[1]
 
     @command.setter
     def command(self, angles: tuple[float, float]) -> None:
         self._command[:] = angles
+        self.seen = None
+
+    @property
+    def seen(self) -> tuple[float, float] | None:  # noqa: D102
+        return (self._seen[0], self._seen[1]) if self._settled.value else None
+
+    @seen.setter
+    def seen(self, angles: tuple[float, float] | None) -> None:
+        self._seen[:] = angles or (0.0, 0.0)
+        self._settled.value = angles is not None
+
+    def expect(self, exchange: Exchange, place: str) -> None:
+        """Make it a condition of an exchange that the client wrote nothing new."""
+        exchange.require(self._settled)
+        for number, field in enumerate(("cmd_angle", "cmd_angle2")):
+            exchange.expect(f"{place}.{field}", (self._seen, number))
+
+    def follow(self, wish: tuple[float, float], guard: Guard, place: tuple[str, str]) -> None:
+        """Take what the client wrote, in the fields of these names; what is not finite is ignored."""
+        command, seen = self._command, self._seen
+        if self._settled.value and wish == (seen[0], seen[1]):
+            return
+        command[0] = guard.number(place[0], wish[0], command[0], LARGEST_ANGLE)
+        command[1] = guard.number(place[1], wish[1], command[1], LARGEST_ANGLE)
+        seen[0], seen[1] = wish
+        self._settled.value = 1
 
     def turn(self) -> None:
         """Turn the axes towards the commanded angles; call it every step."""
@@ -176,6 +207,7 @@ class Bandit(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.interface = Joints()
         self.guard = Guard(f"joint.{self.GetId()}")
+        self._places = [(f"joints[{i}].cmd_angle", f"joints[{i}].cmd_angle2") for i in range(len(self.servos))]
         serve(self, self.interface)
         self.interface.data.joint_count = len(self.servos)
 
@@ -187,48 +219,56 @@ class Bandit(Model):
             return
         now = self.world.GetSimTime()
         if self.rate.due(now):
-            self._exchange(now)
+            self._publish(now)
+            self._take()
         for servo in self.servos:
             servo.turn()
 
     def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
         """Describe `Update` as rows: the servos natively."""
         plain = rows.knows(self.rate) and all(is_plain(servo, JointServo, "turn", "publish") for servo in self.servos)
-        if replaced(self, Bandit, "Update", "_exchange") or not plain:
+        if replaced(self, Bandit, "Update", "_publish", "_take") or not plain:
             return False
         with rows.due(self.rate):
-            rows.share(lambda _: self._exchange(self.world.GetSimTime()), self._unchanged())
+            rows.share(lambda _: self._publish(self.world.GetSimTime()), self._published())
+            rows.share(lambda _: self._take(), self._unchanged())
         for servo in self.servos:
             servo.add_rows(rows)
         return True
 
-    def _unchanged(self) -> Exchange:
-        """What `_exchange` does as long as no command changes."""
+    def _published(self) -> Exchange:
+        """What `_publish` does."""
         exchange = Exchange(self.interface)
-        for i, servo in enumerate(self.servos):
-            for name, axis in (("cmd_angle", 0), ("cmd_angle2", 1)):
-                exchange.expect(f"joints[{i}].{name}", (servo.command, axis))
         exchange.now()
         exchange.integer("joint_count", len(self.servos))
         for i, servo in enumerate(self.servos):
             servo.share(exchange, f"joints[{i}]")
         return exchange
 
-    def _exchange(self, now: float) -> None:
-        """Publish the joints and take the commands; numbers that are not finite are ignored."""
+    def _publish(self, now: float) -> None:
+        """Publish the joints."""
         if not self.interface.lock():
             return
         data = self.interface.data
         data.time, data.joint_count = now, len(self.servos)
-        wishes = []
         for servo, joint in zip(self.servos, data.joints, strict=False):
             servo.publish(joint)
-            wishes.append((joint.cmd_angle, joint.cmd_angle2))
+        self.interface.unlock()
+
+    def _unchanged(self) -> Exchange:
+        """What `_take` does as long as no command changes: nothing."""
+        exchange = Exchange(self.interface)
+        for i, servo in enumerate(self.servos):
+            servo.expect(exchange, f"joints[{i}]")
+        return exchange
+
+    def _take(self) -> None:
+        """Take the commands; numbers that are not finite are ignored."""
+        if not self.interface.lock():
+            return
+        wishes = [(joint.cmd_angle, joint.cmd_angle2) for joint in self.interface.data.joints[: len(self.servos)]]
         self.interface.unlock()
         if not self.interface.intact():
             return
-        for i, (servo, wish) in enumerate(zip(self.servos, wishes, strict=True)):
-            servo.command = (
-                self.guard.number(f"joints[{i}].cmd_angle", wish[0], servo.command[0], LARGEST_ANGLE),
-                self.guard.number(f"joints[{i}].cmd_angle2", wish[1], servo.command[1], LARGEST_ANGLE),
-            )
+        for servo, place, wish in zip(self.servos, self._places, wishes, strict=True):
+            servo.follow(wish, self.guard, place)

@@ -22,12 +22,13 @@ MOST_FIELDS = 6  # of the interface
 
 
 class _Expected(ctypes.Structure):
-    """What the interface holds as long as no client changes the command; for native updates."""
+    """What the interface holds as long as no client changes the command, and what follows; for native updates."""
 
     _fields_ = [
-        ("command", ctypes.c_double * MOST_FIELDS),
+        ("seen", ctypes.c_double * MOST_FIELDS),  # what a client wrote, valid or not
+        ("switch", ctypes.c_int64),  # the same of cmd_enable_motors
+        ("settled", ctypes.c_int64),  # whether the next two follow from both
         ("enabled", ctypes.c_int64),
-        ("settled", ctypes.c_int64),  # whether `wanted` follows from both
         ("wanted", ctypes.c_double * MOST_FIELDS),
     ]
 
@@ -40,7 +41,7 @@ class PositionServer:
         fields: the command fields that the robot obeys: name and index.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("command", "enabled", "wanted")
+    STATE: ClassVar[tuple[str, ...]] = ("command", "enabled", "wanted", "seen")
 
     def __init__(self, model: Model, fields: tuple[tuple[str, int], ...]) -> None:
         self.model, self.fields = model, fields
@@ -58,7 +59,6 @@ class PositionServer:
     @command.setter
     def command(self, value: tuple[float, ...]) -> None:
         self._command = value
-        self._expected.command[: len(value)] = value
         self._expected.settled = 0
 
     @property
@@ -82,6 +82,16 @@ class PositionServer:
         self._wanted = value
         self._expected.wanted[: len(value)] = value
         self._expected.settled = 0
+
+    @property
+    def seen(self) -> tuple[float, ...]:
+        """What a client wrote when the other three followed from it: whether it is known, the switch, the fields."""
+        return (self._expected.settled, self._expected.switch, *self._expected.seen)
+
+    @seen.setter
+    def seen(self, value: tuple[float, ...]) -> None:
+        self._expected.settled, self._expected.switch = int(value[0]), int(value[1])
+        self._expected.seen[:] = value[2:]
 
     def read_wanted(self, formula: Formula) -> list[Term]:
         """`wanted` as terms of a formula, for native updates."""
@@ -116,20 +126,26 @@ class PositionServer:
         data.stall = 0
         publish(data)
         self.interface.unlock()
-        if (wishes != self.command or enabled != self.enabled) and self.interface.intact():
-            self._take(enabled, wishes)
+        new, intact = wishes != self.command or enabled != self.enabled, True
+        if new:
+            intact = self.interface.intact()
+            if intact:
+                self._take(enabled, wishes)
         wanted = self.command if self.enabled else self._zeros
         if wanted is not self._wanted:
             self.wanted = wanted
-        self._expected.settled = 1
+        expected = self._expected
+        if new or not expected.settled:
+            expected.seen[: len(wishes)], expected.switch = wishes, enabled
+        expected.settled = intact
 
     def unchanged(self) -> Exchange:
         """An exchange, for `UpdateRows.share`, as long as the command does not change; what is published is missing."""
         exchange, expected = Exchange(self.interface), self._expected
         exchange.require((expected, "settled"))
-        exchange.expect("cmd_enable_motors", (expected, "enabled"))
+        exchange.expect("cmd_enable_motors", (expected, "switch"))
         for i, (name, index) in enumerate(self.fields):
-            exchange.expect(name, (expected, "command", i), index)
+            exchange.expect(name, (expected, "seen", i), index)
         exchange.now()
         exchange.integer("stall", 0)
         return exchange

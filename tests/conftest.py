@@ -1,6 +1,7 @@
 """Fixtures for several test modules."""
 
 import logging
+import signal
 
 import pytest
 from c_programs import config
@@ -9,6 +10,10 @@ from state_runs import forget_kept
 
 from libgz.simulation.snapshot import Snapshots
 from libgz.transport.server import Server
+
+# A shell starts jobs in the background with an ignored SIGINT, which programs under test would inherit.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True)

@@ -545,7 +545,7 @@ static double fetch(int64_t type, const char *from)
 static int is_met(const tables *t, const transfer *x, const char *memory)
 {
     int32_t number;
-    double value;
+    double value, expected;
     switch (x->what) {
     case REQUIRE:
         return *(const int64_t *)x->source != 0;
@@ -554,7 +554,8 @@ static int is_met(const tables *t, const transfer *x, const char *memory)
         return number == *(const int64_t *)x->source;
     case EXPECT_DOUBLE:
         memcpy(&value, memory + x->offset, sizeof value);
-        return value == *(const double *)x->source;
+        expected = *(const double *)x->source;
+        return value == expected || (value != value && expected != expected); /* NaN that was refused stays refused */
     case UNMARKED:
         return !hits_marked(t, x->source);
     case ANGLE:

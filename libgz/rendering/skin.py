@@ -32,6 +32,7 @@ MATERIAL, MATERIAL_NAME, DIFFUSE, SPECULAR, SHININESS = 0xAFFF, 0xA000, 0xA020, 
 OBJECT_HEAD = re.compile(rb"(?=\x00\x40(.{4})[^\0]{0,63}\0\x00[\x41\x46\x47].{4})", re.DOTALL)
 VERTICES_HEAD = re.compile(rb"\x10\x41.{4}", re.DOTALL)
 FACES_HEAD = re.compile(rb"\x20\x41.{4}", re.DOTALL)
+LARGEST = np.float32(1e9)  # a coordinate beyond is no coordinate
 LEAST_SHARE = 0.5  # of its faces that a damaged file must still give
 FLOAT_COLORS, BYTE_COLORS, PERCENTS = (0x0010, 0x0013), (0x0011, 0x0012), (0x0030,)
 
@@ -82,6 +83,7 @@ class _Reader3DS:
     materials: dict[str, Material] = field(default_factory=dict)
     objects: list[_Object] = field(default_factory=list)
     damage: str = ""  # the first found
+    end: int = 0  # where the objects end by the lengths in the file
 
     def chunks(self, start: int, end: int) -> Iterator[tuple[int, int, int]]:
         """(id, begin of data, end) of each chunk in a stretch of the file.
@@ -134,6 +136,7 @@ class _Reader3DS:
             raise _Damaged("it does not start like a 3DS file")
         for kind, start, end in self.chunks(6, max(6, min(length, len(self.data)))):
             if kind == EDITOR:
+                self.end = min(length, start - 6 + int(struct.unpack_from("<I", self.data, start - 4)[0]))
                 for inner, first, last in self.chunks(start, end):
                     part = {MATERIAL: self.material, OBJECT: self.object}.get(inner)
                     if part is not None:
@@ -163,8 +166,7 @@ class _Reader3DS:
     def _recover_object(self, start: int, end: int) -> None:
         """Take an object from which bytes are missing, if its vertices and triangles are whole."""
         for vertices, _ in self._tables(VERTICES_HEAD, "<f4", 3, start, end):
-            sizes = np.abs(vertices.astype(np.float64))
-            if not (np.isfinite(vertices).all() and (sizes < 1e9).all()):
+            if not (np.abs(vertices) < LARGEST).all():  # NaN is not, either
                 continue
             for rows, place in self._tables(FACES_HEAD, "<u2", 4, start, end):
                 if len(rows) and rows[:, :3].max() < len(vertices):
@@ -185,17 +187,21 @@ class _Reader3DS:
                 yield np.frombuffer(self.data, kind, columns * count, first).reshape(count, columns), first + size
 
     def face_count(self) -> int:
-        """How many faces the file has, as far as the heads of its faces can be found."""
-        heads = (match.start() for match in OBJECT_HEAD.finditer(self.data))
-        total = 0
-        places = [*heads, len(self.data)]
-        for start, end in itertools.pairwise(places):
-            for match in FACES_HEAD.finditer(self.data, start, max(start, end - 2)):
-                length, count = struct.unpack_from("<IH", self.data, match.start() + 2)
-                if 8 + 8 * count <= length <= len(self.data):
-                    total += int(count)
-                    break
-        return total
+        """How many faces the file has: those of all tables that can be found, whether they are whole or not, and where
+        bytes are missing, as many for each as the other objects have.
+        """
+        total, place, end = 0, 0, 0
+        while (match := FACES_HEAD.search(self.data, place, max(place, len(self.data) - 2))) is not None:
+            length, count = struct.unpack_from("<IH", self.data, match.start() + 2)
+            place, rows = match.start(), 8 * count
+            if 8 + rows <= length <= max(self.end, len(self.data)):
+                total, end = total + count, place + length
+                place += 7 + rows
+            place += 1
+        first = OBJECT_HEAD.search(self.data)
+        if first is None or self.end <= len(self.data):
+            return total
+        return total + round(total * max(0, self.end - end) / max(1, end - first.start()))
 
     def attempt(self, part: Callable[[int, int], None], start: int, end: int) -> None:
         """Read one part; if it is damaged, note that and continue."""

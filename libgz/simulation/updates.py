@@ -54,7 +54,7 @@ from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.simulation.running_code import names
 from libgz.simulation.sources import address_of, check_size
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Element, Field, fields_of
+from libgz.transport.layout import Field, Struct, fields_of
 from libgz.transport.server import LocalServer
 
 __all__ = ["Exchange", "JointAxis", "UpdateRows", "is_plain", "replaced", "run_shares", "set_part"]
@@ -246,7 +246,7 @@ class Exchange:
         layout: Any = self.interface.layout
         begin, known = 0, fields_of(layout)
         match = _ELEMENT.fullmatch(name)
-        if match and match[1] in known and issubclass(known[match[1]].ctype, Element):
+        if match and match[1] in known and issubclass(known[match[1]].ctype, Struct):
             array: Any = dict(layout._fields_)[match[1]]
             index = int(match[2])
             if index >= array._length_:

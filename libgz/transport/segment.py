@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import mmap
+import resource
 from dataclasses import dataclass
 
-__all__ = ["Segment"]
+__all__ = ["Segment", "keep_room", "room_hint"]
+
+_ROOM = 128  # open files, for what else a process opens
 
 
 @dataclass(frozen=True)
@@ -14,3 +18,22 @@ class Segment:
 
     memory: mmap.mmap | bytearray
     descriptor: int | None = None  # of the file; None for memory of this process
+
+
+def keep_room(descriptor: int) -> None:
+    """Raise this process's limit of open files if it is near: each interface takes two of the usual 1024.
+
+    Args:
+        descriptor: of a file that was just opened.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft not in (hard, resource.RLIM_INFINITY) and descriptor + _ROOM > soft:
+        most = 2 * (descriptor + _ROOM)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+
+
+def room_hint(error: OSError) -> str:
+    """What is short if a file could not be opened because there are too many."""
+    if error.errno != errno.EMFILE:
+        return ""
+    return f"; each interface takes two, of {resource.getrlimit(resource.RLIMIT_NOFILE)[1]} that this process may have"

@@ -441,6 +441,43 @@ def test_bandit_stays_at_its_pose_and_moves_with_a_robot():
         assert world.model("r").GetPose().pos.x > 1.3
 
 
+def test_a_bandit_checks_a_command_once(monkeypatch):
+    """What is refused may stand for ever; it must not cost anything in each tick."""
+    with world_of("Bandit", xyz="0 0 0.8") as world:
+        robot, checked = world.model("r"), []
+        number = robot.guard.number
+        monkeypatch.setattr(robot.guard, "number", lambda name, *values: checked.append(name) or number(name, *values))
+        joints = world.interface("joint", "r").data.joints
+        world.step(10)
+        checked.clear()
+        for value in (math.nan, 1e9, 0.5):
+            joints[2].cmd_angle = value
+            world.step(100)
+            assert checked == ["joints[2].cmd_angle", "joints[2].cmd_angle2"]
+            checked.clear()
+        assert robot.servos[2].command == (0.5, 0.0)
+        robot.servos[2].command = (0.1, 0.0)  # the client's command holds
+        world.step(100)
+        assert robot.servos[2].command == (0.5, 0.0)
+
+
+def test_a_robot_checks_a_command_once(monkeypatch):
+    with world_of("Pioneer2AT", xyz="0 0 0.3") as world:
+        server, checked = world.model("r").position, []
+        number = server._guard.number
+        monkeypatch.setattr(
+            server._guard, "number", lambda name, *values: checked.append(name) or number(name, *values)
+        )
+        data = world.interface("position", "r").data
+        world.step(10)
+        for value in (math.nan, 1e9, 0.5):
+            data.cmd_vel_pos[0] = value
+            world.step(100)
+            assert checked == ["cmd_vel_pos[0]", "cmd_vel_rot[2]"]
+            checked.clear()
+        assert server.command == (0.5, 0.0)
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
 def test_bandit_ignores_invalid_angles(bad, caplog):
     with world_of("Bandit", xyz="0 0 0.8") as world:

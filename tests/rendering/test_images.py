@@ -420,6 +420,19 @@ def test_a_skin_of_which_little_can_be_read_is_not_shown(tmp_path):
         read_skin(path)
 
 
+@pytest.mark.parametrize("share", [0.3, 0.4, 0.6, 0.8])
+def test_a_truncated_skin_is_shown_if_half_of_it_is_there(tmp_path, caplog, share):
+    path = tmp_path / "s.3ds"
+    whole = model_3ds(30)
+    path.write_bytes(whole[: int(share * len(whole))])  # nothing says how many faces the missing objects had
+    if share < 0.5:
+        with pytest.raises(GazeboError, match=r"of its 6[0-9] faces can be read"):
+            read_skin(path)
+    else:
+        assert sum(len(mesh.vertices) for mesh in read_skin(path)) >= 3 * 64 * (share - 0.05)
+        assert re.search("of 6[0-9] faces are shown", caplog.text)
+
+
 def test_a_damaged_skin_keeps_what_came_before(tmp_path, caplog):
     whole = model_3ds()
     path = tmp_path / "cut.3ds"

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from served import serve
 
 import libgz
 from libgz.files import installed_worlds
+from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.position import Position
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
@@ -176,6 +178,28 @@ def test_a_full_disk_is_reported_when_an_interface_is_created(server, monkeypatc
     with pytest.raises(libgz.InterfaceError, match=r"No space left on device \(position\.robot1\)"):
         serve(server)
     assert [path.name for path in Path(server.path).iterdir()] == [LOCK_FILE]
+
+
+def test_the_limit_of_open_files_is_raised_for_many_interfaces(server, monkeypatch):
+    def create(i):
+        new_interface("power").create(server, f"robot{i}")
+
+    new_interface("sim").create(server, "default")
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (100, hard))
+    try:
+        with libgz.Client(server.server_id, client_id=-1) as client:
+            for i in range(30):
+                create(i)
+                client.power(f"robot{i}")
+        assert 200 < resource.getrlimit(resource.RLIMIT_NOFILE)[0] < 700
+        monkeypatch.setattr(resource, "setrlimit", lambda *_: None)
+        with pytest.raises(libgz.InterfaceError, match=rf"Too many open files \(.*\); .* of {hard} that this process"):
+            any(create(i) for i in range(30, 400))
+        monkeypatch.undo()
+        server.stop()
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
 def test_blocks_of_interface_files_are_allocated(server):

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.python_islands import Touch, TouchPoint, is_calm
+from libgz.ode.python_islands import Touch, TouchPoint, default_direction, is_calm
 from libgz.ode.python_overlaps import Overlap
+from libgz.ode.python_vectors import cross, dot, to_global
 from libgz.ode.tables import Tables
 from libgz.ode.types import (
     Contact,
@@ -38,7 +39,6 @@ _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a pat
 _SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
 _SOFTNESS_SPREAD, _DEPTH_SPREAD = 0.3, 0.05  # -, [1/s]
 _STICKING = 40.0  # [m/s^2]
-_FLANK = 0.70710678118654752
 _LARGE, _SMALL_LEVEL, _LARGE_LEVEL = 1e6, -2, 9  # [m], -, -
 
 
@@ -396,14 +396,12 @@ class FullContacts:
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""
         first, second = (row[Surface.FDIR1 : Surface.FDIR1 + 3] for row in (a, b))
-        if _dot(first, first) == 0.0 and _dot(second, second) == 0.0:
+        if dot(first, first) == 0.0 and dot(second, second) == 0.0:
             return False
         local, geom = (second, geom2) if self._second_first(geom1, geom2) else (first, geom1)
-        if _dot(local, local) == 0.0:
+        if dot(local, local) == 0.0:
             return False
-        m = self._rotation_of(geom)
-        aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
-        return _set_friction_direction(point, aim)
+        return _set_friction_direction(point, to_global(self._rotation_of(geom), local))
 
     def _rotation_of(self, geom: int) -> Any:
         """rotation_of in step.c."""
@@ -422,10 +420,9 @@ class FullContacts:
         for row, geom, sign in zip(rows, geoms, (-1.0, 1.0), strict=True):
             if row[Surface.TRACK] == 0.0:
                 continue
-            local, m = row[Surface.FDIR1 : Surface.FDIR1 + 3], self._rotation_of(geom)
-            axis = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
-            way = [sign * v for v in _cross(axis, n)]
-            size = math.sqrt(_dot(way, way))
+            axis = to_global(self._rotation_of(geom), row[Surface.FDIR1 : Surface.FDIR1 + 3])
+            way = [sign * v for v in cross(axis, n)]
+            size = math.sqrt(dot(way, way))
             if size < 1e-9:
                 continue
             if row[Surface.TRACK] == 2.0:
@@ -438,8 +435,8 @@ class FullContacts:
         point.fdir1[:3] = found
         if pivot is not None:
             arm = [v - w for v, w in zip(point.geom.pos[:3], pivot, strict=True)]
-            _set_friction_direction(point, _cross(n, arm))
-        point.surface.motion1 = _dot(motion, point.fdir1[:3])
+            _set_friction_direction(point, cross(n, arm))
+        point.surface.motion1 = dot(motion, point.fdir1[:3])
         point.surface.mode |= ContactMode.FDIR1 | ContactMode.MOTION1
         return True
 
@@ -452,9 +449,9 @@ class FullContacts:
         for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:
                 self._add_velocity(body, point.geom.pos, sign, slide)
-        one = point.fdir1[:3] if aimed else _default_direction(n)
-        two = _cross(n, one)
-        along, across = _dot(slide, one), _dot(slide, two)
+        one = point.fdir1[:3] if aimed else default_direction(n)
+        two = cross(n, one)
+        along, across = dot(slide, one), dot(slide, two)
         size = math.sqrt(along * along + across * across)
         if size < 1e-9:
             return
@@ -489,14 +486,14 @@ class FullContacts:
         _, other_length = self._round_size(other)
         axis, other_axis = r[2], s[2]
         gap = [b - a for a, b in zip(p, q, strict=True)]
-        along, t = _dot(gap, axis), _dot(other_axis, axis)
+        along, t = dot(gap, axis), dot(other_axis, axis)
         gap = [g - along * a for g, a in zip(gap, axis, strict=True)]
         other_axis = [o - t * a for o, a in zip(other_axis, axis, strict=True)]
-        square = _dot(other_axis, other_axis)
-        t = -_dot(gap, other_axis) / square if square > 1e-9 else 0.0
+        square = dot(other_axis, other_axis)
+        t = -dot(gap, other_axis) / square if square > 1e-9 else 0.0
         t = max(min(t, 0.5 * other_length), -0.5 * other_length)
         aim = [g + t * o for g, o in zip(gap, other_axis, strict=True)]
-        size = _dot(aim, aim)
+        size = dot(aim, aim)
         if size < 1e-18:
             aim, size = r[0], 1.0
         size = math.sqrt(size)
@@ -580,30 +577,13 @@ def _of_bodies(a: list[float], b: list[float], body1: int, body2: int, column: i
 def _set_friction_direction(point: Any, aim: list[float]) -> bool:
     """set_friction_direction in step.c."""
     n = point.geom.normal[:3]
-    along = _dot(aim, n)
+    along = dot(aim, n)
     aim = [v - along * w for v, w in zip(aim, n, strict=True)]
-    size = math.sqrt(_dot(aim, aim))
+    size = math.sqrt(dot(aim, aim))
     if size < 1e-9:
         return False
     point.fdir1[:3] = [v / size for v in aim]
     return True
 
 
-def _default_direction(n: list[float]) -> list[float]:
-    """The first of default_directions in step.c."""
-    if math.fabs(n[2]) > _FLANK:
-        k = 1.0 / math.sqrt(n[1] * n[1] + n[2] * n[2])
-        return [0.0, -n[2] * k, n[1] * k]
-    k = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1])
-    return [-n[1] * k, n[0] * k, 0.0]
-
-
-def _dot(a: list[float], b: list[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 _UNTURNED = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-
-
-def _cross(a: list[float], b: list[float]) -> list[float]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

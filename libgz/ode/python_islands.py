@@ -7,18 +7,19 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 from libgz.ode.context import StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.python_resting import DIRECTIONS, MOTIONS, RestingBody, RestingPoint, solve_resting
+from libgz.ode.python_vectors import cross, dot
 from libgz.ode.tables import Tables
 from libgz.ode.types import ContactMode, ContactRule, Mass
 
-__all__ = ["Efforts", "Islands", "Touch", "TouchPoint", "is_calm"]
+__all__ = ["Efforts", "Islands", "Touch", "TouchPoint", "default_direction", "is_calm"]
 
 _EXACT_ROWS, _FAST_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 60, 6, 3
+_FLANK = 0.70710678118654752
 _CALM_SPEED = 0.1  # [m/s] and [rad/s]
 _FALLING_STEPS = 2.0
 _SLACK, _RESTING_WORK = 1e-5, 400  # explained in step.c, as is _PLAIN
@@ -169,7 +170,7 @@ class Islands:
         if any(point.contact.surface.mode & ~_PLAIN for touch in touches for point in touch.points):
             return None
         gravity = self._context.gravity
-        handles.sort(key=lambda body: _dot(ode_.dBodyGetPosition(body).contents, gravity))
+        handles.sort(key=lambda body: dot(ode_.dBodyGetPosition(body).contents, gravity))
         places = {body: i for i, body in enumerate(handles)}
         nearest = list(range(len(handles)))
         for touch in touches:
@@ -205,9 +206,9 @@ class Islands:
             [r[4 * i] * own[k] + r[4 * i + 1] * own[4 + k] + r[4 * i + 2] * own[8 + k] for k in range(3)]
             for i in range(3)
         ]
-        inertia = [[_dot(turned[i], r[4 * k : 4 * k + 3]) for k in range(3)] for i in range(3)]
-        angular = [_dot(inertia[i], w) for i in range(3)]
-        gyroscopic = _cross(w, angular)
+        inertia = [[dot(turned[i], r[4 * k : 4 * k + 3]) for k in range(3)] for i in range(3)]
+        angular = [dot(inertia[i], w) for i in range(3)]
+        gyroscopic = cross(w, angular)
         momentum = [m.mass * v[i] + h * (force[i] + (m.mass * gravity[i] if falls else 0.0)) for i in range(3)]
         momentum += [angular[i] + h * (torque[i] - gyroscopic[i]) for i in range(3)]
         return RestingBody(m.mass, inertia, momentum, nearest)
@@ -225,7 +226,7 @@ class Islands:
                 continue
             place = self._ode.dBodyGetPosition(handle).contents
             arm = [pos[k] - place[k] for k in range(3)]
-            rows = [[*direction, *_cross(arm, direction)] for direction in directions]
+            rows = [[*direction, *cross(arm, direction)] for direction in directions]
             sides.append((number, [[-value for value in row] for row in rows] if side else rows))
         mode = surface.mode
         aim = surface.soft_erp * contact.geom.depth / h + (surface.motionN if mode & ContactMode.MOTION_N else 0.0)
@@ -303,23 +304,20 @@ def _connect(one: _Member | None, two: _Member | None, rows: int, *, touching: b
         one.joined = one.joined or two.joined
 
 
+def default_direction(n: list[float]) -> list[float]:
+    """default_direction in step.c: ODE's own choice of the direction in which mu acts."""
+    if math.fabs(n[2]) > _FLANK:
+        k = 1.0 / math.sqrt(n[1] * n[1] + n[2] * n[2])
+        return [0.0, -n[2] * k, n[1] * k]
+    k = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1])
+    return [-n[1] * k, n[0] * k, 0.0]
+
+
 def _directions(contact: Any) -> list[list[float]]:
     """find_directions in step.c."""
     n = list(contact.geom.normal[:3])
     if contact.surface.mode & ContactMode.FDIR1:
         one = list(contact.fdir1[:3])
-    elif math.fabs(n[2]) > 0.70710678118654752:
-        scale = 1.0 / math.sqrt(n[1] * n[1] + n[2] * n[2])
-        one = [0.0, -n[2] * scale, n[1] * scale]
     else:
-        scale = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1])
-        one = [-n[1] * scale, n[0] * scale, 0.0]
-    return [n, one, _cross(n, one)]
-
-
-def _cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def _dot(a: Sequence[float], b: Sequence[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        one = default_direction(n)
+    return [n, one, cross(n, one)]

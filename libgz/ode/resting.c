@@ -7,6 +7,7 @@
  * the cube of the number of contacts. Contacts that would pull are left out, and the rest is solved again. If friction is
  * exceeded somewhere, it is not this case. */
 
+#include "memory.h"
 #include "resting.h"
 
 #include <math.h>
@@ -20,22 +21,11 @@ enum { UNCHANGED, TAKEN, LEFT_OUT }; /* what became of points in a selection, in
 static double *factor, *solution;
 static int64_t factor_capacity, solution_capacity, *starts, starts_capacity;
 
-static void *grown(void *array, int64_t *capacity, int64_t count, size_t size)
-{
-    void *larger;
-    if (array && count <= *capacity)
-        return array;
-    larger = realloc(array, (size_t)(2 * count) * size);
-    if (larger)
-        *capacity = 2 * count;
-    return larger;
-}
-
 static int have_memory(const resting_body *bodies, int64_t count)
 {
     int64_t i, r, size = 0;
-    int64_t *new_starts = grown(starts, &starts_capacity, MOTIONS * count, sizeof *starts);
-    double *new_solution = grown(solution, &solution_capacity, MOTIONS * count, sizeof *solution), *new_factor;
+    int64_t *new_starts = enlarged(starts, &starts_capacity, MOTIONS * count, sizeof *starts);
+    double *new_solution = enlarged(solution, &solution_capacity, MOTIONS * count, sizeof *solution), *new_factor;
     if (new_starts)
         starts = new_starts;
     if (new_solution)
@@ -47,7 +37,7 @@ static int have_memory(const resting_body *bodies, int64_t count)
             starts[MOTIONS * i + r] = size - MOTIONS * bodies[i].nearest; /* so that columns need no other offset */
             size += MOTIONS * (i - bodies[i].nearest) + r + 1;
         }
-    new_factor = grown(factor, &factor_capacity, size, sizeof *factor);
+    new_factor = enlarged(factor, &factor_capacity, size, sizeof *factor);
     if (!new_factor)
         return 0;
     factor = new_factor;

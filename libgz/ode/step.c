@@ -5,6 +5,7 @@
  * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories
  * are equal to the last bit; a test compares them.
  */
+#include "memory.h"
 #include "resting.h"
 
 #include <float.h>
@@ -374,6 +375,21 @@ static void make_surface(const context *c, const double *a, const double *b, sur
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+static void cross(const double *a, const double *b, double *out)
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* A vector in the frame of a geom or body, as a global one. */
+static void to_global(const double *rotation, const double *local, double *global)
+{
+    int k;
+    for (k = 0; k < 3; k++)
+        global[k] = rotation[4 * k] * local[0] + rotation[4 * k + 1] * local[1] + rotation[4 * k + 2] * local[2];
+}
+
 /* dCollide; no contacts, instead of the end of the process, if an assertion fails in it. */
 static int collide_pair(context *c, void *geom1, void *geom2, int most, contact_geom *points, int skip)
 {
@@ -468,9 +484,7 @@ static int collide_cylinder(context *c, void *geom1, void *geom2, int class2, co
     size = sqrt(size);
     for (k = 0; k < 3; k++)
         aim[k] = aim[k] / size;
-    side[0] = axis[1] * aim[2] - axis[2] * aim[1];
-    side[1] = axis[2] * aim[0] - axis[0] * aim[2];
-    side[2] = axis[0] * aim[1] - axis[1] * aim[0];
+    cross(axis, aim, side);
 
     place_stand_in(c->stand_in, p, aim, side, axis, radius, 0.2 * radius, length);
     geom1 = cylinder == geom1 ? c->stand_in : geom1;
@@ -574,33 +588,25 @@ static void choose_direction(const context *c, touching *t)
 /* The direction in which mu applies; 0: there is none. */
 static int friction_direction(const touching *t, contact *point)
 {
-    const double *r;
     double aim[3];
-    int k;
     if (!t->aim)
         return 0;
-    r = rotation_of(t->aiming);
-    for (k = 0; k < 3; k++)
-        aim[k] = r[4 * k] * t->aim[0] + r[4 * k + 1] * t->aim[1] + r[4 * k + 2] * t->aim[2];
+    to_global(rotation_of(t->aiming), t->aim, aim);
     return set_friction_direction(point, aim);
 }
 
 /* The direction in which the surface of a track runs at a contact whose normal points out of it; 0: it has none. */
 static int track_direction(const double *row, void *geom, const double *normal, double sign, double *way)
 {
-    const double *r = rotation_of(geom), *local = row + SURFACE_FDIR1;
     double axis[3], size;
     int k;
-    for (k = 0; k < 3; k++)
-        axis[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
-    way[0] = sign * (axis[1] * normal[2] - axis[2] * normal[1]);
-    way[1] = sign * (axis[2] * normal[0] - axis[0] * normal[2]);
-    way[2] = sign * (axis[0] * normal[1] - axis[1] * normal[0]);
+    to_global(rotation_of(geom), row + SURFACE_FDIR1, axis);
+    cross(axis, normal, way);
     size = sqrt(dot(way, way));
     if (size < 1e-9)
         return 0;
     for (k = 0; k < 3; k++)
-        way[k] = way[k] / size;
+        way[k] = sign * way[k] / size;
     return 1;
 }
 
@@ -631,9 +637,7 @@ static int set_track(const double *a, const double *b, void *geom1, void *geom2,
     if (pivot) {
         for (k = 0; k < 3; k++)
             arm[k] = point->geom.pos[k] - pivot[k];
-        aim[0] = n[1] * arm[2] - n[2] * arm[1];
-        aim[1] = n[2] * arm[0] - n[0] * arm[2];
-        aim[2] = n[0] * arm[1] - n[1] * arm[0];
+        cross(n, arm, aim);
         memcpy(way, point->fdir1, sizeof way);
         if (!set_friction_direction(point, aim)) /* the pivot itself */
             memcpy(point->fdir1, way, sizeof way);
@@ -647,7 +651,7 @@ static int set_track(const double *a, const double *b, void *geom1, void *geom2,
 static void add_velocity(const context *c, void *body, const double *at, double sign, double *sum)
 {
     const double *x, *v, *w;
-    double arm[3], share;
+    double arm[3], spin[3], share;
     int k;
     if (!body)
         return;
@@ -657,9 +661,9 @@ static void add_velocity(const context *c, void *body, const double *at, double 
     share = dBodyGetGravityMode(body) && !dBodyIsKinematic(body) ? c->step : 0.0;
     for (k = 0; k < 3; k++)
         arm[k] = at[k] - x[k];
-    sum[0] = sum[0] + sign * (v[0] + (w[1] * arm[2] - w[2] * arm[1]) + share * c->gravity[0]);
-    sum[1] = sum[1] + sign * (v[1] + (w[2] * arm[0] - w[0] * arm[2]) + share * c->gravity[1]);
-    sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
+    cross(w, arm, spin);
+    for (k = 0; k < 3; k++)
+        sum[k] = sum[k] + sign * (v[k] + spin[k] + share * c->gravity[k]);
 }
 
 /* ODE's own choice of the direction at right angles to a normal in which mu acts. */
@@ -692,9 +696,7 @@ static void set_cone(const context *c, const touching *t, contact *point, int ai
         memcpy(one, point->fdir1, sizeof one);
     else
         default_direction(n, one);
-    two[0] = n[1] * one[2] - n[2] * one[1];
-    two[1] = n[2] * one[0] - n[0] * one[2];
-    two[2] = n[0] * one[1] - n[1] * one[0];
+    cross(n, one, two);
     along = dot(slide, one);
     across = dot(slide, two);
     size = sqrt(along * along + across * across);
@@ -747,18 +749,6 @@ static void set_limits(const context *c, touching *t)
     int limited = t->a[SURFACE_MAX_VEL] < HUGE_VAL && t->b[SURFACE_MAX_VEL] < HUGE_VAL;
     t->max_vel = t->body1 && t->body2 && !limited ? HUGE_VAL : of_bodies(t, SURFACE_MAX_VEL);
     t->min_depth = larger(of_bodies(t, SURFACE_MIN_DEPTH), c->surface_layer);
-}
-
-/* An array that holds so many elements, and more than twice as many where it has to grow; NULL without memory. */
-static void *enlarged(void *array, int64_t *capacity, int64_t count, size_t size)
-{
-    int64_t most = 2 * count + 64;
-    if (array && count <= *capacity)
-        return array;
-    array = realloc(array, (size_t)most * size);
-    if (array)
-        *capacity = most;
-    return array;
 }
 
 /* Bodies that a joint connects with the world, by row, for the search of contacts; guarded by ode_lock. */
@@ -973,6 +963,8 @@ static void record_point(context *c, const contact *point, void *geom1, void *ge
     c->record_count++;
 }
 
+static int is_awake(void *body) { return body && dBodyIsEnabled(body); }
+
 /* Whether a pair of geoms touches under the classic rule; *ghost: without contact joints, only recorded. */
 static int may_touch(const context *c, const double *a, const double *b, void *body1, void *body2, int *ghost)
 {
@@ -983,7 +975,7 @@ static int may_touch(const context *c, const double *a, const double *b, void *b
         return c->record_contacts && ((uint32_t)a[SURFACE_GHOST_BITS] & (uint32_t)b[SURFACE_GHOST_BITS]);
     if (c->record_contacts)
         return 1;
-    return (body1 && dBodyIsEnabled(body1)) || (body2 && dBodyIsEnabled(body2)); /* both disabled: nothing to do */
+    return is_awake(body1) || is_awake(body2); /* both disabled: nothing to do */
 }
 
 /* The contact points of two geoms; ODE's own, or those of a cylinder's stand-ins. */
@@ -1299,8 +1291,6 @@ static int64_t find_pair(const context *c, const contact_record *r, int64_t from
     return -1;
 }
 
-static int is_awake(void *body) { return body && dBodyIsEnabled(body); }
-
 /* ODE does not solve contacts of bodies that are asleep: they carry what they carried in the step before, point by point. */
 static void carry_on(context *c)
 {
@@ -1564,13 +1554,6 @@ static void list_members(const context *c)
     }
 }
 
-static void cross(const double *a, const double *b, double *out)
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Momentum and inertia of a body that has no contacts. */
 static void describe_body(const context *c, void *body, resting_body *b)
 {
@@ -1601,23 +1584,11 @@ static void find_directions(const contact *p, double directions[DIRECTIONS][3])
 {
     const double *n = p->geom.normal;
     double *one = directions[1], *two = directions[2];
-    double size, scale;
     memcpy(directions[0], n, 3 * sizeof(double));
     if (p->surface.mode & FDIR1)
         memcpy(one, p->fdir1, 3 * sizeof(double));
-    else if (fabs(n[2]) > 0.70710678118654752) {
-        size = n[1] * n[1] + n[2] * n[2];
-        scale = 1.0 / sqrt(size);
-        one[0] = 0.0;
-        one[1] = -n[2] * scale;
-        one[2] = n[1] * scale;
-    } else {
-        size = n[0] * n[0] + n[1] * n[1];
-        scale = 1.0 / sqrt(size);
-        one[0] = -n[1] * scale;
-        one[1] = n[0] * scale;
-        one[2] = 0.0;
-    }
+    else
+        default_direction(n, one);
     cross(n, one, two);
 }
 

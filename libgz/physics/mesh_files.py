@@ -21,7 +21,7 @@ __all__ = ["Collada", "MeshPart", "read_mesh", "reading", "step_matrix", "trimes
 Array = NDArray[np.float64]
 
 MOST_TRIANGLES = 20_000_000
-MOST_NODES = 100_000  # of a COLLADA scene, with all that is instantiated
+MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
 
 
 @dataclass
@@ -212,7 +212,8 @@ class Collada:
             self.root = etree.parse(str(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
-        self.nodes = 0  # visited
+        self.nodes = 0  # visited, and geometries in them
+        self.above: list[Any] = []  # the nodes that are being visited
         self.ids = {element.get("id"): element for element in self.root.iter() if element.get("id")}
 
     @staticmethod
@@ -267,10 +268,17 @@ class Collada:
             yield from self.node(node, np.diag([scale, scale, scale, 1.0]))
 
     def node(self, node: Any, frame: Array) -> Iterator[MeshPart]:
-        """The triangles of a node and of all below it, in a frame."""
-        self.nodes += 1
+        """The triangles of a node and of all below it, in a frame.
+
+        Raises:
+            ValueError: it contains itself, or the scene is too large.
+        """
+        if any(node is other for other in self.above):
+            raise ValueError(f"node {node.get('id')!r} contains itself")
+        self.above.append(node)
+        self.nodes += 1 + len(self.all(node, "instance_geometry"))
         if self.nodes > MOST_NODES:
-            raise ValueError(f"its scene has more than {MOST_NODES} nodes")
+            raise ValueError(f"its scene has more than {MOST_NODES} nodes and geometries")
         frame = frame @ self.transform(node)
         name = node.get("name") or node.get("id") or ""
         for instance in self.all(node, "instance_geometry"):
@@ -285,6 +293,7 @@ class Collada:
             yield from self.node(self.target(instance.get("url")), frame)
         for child in self.all(node, "node"):
             yield from self.node(child, frame)
+        self.above.pop()
 
     def bind_shape(self, skin: Any) -> Array:
         """The transformation of a skin's mesh before bones move it."""

@@ -14,6 +14,7 @@ from libgz.files import installed_worlds
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.models.roadfile import read_road
+from libgz.physics.bone_motion import read_motion
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.image import read_image
 from libgz.rendering.skin import read_skin
@@ -30,6 +31,10 @@ GEOMETRY = (
 )
 LEGACY = "<gz:world xmlns:gz='g' xmlns:model='m'>{}</gz:world>"
 HEIGHTS = "<heightmap><uri>{0}</uri><size>10 10 1</size></heightmap>"
+ACTOR = (
+    "<sdf version='1.6'><world name='w'><actor name='a'>"
+    "<animation name='walk'><filename>{0}</filename></animation></actor></world></sdf>"
+)
 MESH = "<mesh><uri>{0}</uri></mesh>"
 ASSET_WORLDS = {
     "3ds": LEGACY.format("<model:SimpleSolid><skinFile>{0}</skinFile></model:SimpleSolid>"),
@@ -38,6 +43,7 @@ ASSET_WORLDS = {
     **dict.fromkeys(("ppm", "png"), GEOMETRY.format(HEIGHTS)),
     "jpeg": LEGACY.format("<model:Terrain><dataFile>{0}</dataFile></model:Terrain>"),
     **dict.fromkeys(("stl", "obj", "dae"), GEOMETRY.format(MESH)),
+    "bvh": ACTOR,
 }
 READERS: dict[str, list[Callable[[Path], object]]] = {
     "3ds": [read_skin],
@@ -45,10 +51,11 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
     "road": [lambda path: read_road(path, GzVector())],
     **{kind: [read_image, read_grey] for kind in ("ppm", "png", "jpeg")},
     **{kind: [read_mesh] for kind in ("stl", "obj", "dae")},
+    "bvh": [read_motion],
 }
 ASSETS = tuple(ASSET_WORLDS)
 KINDS = ("legacy", "sdf", *ASSETS)
-TEXT = ("legacy", "sdf", "road", "obj", "dae")
+TEXT = ("legacy", "sdf", "road", "obj", "dae", "bvh")
 
 
 def seeds(kind: str) -> list[bytes]:

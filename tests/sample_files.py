@@ -104,6 +104,24 @@ def _dae() -> bytes:
 </COLLADA>""".encode()
 
 
+def _bvh() -> bytes:
+    return b"""HIERARCHY
+ROOT shoulder
+{ OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT elbow
+  { OFFSET 0 0 50
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site { OFFSET 0 0 50 } } }
+MOTION
+Frames: 3
+Frame Time: 0.5
+0 40 0 0 0 0 0 0 0
+0 40 50 0 0 0 0 0 45
+0 40 100 0 0 0 0 0 90
+"""
+
+
 def _gzb() -> bytes:
     numbers = [500, 0, 0, 0, 0, 0, 0, 4, 4, 6]
     for x, y in ((0, 0), (1, 0), (0, 1), (1, 1)):
@@ -118,7 +136,7 @@ def _road() -> bytes:
 
 
 def sample(kind: str, number: int = 0) -> bytes:
-    """A valid file of a kind: 3ds, gzb, road, ppm, png, jpeg, stl, obj, dae. STL alternates between its two forms."""
+    """A valid file of a kind of `readers.ASSETS`. STL alternates between its two forms."""
     makers = {
         "3ds": model_3ds,
         "gzb": _gzb,
@@ -126,6 +144,7 @@ def sample(kind: str, number: int = 0) -> bytes:
         "stl": (_stl, _stl_text)[number % 2],
         "obj": _obj,
         "dae": _dae,
+        "bvh": _bvh,
     }
     return makers[kind]() if kind in makers else _image(kind.upper())
 

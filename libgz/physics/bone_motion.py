@@ -22,7 +22,8 @@ __all__ = ["fitted", "read_motion"]
 Array = NDArray[np.float64]
 
 AXES = {"X": 1, "Y": 2, "Z": 0}  # of the file: ours
-MOST_JOINTS = 10_000
+ENDS_EARLY = "it ends too early"
+MOST_JOINTS = 1000
 MOST_NUMBERS = 20_000_000
 LARGEST_FILE = 500_000_000  # [bytes]
 
@@ -50,8 +51,6 @@ def read_motion(path: Path) -> Figure:
         raise GazeboError(f"motion {path} cannot be read: {error.strerror}") from None
     try:
         return _figure(words)
-    except StopIteration:
-        raise GazeboError(f"motion {path} cannot be read: it ends too early") from None
     except ValueError as error:
         raise GazeboError(f"motion {path} cannot be read: {error}") from None
 
@@ -81,10 +80,10 @@ def _figure(words: Iterator[str]) -> Figure:
     _expect(words, "HIERARCHY")
     written = _joints(words)
     _expect(words, "Frames:")
-    frames = int(next(words))
+    frames = int(_next(words))
     _expect(words, "Frame")
     _expect(words, "Time:")
-    period = float(next(words))
+    period = float(_next(words))
     width = sum(len(joint.channels) for joint in written)
     if not 0 < frames * max(width, 1) <= MOST_NUMBERS or not 0.0 < period < 1e6:
         raise ValueError(f"{frames} frames of {width} numbers, one every {period:g} s, are not allowed")
@@ -110,7 +109,7 @@ def _figure(words: Iterator[str]) -> Figure:
 
 
 def _expect(words: Iterator[str], wanted: str) -> None:
-    found = next(words)
+    found = _next(words)
     if found.lower() != wanted.lower():
         raise ValueError(f"{found[:40]!r} stands where {wanted!r} is expected")
 
@@ -134,11 +133,11 @@ def _joints(words: Iterator[str]) -> list[_Joint]:
             _expect(words, "{")
             open_joints.append(None)
         elif word == "OFFSET":
-            offset = np.array([float(next(words)) for _ in range(3)])
+            offset = np.array([float(_next(words)) for _ in range(3)])
             if here is not None:
                 here.offset = offset
-        elif word == "CHANNELS" and here is not None:
-            here.channels = tuple(next(words) for _ in range(int(next(words))))
+        elif word == "CHANNELS" and here is not None and not here.channels:
+            here.channels = tuple(_next(words) for _ in range(int(_next(words))))
             here.first = columns
             columns += len(here.channels)
         elif word == "}" and open_joints:
@@ -147,13 +146,20 @@ def _joints(words: Iterator[str]) -> list[_Joint]:
             return found
         else:
             raise ValueError(f"{word[:40]!r} is not expected")
-    raise StopIteration
+    raise ValueError(ENDS_EARLY)
+
+
+def _next(words: Iterator[str]) -> str:
+    word = next(words, None)
+    if word is None:
+        raise ValueError(ENDS_EARLY)
+    return word
 
 
 def _name(words: Iterator[str]) -> str:
     """The words up to the brace."""
     parts = []
-    while (word := next(words)) != "{":
+    while (word := _next(words)) != "{":
         parts.append(word)
     return " ".join(parts)
 

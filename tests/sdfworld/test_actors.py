@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from bone_files import two_bones
+from sample_files import sample
 
 import libgz
 from libgz.errors import WorldFileError
@@ -273,21 +274,7 @@ def test_wrong_times_are_errors_with_line(load):
         load(actor(trajectory((-1, "0 0 0 0 0 0"))))
 
 
-MOTION = """HIERARCHY
-ROOT shoulder
-{ OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT elbow
-  { OFFSET 0 0 50
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    End Site { OFFSET 0 0 50 } } }
-MOTION
-Frames: 3
-Frame Time: 0.5
-0 40 0 0 0 0 0 0 0
-0 40 50 0 0 0 0 0 45
-0 40 100 0 0 0 0 0 90
-"""
+MOTION = sample("bvh").decode()
 
 
 @pytest.fixture
@@ -323,6 +310,8 @@ def test_a_captured_motion_moves_the_bones(load, captured, caplog):
         ("MOTION", "", "'Frames:' is not expected"),
         ("Frame Time: 0.5", "Frame Time: 0", "every 0 s"),
         (MOTION, "HIERARCHY ROOT", "it ends too early"),
+        (MOTION, "HIERARCHY ROOT a { CHANNELS 3 Xrotation", "it ends too early"),
+        ("JOINT", "CHANNELS 1 Xrotation JOINT", "'CHANNELS' is not expected"),
     ],
 )
 def test_a_damaged_motion_is_a_warning(load, captured, tmp_path, caplog, old, new, message):

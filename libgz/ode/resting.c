@@ -50,16 +50,25 @@ static int have_memory(const resting_body *bodies, int64_t count)
 static void add_block(const resting_point *p, int one, int two)
 {
     int64_t row = MOTIONS * p->body[one], column = MOTIONS * p->body[two];
-    int k, a, b;
+    const double(*columns)[MOTIONS] = p->rows[two];
+    int a, b;
     for (a = 0; a < MOTIONS; a++) {
-        double *line = factor + starts[row + a] + column;
+        double *restrict line = factor + starts[row + a] + column;
+        double left[DIRECTIONS] = {p->weight[0] * p->rows[one][0][a], p->weight[1] * p->rows[one][1][a],
+                                   p->weight[2] * p->rows[one][2][a]};
         int width = one == two ? a + 1 : MOTIONS;
-        for (k = 0; k < DIRECTIONS; k++) {
-            double left = p->weight[k] * p->rows[one][k][a];
-            for (b = 0; b < width; b++)
-                line[b] = line[b] + left * p->rows[two][k][b];
-        }
+        for (b = 0; b < width; b++)
+            line[b] = ((line[b] + left[0] * columns[0][b]) + left[1] * columns[1][b]) + left[2] * columns[2][b];
     }
+}
+
+/* Add the sum of rows times factors to a body's motions. */
+static void add_rows(const double rows[DIRECTIONS][MOTIONS], const double *factors, double *restrict sum)
+{
+    double one = factors[0], two = factors[1], three = factors[2];
+    int a;
+    for (a = 0; a < MOTIONS; a++)
+        sum[a] = ((sum[a] + rows[0][a] * one) + rows[1][a] * two) + rows[2][a] * three;
 }
 
 static void assemble(const resting_body *bodies, int64_t body_count, const resting_point *points, int64_t point_count)
@@ -87,24 +96,29 @@ static void assemble(const resting_body *bodies, int64_t body_count, const resti
 /* Cholesky's factor within the profile; the inverse of its diagonal is stored. 0 if the matrix is not definite. */
 static int factorize(const resting_body *bodies, int64_t body_count)
 {
-    int64_t i, j, k;
-    for (i = 0; i < MOTIONS * body_count; i++) {
-        double *line = factor + starts[i], sum;
-        int64_t first = MOTIONS * bodies[i / MOTIONS].nearest;
-        for (j = first; j < i; j++) {
-            const double *above = factor + starts[j];
-            int64_t begin = MOTIONS * bodies[j / MOTIONS].nearest;
-            sum = line[j];
-            for (k = first > begin ? first : begin; k < j; k++)
-                sum = sum - line[k] * above[k];
-            line[j] = sum * above[j];
+    int64_t i, j, k, m, row = 0;
+    for (m = 0; m < body_count; m++) {
+        int64_t first = MOTIONS * bodies[m].nearest, end = row + MOTIONS, n;
+        for (i = row; i < end; i++) {
+            double *restrict line = factor + starts[i], sum;
+            for (j = first, n = bodies[m].nearest; j < i; n++) {
+                int64_t begin = MOTIONS * bodies[n].nearest, next = MOTIONS * (n + 1);
+                for (begin = first > begin ? first : begin; j < next && j < i; j++) {
+                    const double *above = factor + starts[j];
+                    sum = line[j];
+                    for (k = begin; k < j; k++)
+                        sum = sum - line[k] * above[k];
+                    line[j] = sum * above[j];
+                }
+            }
+            sum = line[i];
+            for (k = first; k < i; k++)
+                sum = sum - line[k] * line[k];
+            if (!(sum > 0.0))
+                return 0;
+            line[i] = 1.0 / sqrt(sum);
         }
-        sum = line[i];
-        for (k = first; k < i; k++)
-            sum = sum - line[k] * line[k];
-        if (!(sum > 0.0))
-            return 0;
-        line[i] = 1.0 / sqrt(sum);
+        row = end;
     }
     return 1;
 }
@@ -143,7 +157,7 @@ static double speed(const resting_point *p, int k)
 /* One solution with the impulses that were found before; returns how much velocity the slack changed [m/s]. */
 static double repeat(const resting_body *bodies, int64_t body_count, resting_point *points, int64_t point_count)
 {
-    double moved = 0.0;
+    double moved = 0.0, parts[DIRECTIONS];
     int64_t i;
     int k, side, a;
     for (i = 0; i < body_count; i++)
@@ -153,14 +167,11 @@ static double repeat(const resting_body *bodies, int64_t body_count, resting_poi
         const resting_point *p = points + i;
         if (!p->active)
             continue;
-        for (k = 0; k < DIRECTIONS; k++) {
-            double part = p->weight[k] * ((k ? 0.0 : p->aim) + p->slack[k] * p->impulse[k]);
-            for (side = 0; side < 2; side++)
-                if (p->body[side] >= 0)
-                    for (a = 0; a < MOTIONS; a++)
-                        solution[MOTIONS * p->body[side] + a] =
-                            solution[MOTIONS * p->body[side] + a] + p->rows[side][k][a] * part;
-        }
+        for (k = 0; k < DIRECTIONS; k++)
+            parts[k] = p->weight[k] * ((k ? 0.0 : p->aim) + p->slack[k] * p->impulse[k]);
+        for (side = 0; side < 2; side++)
+            if (p->body[side] >= 0)
+                add_rows(p->rows[side], parts, solution + MOTIONS * p->body[side]);
     }
     substitute(bodies, body_count);
     for (i = 0; i < point_count; i++) {
@@ -210,18 +221,14 @@ static int within_friction(const resting_point *points, int64_t count)
 static void add_up(resting_body *bodies, int64_t body_count, const resting_point *points, int64_t point_count)
 {
     int64_t i;
-    int k, side, a;
+    int side, a;
     for (i = 0; i < body_count; i++)
         for (a = 0; a < MOTIONS; a++)
             bodies[i].impulse[a] = 0.0;
     for (i = 0; i < point_count; i++)
         for (side = 0; side < 2; side++)
-            if (points[i].body[side] >= 0) {
-                double *sum = bodies[points[i].body[side]].impulse;
-                for (k = 0; k < DIRECTIONS; k++)
-                    for (a = 0; a < MOTIONS; a++)
-                        sum[a] = sum[a] + points[i].rows[side][k][a] * points[i].impulse[k];
-            }
+            if (points[i].body[side] >= 0)
+                add_rows(points[i].rows[side], points[i].impulse, bodies[points[i].body[side]].impulse);
 }
 
 /* Find the impulses of points and bodies; 0 if contacts slide, or without memory. */

@@ -10,7 +10,7 @@ from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics import Joint as JointView
 from libgz.classic.sensors.read import choice, wrong
 from libgz.classic.sensors.sensor import Sensor, SensorOwner
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuaternIdent, GzQuaternInverse, GzQuaternMul, GzVector, rotate
+from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternIdent, GzQuaternInverse, GzQuaternMul, rotate
 from libgz.simulation.event import Connection
 
 if TYPE_CHECKING:
@@ -69,15 +69,16 @@ class ForceTorqueSensor(Sensor):
         """Read the joint's wrench in the last step."""
         on_parent, about_parent, on_child, about_child = self._joint.core.wrench
         force, torque = (on_child, about_child) if self._to_child else (on_parent, about_parent)
-        self._force, self._torque = self._turned(force), self._turned(torque)
+        turn = self._from_global()
+        self._force, self._torque = Vector3d(*rotate(turn, force)), Vector3d(*rotate(turn, torque))
 
-    def _turned(self, value: GzVector) -> Vector3d:
-        """A global vector along the axes of the chosen frame."""
+    def _from_global(self) -> GzQuatern:
+        """The rotation of global vectors into the chosen frame."""
         body = self._joint.core.parent if self._frame == "parent" else self._joint.core.child
         turn = body.GetRotation() if body is not None else GzQuaternIdent()
         if self._frame == "sensor":
             turn = GzQuaternMul(turn, self._in_child)
-        return Vector3d(*rotate(GzQuaternInverse(turn), value))
+        return GzQuaternInverse(turn)
 
     def message(self) -> Any:
         """The last measurement as a msgs.WrenchStamped."""

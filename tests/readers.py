@@ -30,6 +30,7 @@ GEOMETRY = (
     "<collision name='c'><geometry>{}</geometry></collision></link></model></sdf>"
 )
 LEGACY = "<gz:world xmlns:gz='g' xmlns:model='m'>{}</gz:world>"
+LOOK = GEOMETRY.replace("</link>", "<visual name='v'><geometry>{}</geometry></visual></link>")
 HEIGHTS = "<heightmap><uri>{0}</uri><size>10 10 1</size></heightmap>"
 ACTOR = (
     "<sdf version='1.6'><world name='w'><actor name='a'>"
@@ -42,7 +43,7 @@ ASSET_WORLDS = {
     "road": LEGACY.format("<model:Road><roadFile>{0}</roadFile></model:Road>"),
     **dict.fromkeys(("ppm", "png"), GEOMETRY.format(HEIGHTS)),
     "jpeg": LEGACY.format("<model:Terrain><dataFile>{0}</dataFile></model:Terrain>"),
-    **dict.fromkeys(("stl", "obj", "dae"), GEOMETRY.format(MESH)),
+    **dict.fromkeys(("stl", "obj", "dae"), LOOK.format(MESH, MESH)),
     "bvh": ACTOR,
 }
 READERS: dict[str, list[Callable[[Path], object]]] = {

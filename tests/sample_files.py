@@ -104,6 +104,27 @@ def _dae() -> bytes:
 </COLLADA>""".encode()
 
 
+def _dae_image() -> bytes:
+    """The same with an image, and texture coordinates for the first triangles."""
+    image = """<newparam sid="f"><surface type="2D"><init_from>i</init_from></surface></newparam>
+  <newparam sid="d"><sampler2D><source>f</source></sampler2D></newparam><technique"""
+    bound = (
+        """target="#m"><bind_vertex_input semantic="u" input_semantic="TEXCOORD" input_set="0"/></instance_material>"""
+    )
+    changes = {
+        "<library_effects>": '<library_images><image id="i"><init_from>none.png</init_from></image></library_images>'
+        "<library_effects>",
+        "<technique": image,
+        "<color>1 0 0 1</color>": '<texture texture="d" texcoord="u"/>',
+        'semantic="NORMAL" source="#p"': 'semantic="TEXCOORD" set="0" source="#p"',
+        'target="#m"/>': bound,
+    }
+    text = _dae().decode()
+    for old, new in changes.items():
+        text = text.replace(old, new, 1)
+    return text.encode()
+
+
 def _bvh() -> bytes:
     return b"""HIERARCHY
 ROOT shoulder
@@ -136,14 +157,17 @@ def _road() -> bytes:
 
 
 def sample(kind: str, number: int = 0) -> bytes:
-    """A valid file of a kind of `readers.ASSETS`. STL alternates between its two forms."""
+    """A valid file of a kind of `readers.ASSETS`.
+
+    STL alternates between its two forms, COLLADA between a colour and an image.
+    """
     makers = {
         "3ds": model_3ds,
         "gzb": _gzb,
         "road": _road,
         "stl": (_stl, _stl_text)[number % 2],
         "obj": _obj,
-        "dae": _dae,
+        "dae": (_dae, _dae_image)[number % 2],
         "bvh": _bvh,
     }
     return makers[kind]() if kind in makers else _image(kind.upper())

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import struct
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,22 +17,67 @@ from numpy.typing import NDArray
 from libgz.errors import GazeboError
 from libgz.files import is_file
 
-__all__ = ["Collada", "MeshPart", "read_mesh", "reading", "step_matrix", "trimesh_parts", "used"]
+__all__ = [
+    "Collada",
+    "MeshPart",
+    "NamedImage",
+    "Texture",
+    "read_mesh",
+    "reading",
+    "step_matrix",
+    "trimesh_parts",
+    "used",
+]
 
 Array = NDArray[np.float64]
 
 MOST_TRIANGLES = 20_000_000
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
+LARGEST_COORDINATE = 1e6  # of a texture: how often it repeats
+# Of maps in material libraries: how many values follow at most.
+MAP_OPTIONS = {"-o": 3, "-s": 3, "-t": 3, "-mm": 2} | dict.fromkeys(
+    ("-blendu", "-blendv", "-bm", "-boost", "-cc", "-clamp", "-imfchan", "-texres", "-type"), 1
+)
+
+
+@dataclass(frozen=True)
+class NamedImage:
+    """An image: its name, as it is written in a file, which is the mesh or its material library."""
+
+    name: str
+    file: Path
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """An image on a part.
+
+    Attributes:
+        image: by its name.
+        coordinates: of the corners of each triangle, shape (m, 3, 2), (0, 0) is the lower left of the image; None if
+            the file has none for this part, or damaged ones.
+    """
+
+    image: NamedImage
+    coordinates: Array | None
+
+    def mirrored(self) -> Texture:
+        """The same for triangles whose corners are in the opposite order."""
+        return self if self.coordinates is None else replace(self, coordinates=self.coordinates[:, ::-1])
 
 
 @dataclass
 class MeshPart:
-    """A piece of a mesh: vertices [m], shape (n, 3); triangles, shape (m, 3); its colour, if the file gives one."""
+    """A piece of a mesh: vertices [m], shape (n, 3); triangles, shape (m, 3); its colour, if the file gives one.
+
+    Texture coordinates belong to corners, so that an image does not change which vertices triangles share.
+    """
 
     name: str
     vertices: Array
     triangles: NDArray[np.int64]
     color: tuple[float, ...] | None = None
+    texture: Texture | None = None
 
 
 def read_mesh(path: Path) -> list[MeshPart]:
@@ -149,53 +195,129 @@ def _fans(polygons: Iterable[list[int]]) -> NDArray[np.int64]:
     return np.array(rows, dtype=np.int64).reshape(-1, 3)
 
 
+def _coordinates(table: Array, corners: NDArray[np.int64]) -> Array | None:
+    """Texture coordinates of corners, as rows of a table by number, -1: the lower left; None if they are damaged."""
+    named = len(table) and len(corners) and corners.min() >= -1 and 0 <= corners.max() < len(table)
+    if not named or not (np.abs(table) <= LARGEST_COORDINATE).all():
+        return None
+    found: Array = np.where(corners[..., None] < 0, 0.0, table[corners])
+    return found
+
+
 # Wavefront OBJ ---------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Look:
+    """A material of a library: its colour, and the name of its image, as far as it has them."""
+
+    file: Path
+    color: tuple[float, ...] | None = None
+    image: str = ""
 
 
 def _read_obj(path: Path) -> Iterator[MeshPart]:
     vertices: list[list[float]] = []
-    colors: dict[str, tuple[float, ...]] = {}
+    coordinates: list[list[str]] = []
+    looks: dict[str, _Look] = {}
     groups: dict[tuple[str, str], list[list[int]]] = {}
+    textured: dict[tuple[str, str], list[list[int]]] = {}  # numbers of texture coordinates, where there is an image
     name = material = ""
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
         key, _, rest = line.strip().partition(" ")
         if key == "v":
             vertices.append([float(word) for word in rest.split()[:3]])
+        elif key == "vt":
+            coordinates.append(rest.split())
         elif key in ("o", "g"):
             name = rest.strip()
         elif key == "usemtl":
             material = rest.strip()
         elif key == "mtllib":
-            colors |= _read_mtl(path.parent / rest.strip())
+            looks |= _read_mtl(path.parent / rest.strip())
         elif key == "f":
-            corners = [int(word.partition("/")[0]) for word in rest.split()]
+            words = rest.split()
+            corners = [int(word.partition("/")[0]) for word in words]
             face = [corner - 1 if corner > 0 else len(vertices) + corner for corner in corners]
             groups.setdefault((name, material), []).append(face)
+            if material in looks and looks[material].image:
+                textured.setdefault((name, material), []).append([_coordinate(w, len(coordinates)) for w in words])
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    for (part, look), faces in groups.items():
-        yield used(part, points, _fans(faces), colors.get(look))
+    table = _table(coordinates) if textured else np.empty((0, 2))
+    for group, faces in groups.items():
+        look, texture = looks.get(group[1]), None
+        # A library that comes after faces gives them no image.
+        if look is not None and look.image and len(textured.get(group, ())) == len(faces):
+            texture = Texture(NamedImage(look.image, look.file), _coordinates(table, _fans(textured[group])))
+        yield used(group[0], points, _fans(faces), look.color if look is not None else None, texture)
 
 
-def _read_mtl(path: Path) -> dict[str, tuple[float, ...]]:
-    """Diffuse colours by material."""
+def _table(rows: list[list[str]]) -> Array:
+    """Texture coordinates as numbers, shape (n, 2); none if one is damaged."""
+    try:
+        return np.array([row[:2] for row in rows], dtype=np.float64).reshape(len(rows), 2)
+    except ValueError:
+        return np.empty((0, 2))
+
+
+def _coordinate(word: str, count: int) -> int:
+    """The row of texture coordinates of a corner, such as `7/3/1`; -1 if it has none, -2 if it has damaged ones."""
+    middle = word.split("/", 2)[1] if "/" in word else ""
+    if not middle:
+        return -1
+    try:
+        number = int(middle)
+    except ValueError:
+        return -2
+    row = number - 1 if number > 0 else count + number
+    return row if 0 <= row < 2**31 else -2
+
+
+def _read_mtl(path: Path) -> dict[str, _Look]:
+    """Diffuse colours and images by material."""
     if not is_file(path):
         return {}
-    name, found = "", {}
+    name, found = "", dict[str, _Look]()
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
         words = line.split()
         if words[:1] == ["newmtl"]:
             name = " ".join(words[1:])
         elif words[:1] == ["Kd"] and len(words) >= 4:
-            found[name] = (*(float(word) for word in words[1:4]), 1.0)
+            found.setdefault(name, _Look(path)).color = (*(float(word) for word in words[1:4]), 1.0)
+        elif words and words[0].lower() == "map_kd":
+            found.setdefault(name, _Look(path)).image = _image_name(line.strip()[len("map_Kd") :].strip())
     return found
 
 
-def used(name: str, points: Array, triangles: NDArray[np.int64], color: tuple[float, ...] | None) -> MeshPart:
+def _image_name(text: str) -> str:
+    """The file of a map of a material library, without its options; its name may have spaces."""
+    words = text.split() if text.startswith("-") else [text]
+    while words[0] in MAP_OPTIONS and len(words) > 1:
+        more = itertools.takewhile(_is_number, words[2 : 1 + MAP_OPTIONS[words[0]]])
+        words = words[2 + len(list(more)) :] or [""]
+    return " ".join(words)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def used(
+    name: str,
+    points: Array,
+    triangles: NDArray[np.int64],
+    color: tuple[float, ...] | None,
+    texture: Texture | None = None,
+) -> MeshPart:
     """A part with only the vertices that its triangles name."""
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(points):
         raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
     kept, index = np.unique(triangles, return_inverse=True)
-    return MeshPart(name, points[kept], np.array(index, dtype=np.int64).reshape(-1, 3), color)
+    return MeshPart(name, points[kept], np.array(index, dtype=np.int64).reshape(-1, 3), color, texture)
 
 
 # COLLADA ---------------------------------------------------------------------------------------------------------
@@ -212,6 +334,7 @@ class Collada:
             self.root = etree.parse(str(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
+        self.path = path
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
         self.ids = {element.get("id"): element for element in self.root.iter() if element.get("id")}
@@ -282,10 +405,10 @@ class Collada:
         frame = frame @ self.transform(node)
         name = node.get("name") or node.get("id") or ""
         for instance in self.all(node, "instance_geometry"):
-            bound = {m.get("symbol"): m.get("target", "") for m in self.deep(instance, "instance_material")}
+            bound = {m.get("symbol"): m for m in self.deep(instance, "instance_material")}
             yield from self.geometry(self.target(instance.get("url")), name, frame, bound)
         for instance in self.all(node, "instance_controller"):
-            bound = {m.get("symbol"): m.get("target", "") for m in self.deep(instance, "instance_material")}
+            bound = {m.get("symbol"): m for m in self.deep(instance, "instance_material")}
             for skin in self.all(self.target(instance.get("url")), "skin"):
                 place = np.diag([self.unit] * 3 + [1.0]) @ self.bind_shape(skin)  # a node does not move its skin
                 yield from self.geometry(self.target(skin.get("source")), name, place, bound)
@@ -316,35 +439,119 @@ class Collada:
             result = result @ step_matrix(kind, numbers)
         return result
 
-    def geometry(self, geometry: Any, name: str, frame: Array, bound: dict[str, str]) -> Iterator[MeshPart]:
-        """The triangles of a geometry, by material."""
+    def geometry(self, geometry: Any, name: str, frame: Array, bound: dict[str, Any]) -> Iterator[MeshPart]:
+        """The triangles of a geometry, by material; `bound` has the `<instance_material>` of each symbol."""
         for mesh in self.all(geometry, "mesh"):
             for kind in ("triangles", "polylist", "polygons"):
                 for group in self.all(mesh, kind):
                     points, triangles = self.primitive(group, kind)
                     points = points @ frame[:3, :3].T + frame[:3, 3]
-                    color = self.color(bound.get(group.get("material"), ""))
-                    yield used(name or geometry.get("name", ""), points, triangles, color)
+                    material = bound.get(group.get("material"))
+                    color = self.color(material.get("target", "")) if material is not None else None
+                    texture = self.texture(material, group, kind, len(triangles)) if material is not None else None
+                    yield used(name or geometry.get("name", ""), points, triangles, color, texture)
 
     def primitive(self, group: Any, kind: str) -> tuple[Array, NDArray[np.int64]]:
         """(positions, triangles) of one group of faces."""
-        inputs = self.all(group, "input")
-        vertex = self.first((i for i in inputs if i.get("semantic") == "VERTEX"), "an <input> of vertices")
-        stride = 1 + max(int(i.get("offset", "0")) for i in inputs)
+        vertex = self.first(self.inputs(group, "VERTEX"), "an <input> of vertices")
         given = self.all(self.target(vertex.get("source")), "input")
         positions = self.first((i for i in given if i.get("semantic") == "POSITION"), "an <input> of positions")
         source = self.target(positions.get("source"))
         array = self.first(self.deep(source, "float_array"), "<float_array>")
         points = np.array((array.text or "").split(), dtype=np.float64).reshape(-1, 3)
-        offset = int(vertex.get("offset", "0"))
+        return points, self.corners(group, kind, vertex)
+
+    def inputs(self, group: Any, semantic: str) -> list[Any]:
+        """What a group of faces numbers, of one meaning."""
+        return [i for i in self.all(group, "input") if i.get("semantic") == semantic]
+
+    def corners(self, group: Any, kind: str, wanted: Any) -> NDArray[np.int64]:
+        """The numbers of one input for the corners of a group's triangles, shape (m, 3)."""
+        stride = 1 + max(int(i.get("offset", "0")) for i in self.all(group, "input"))
+        offset = int(wanted.get("offset", "0"))
         runs = [np.array((p.text or "").split(), dtype=np.int64)[offset::stride] for p in self.all(group, "p")]
         if kind == "triangles":
-            return points, np.concatenate(runs).reshape(-1, 3) if runs else np.zeros((0, 3), dtype=np.int64)
+            return np.concatenate(runs).reshape(-1, 3) if runs else np.zeros((0, 3), dtype=np.int64)
         if kind == "polygons":
-            return points, _fans(run.tolist() for run in runs)
+            return _fans(run.tolist() for run in runs)
         counts = np.array((self.first(self.deep(group, "vcount"), "<vcount>").text or "").split(), dtype=np.int64)
         corners = np.split(np.concatenate(runs), np.cumsum(counts)[:-1])
-        return points, _fans(corner.tolist() for corner in corners)
+        return _fans(corner.tolist() for corner in corners)
+
+    def texture(self, material: Any, group: Any, kind: str, count: int) -> Texture | None:
+        """The image of a group of so many triangles, whose `<instance_material>` is given; None if it has none."""
+        found = self.sampler(material.get("target", ""))
+        name = self.image(*found) if found is not None else ""
+        if found is None or not name:
+            return None
+        try:
+            chosen = self.coordinate_input(material, group, found[1].get("texcoord"))
+            corners = self.corners(group, kind, chosen)
+            coordinates = _coordinates(self.rows(self.target(chosen.get("source"))), corners)
+        except (ValueError, OverflowError):
+            coordinates = None
+        if coordinates is not None and len(coordinates) != count:
+            coordinates = None
+        return Texture(NamedImage(name, self.path), coordinates)
+
+    def coordinate_input(self, material: Any, group: Any, symbol: str | None) -> Any:
+        """The texture coordinates of a group that an `<instance_material>` binds to a symbol; else its first ones.
+
+        Raises:
+            ValueError: the group has none.
+        """
+        bound = [
+            bind.get("input_set", "0")
+            for bind in self.all(material, "bind_vertex_input")
+            if bind.get("semantic") == symbol and bind.get("input_semantic") == "TEXCOORD"
+        ]
+        inputs = self.inputs(group, "TEXCOORD")
+        chosen = [i for i in inputs if i.get("set", "0") in bound] or inputs
+        return self.first(chosen, "an <input> of texture coordinates")
+
+    def rows(self, source: Any) -> Array:
+        """The first two numbers of each row of a source.
+
+        Raises:
+            ValueError: they are damaged.
+        """
+        array = self.first(self.deep(source, "float_array"), "<float_array>")
+        numbers = np.array((array.text or "").split(), dtype=np.float64)
+        accessor = next(self.deep(source, "accessor"), None)
+        stride = int(accessor.get("stride", "1")) if accessor is not None else 2
+        if stride < 2:
+            raise ValueError(f"texture coordinates have a stride of {stride}")
+        return numbers[: len(numbers) // stride * stride].reshape(-1, stride)[:, :2]
+
+    def sampler(self, material: str) -> tuple[Any, Any] | None:
+        """(effect, `<texture>`) of the diffuse image of a material; None if it has none."""
+        if not material:
+            return None
+        for instance in self.all(self.target(material), "instance_effect"):
+            effect = self.target(instance.get("url"))
+            for diffuse in self.deep(effect, "diffuse"):
+                for texture in self.all(diffuse, "texture"):
+                    return effect, texture
+        return None
+
+    def image(self, effect: Any, texture: Any) -> str:
+        """The file that a `<texture>` names, by sampler and surface or directly; empty if there is none."""
+        parameters = {p.get("sid"): p for p in self.deep(effect, "newparam")}
+        name = texture.get("texture", "")
+        for _ in range(2):  # sampler, then surface
+            if name not in parameters:
+                break
+            inner = [e for e in parameters[name].iter() if self.tag(e) in ("source", "init_from", "instance_image")]
+            if not inner:
+                return ""
+            name = (inner[0].get("url") or "").removeprefix("#") or (inner[0].text or "").strip()
+        found = self.ids.get(name)
+        if found is None or self.tag(found) != "image":
+            return ""
+        written = next(self.deep(found, "init_from"), None)
+        if written is None:
+            return ""
+        return next((e.text or "" for e in self.deep(written, "ref")), written.text or "").strip()
 
     def color(self, material: str) -> tuple[float, ...] | None:
         """The diffuse colour of a material."""

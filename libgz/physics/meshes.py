@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +12,14 @@ __all__ = [
     "Mesh",
     "catmull_rom",
     "catmull_rom_slopes",
+    "corner_normals",
     "grid_strip",
     "grid_triangles",
     "triangle_normals",
     "vertex_normals",
 ]
 
+CREASE = math.cos(math.radians(40.0))  # edges sharper than this are rendered sharp
 # Catmull-Rom: the curve between the middle two of four points is (1, u, u^2, u^3) M (four points), u from 0 to 1.
 _CATMULL_ROM = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], dtype=np.float64)
 
@@ -48,6 +51,24 @@ def grid_strip(rows: int, columns: int) -> NDArray[np.int64]:
         band = np.stack([pairs + columns, pairs], axis=1).ravel()
         strip += [band[:1], band, band[-1:]]
     return np.concatenate(strip)[1:-1]
+
+
+def corner_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float32]:
+    """Unit normals of the corners of triangles, smooth at shallow edges, sharp at steep ones, shape (m, 3, 3)."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)  # twice the area long, so that large triangles count more
+    sums = np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(sums, triangles[:, k], across)
+    face, smooth = _unit(across)[:, None, :], _unit(sums)[triangles]
+    bends_little = np.einsum("ijk,ijk->ij", np.broadcast_to(face, smooth.shape), smooth) > CREASE
+    return np.ascontiguousarray(np.where(bends_little[..., None], smooth, face), dtype=np.float32)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float32]:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    found = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 1e-30)
+    return np.ascontiguousarray(found, dtype=np.float32)
 
 
 def triangle_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:

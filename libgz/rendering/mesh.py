@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from libgz.physics.meshes import corner_normals
 from libgz.rendering.gl import Constant
 
 __all__ = [
@@ -27,7 +28,6 @@ __all__ = [
 
 Floats = NDArray[np.float32]
 MOST_PATCHES = 100  # of a flat face, in each direction
-CREASE = math.cos(math.radians(40.0))  # edges sharper than this are rendered sharp
 
 
 @dataclass(frozen=True)
@@ -196,16 +196,8 @@ def triangles(vertices: ArrayLike, corners: ArrayLike, texture_size: tuple[float
         texture_size: extent of one image [m].
     """
     points, faces = np.asarray(vertices, dtype=np.float64), np.asarray(corners, dtype=np.int64).reshape(-1, 3)
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)  # twice the area long, so that large triangles count more
-    sums = np.zeros_like(points)
-    for k in range(3):
-        np.add.at(sums, faces[:, k], across)
-    face, smooth = _unit(across)[:, None, :], _unit(sums)[faces]
-    bends_little = np.einsum("ijk,ijk->ij", np.broadcast_to(face, smooth.shape), smooth) > CREASE
-    normals = np.where(bends_little[..., None], smooth, face).reshape(-1, 3)
     flat = points[faces].reshape(-1, 3)
-    return Mesh(_f(flat), _f(normals), _f(flat[:, :2] / texture_size))
+    return Mesh(_f(flat), corner_normals(points, faces).reshape(-1, 3), _f(flat[:, :2] / texture_size))
 
 
 def heightfield(heights: ArrayLike, extent: tuple[float, ...], texture_size: tuple[float, float]) -> Mesh:

@@ -16,14 +16,17 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
-from libgz.physics.mesh_files import MeshPart, read_mesh
-from libgz.physics.meshes import grid_triangles, vertex_normals
+from libgz.physics.mesh_files import MeshPart, NamedImage, read_mesh
+from libgz.physics.meshes import corner_normals, grid_triangles, vertex_normals
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
 from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
+from libgz.sdf.materials import Material
 from libgz.sdf.paths import find_uri
+from libgz.sdfworld.mesh_images import find_image
 from libgz.sdfworld.terrain import read_cover, terrain_mesh
+from libgz.sdfworld.visual import put_on, replaces_look
 
 __all__ = ["KNOWN", "make_collision", "make_visual"]
 
@@ -73,7 +76,7 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
 
 
 def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
-    """The geoms of a `<visual>`, which are rendered and touch nothing: one for each colour of a mesh."""
+    """The geoms of a `<visual>`, which are rendered and touch nothing: one for each material of a mesh."""
     shape = _shape(element, note)
     if shape is None:
         return []
@@ -81,7 +84,13 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
     geom = _simple(body, None, shape, note)
     found = [geom] if geom is not None else []
     if geom is None:
-        for part in [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note):
+        parts = [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note)
+        images = {} if replaces_look(element) else _images(parts, shape, note)
+        for part in parts:
+            texture = part.texture
+            if texture is not None and texture.coordinates is not None and texture.image in images:
+                found.append(_textured(body, part, texture.coordinates, images[texture.image]))
+                continue
             geom = TriMeshGeom(body, None, part.vertices, part.triangles)
             if shape.name == "plane":
                 geom.texture_coordinates, geom.columns = _across(), PATCHES + 1
@@ -96,6 +105,34 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
     for geom in found:
         geom.SetRelativePose(pose)
     return found
+
+
+def _images(parts: list[MeshPart], shape: Element, note: Note) -> dict[NamedImage, Path]:
+    """The files of the images of a mesh; one warning for each that is missing or has no place on a part."""
+    textures = [part.texture for part in parts if part.texture is not None]
+    found: dict[NamedImage, Path] = {}
+    for image in dict.fromkeys(texture.image for texture in textures):
+        try:
+            found[image] = find_image(image)
+        except NotFoundError as error:
+            note(shape, f"{error}; rendered without a texture")
+    for image in dict.fromkeys(texture.image for texture in textures if texture.coordinates is None):
+        if image in found:
+            why = f"a part of the mesh has no usable texture coordinates for image {image.name} of {image.file}"
+            note(shape, f"{why}; rendered without a texture")
+    return found
+
+
+def _textured(body: Body, part: MeshPart, coordinates: NDArray[np.float64], image: Path) -> Geom:
+    """A part of a mesh that shows an image; texture coordinates of the corners of each triangle."""
+    # Corners that share a vertex may lie in different places of the image, so each is a vertex of its own.
+    corners = part.vertices[part.triangles].reshape(-1, 3)
+    geom = TriMeshGeom(body, None, corners, np.arange(len(corners)).reshape(-1, 3))
+    geom.normals = corner_normals(part.vertices, part.triangles).reshape(-1, 3).astype(np.float64)
+    geom.texture_coordinates = coordinates.reshape(-1, 2)
+    r, g, b, *_ = part.color or (1.0, 1.0, 1.0)
+    put_on(geom.appearance, Material((r, g, b, 1.0), (r, g, b, 1.0), texture=image))
+    return geom
 
 
 def _shape(element: Element, note: Note) -> Element | None:
@@ -204,6 +241,7 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
             (part.vertices - center) * scale,
             part.triangles[:, ::-1] if turned else part.triangles,
             part.color,
+            part.texture.mirrored() if turned and part.texture is not None else part.texture,
         )
         for part in parts
     ]

@@ -28,6 +28,7 @@ __all__ = [
     "link_lights",
     "material_name",
     "put_on",
+    "replaces_look",
     "scripted_material",
     "set_light",
     "set_sky",
@@ -41,6 +42,8 @@ Note = Callable[[Element, str], object]  # reports a warning about an element
 UNSET = "__default__"
 KINDS = ("point", "directional", "spot")
 HOUR = 3600.0  # [s]
+# Elements of a `<material>`, and what they set.
+COLORS = {"ambient": "ambient", "diffuse": "diffuse", "specular": "specular", "emissive": "emission"}
 
 
 # Visuals ---------------------------------------------------------------------------------------------------------
@@ -58,6 +61,14 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
     look.change(cast_shadows=element.Get(bool, "cast_shadows"))
 
 
+def replaces_look(element: Element) -> bool:
+    """Whether the `<material>` of a `<visual>` takes the place of those in its mesh file, with their images."""
+    if not element.HasElement("material"):
+        return False
+    material = element.child("material")
+    return bool(material_name(material)) or any(map(material.HasElement, COLORS))
+
+
 def dress_material(look: Appearance, element: Element, note: Note) -> None:
     """Apply a `<material>`."""
     name = material_name(element)
@@ -66,7 +77,7 @@ def dress_material(look: Appearance, element: Element, note: Note) -> None:
         if found is None:
             note(element.child("script"), f"there is no material {name!r}; it is shown in grey")
         put_on(look, found or NEUTRAL)
-    for key, attribute in (("ambient",) * 2, ("diffuse",) * 2, ("specular",) * 2, ("emissive", "emission")):
+    for key, attribute in COLORS.items():
         if element.HasElement(key):
             setattr(look, attribute, element.Get(GzColor, key))
     if element.HasElement("lighting") and not element.Get(bool, "lighting"):

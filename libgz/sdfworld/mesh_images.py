@@ -1,0 +1,35 @@
+"""Images that mesh files name, found where Gazebo's models have them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from urllib.parse import unquote
+
+from libgz.errors import NotFoundError
+from libgz.files import is_file
+from libgz.physics.mesh_files import NamedImage
+from libgz.sdf.paths import find_uri
+
+__all__ = ["find_image"]
+
+
+def find_image(image: NamedImage) -> Path:
+    """The file of an image: beside the file that names it, or in `../materials/textures`.
+
+    It may be a `model://` URI. Of a path that exists on no other computer the last part is tried, too.
+
+    Raises:
+        NotFoundError: it does not exist; the message lists the places tried.
+    """
+    folder, written = image.file.parent, image.name
+    folders = (folder, folder.parent / "materials" / "textures")
+    if written.startswith(("model://", "package://")):
+        return find_uri(written, folder)
+    plain = written.removeprefix("file://").replace("\\", "/")
+    names = [plain, unquote(plain), unquote(plain).rpartition("/")[2]]
+    places = [place / name for name in names if name for place in folders]
+    for place in places:
+        if is_file(place):
+            return place
+    tried = ", ".join(dict.fromkeys(map(str, places)))
+    raise NotFoundError(f"image {written} of {image.file} was not found; looked for {tried}")

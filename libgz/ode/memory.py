@@ -3,7 +3,8 @@
 ODE has setters that change last bits (they normalise quaternions), and no getter for some of what decides the next
 step. So a state is copied from ODE's own memory. What lies where is found when ODE is loaded: each place is looked for
 by writing an odd value with one of ODE's functions, and a place that is not found once, and in the expected order,
-leaves `layout` without a result. No pointer is ever copied.
+leaves `layout` without a result. No pointer is ever copied; those that link the bodies of a world are exchanged among
+themselves.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import ctypes
 import functools
 import struct
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from ctypes import c_int64
 from typing import NamedTuple
@@ -22,12 +23,14 @@ from libgz.errors import LibraryError
 from libgz.ode.lib import ADVICE, OdeLibrary, ode
 from libgz.ode.types import Mass
 
-__all__ = ["MOST_KINDS", "Layout", "clear_joint", "layout", "prepare"]
+__all__ = ["MOST_KINDS", "Layout", "clear_joint", "layout", "order_bodies", "prepare"]
 
 MOST_KINDS = 16  # numbers of joint types and geom classes are below
 _JOINTS = ["Ball", "Hinge", "Hinge2", "Slider", "Universal", "Fixed", "Piston", "DBall", "AMotor"]
 _ODD_ADDRESS, _ODD_STEPS, _ODD_BITS = 0x1234567890AB, 0x3A5C7E91, 0x5A3C96E1
 _ODD = 1234.56789
+_POINTER = struct.Struct("P")
+_WORLD_SIZE = 4096  # [byte] more than ODE's worlds have
 
 
 class Layout(ctypes.Structure):
@@ -118,6 +121,10 @@ def _word(handle: int, offset: int) -> int:
     return ctypes.c_uint32.from_address(handle + offset).value
 
 
+def _pointer(address: int) -> int:
+    return ctypes.c_void_p.from_address(address).value or 0
+
+
 def _difference(handle: int, size: int, one: Callable[[], object], two: Callable[[], object]) -> int:
     """The offset of the one word that differs after two calls."""
     one()
@@ -176,6 +183,18 @@ def _find_body(ode_: OdeLibrary, allocator: _Allocator, result: Layout) -> None:
             raise _unfit("the order of what a body holds")
         result.body[:] = start, steps[1] + 4
         result.damping[:] = damping[0], size
+
+
+def _find_links(ode_: OdeLibrary, allocator: _Allocator) -> _Links:
+    with _world(ode_) as world:
+        one, size = allocator.size(lambda: ode_.dBodyCreate(world))
+        two = ode_.dBodyCreate(world)
+        following = _find(ctypes.string_at(two, size), _POINTER.pack(one))[0]
+        place = _find(ctypes.string_at(one, size), _POINTER.pack(two + following))[0]
+        first = _pointer(two + place) - world
+        if not 0 < first < _WORLD_SIZE or _pointer(world + first) != two or _pointer(one + following):
+            raise _unfit("the links of bodies")
+        return _Links(first, following, place)
 
 
 def _find_joints(ode_: OdeLibrary, allocator: _Allocator, result: Layout) -> dict[int, list[tuple[int, int]]]:
@@ -249,10 +268,19 @@ def _find_geoms(ode_: OdeLibrary, allocator: _Allocator, result: Layout) -> None
         ode_.dSpaceDestroy(space)
 
 
+class _Links(NamedTuple):
+    """Offsets of the pointers [byte] that link the bodies of a world, newest first."""
+
+    first: int  # in the world: the first body
+    following: int  # in a body: the next one
+    place: int  # in a body: where the pointer to it is
+
+
 class _Found(NamedTuple):
     """What is known of the loaded ODE: a layout, or why there is none; bytes of joints that nothing writes."""
 
     layout: Layout | None
+    links: _Links | None
     unset: dict[int, list[tuple[int, int]]]  # offset and size, by type
     error: str = ""
 
@@ -266,11 +294,12 @@ def _find_out() -> _Found:
     allocator = _Allocator(lib)
     try:
         _find_body(lib, allocator, result)
+        links = _find_links(lib, allocator)
         unset = _find_joints(lib, allocator, result)
         _find_geoms(lib, allocator, result)
     except LibraryError as error:
-        return _Found(None, {}, str(error))
-    return _Found(result, unset)
+        return _Found(None, None, {}, str(error))
+    return _Found(result, links, unset)
 
 
 def prepare() -> None:
@@ -295,3 +324,30 @@ def clear_joint(handle: int, kind: int) -> None:
     """Set the bytes of a new joint that ODE leaves as they were to zero, so that equal joints are equal bytes."""
     for offset, size in _find_out().unset.get(kind, ()):
         ctypes.memset(handle + offset, 0, size)
+
+
+def order_bodies(world: int, bodies: Sequence[int]) -> None:
+    """Link the bodies of a world as if they had been made in this order, in which the step finds islands.
+
+    Args:
+        world: its handle.
+        bodies: their handles, oldest first.
+
+    Raises:
+        LibraryError: it is not known where this ODE keeps the links.
+    """
+    links = _find_out().links
+    if links is None:
+        raise LibraryError(_find_out().error)
+    at, present = world + links.first, set(bodies)
+    listed: list[int] = []
+    while body := _pointer(at):
+        listed.append(body)
+        at = body + links.following
+    newest_first = reversed(bodies)
+    at = world + links.first
+    for body in [next(newest_first) if body in present else body for body in listed]:
+        ctypes.c_void_p.from_address(at).value = body
+        ctypes.c_void_p.from_address(body + links.place).value = at
+        at = body + links.following
+    ctypes.c_void_p.from_address(at).value = None

@@ -28,7 +28,7 @@ from libgz.errors import StateError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.ode.context import StepContext
 from libgz.ode.lib import ode
-from libgz.ode.memory import layout
+from libgz.ode.memory import layout, order_bodies
 from libgz.ode.parts import Parts
 from libgz.ode.types import ContactRule, JointFeedback, Mass
 from libgz.physics.edits import edits
@@ -333,10 +333,13 @@ class EngineState:
         engine.spaces.clear()
         engine.spaces.update(dict.fromkeys(spaces))
         engine.couplings = [coupling for coupling in engine.couplings if not coupling.broken]
+        if list(engine.bodies.values()) != bodies:
+            order_bodies(engine.world, [body._id for body in bodies])
         ordered = ((tables.bodies, bodies), (tables.joints, joints), (tables.geoms, geoms))
         for (table, things), census in zip(ordered, saved["rows"], strict=True):
             if table.census() != _tuples(census) or list(table.objects.values()) != things:
                 table.arrange(things, *census)
+        tables.publish()
         tables.bodies.ids[:] = tables.joints.ids[:] = 0
         for body in bodies:
             tables.bodies.ids[body.row] = body._id
@@ -347,7 +350,6 @@ class EngineState:
         for geom, (_, _, values, look) in zip(geoms, saved["geoms"], strict=True):
             self._restore_geom(geom, values, look)
         self._restore_joints(saved, joints, [*bodies, *dummies], len(bodies))
-        tables.publish()
 
     def _restore_geom(self, geom: Any, values: list[Any], look: dict[str, Any]) -> None:
         if geom._id is not None:

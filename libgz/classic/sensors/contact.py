@@ -13,6 +13,7 @@ from libgz.classic.physics.contact import RECORD, Contact, contact_records, read
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
+from libgz.errors import StateError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
@@ -49,8 +50,16 @@ class ContactSensor(LinkSensor):
         return [*self._waiting], self._taken
 
     def LoadState(self, state: Any) -> None:
-        """Take what SaveState returned."""
-        waiting, self._taken = state
+        """Take what SaveState returned.
+
+        Raises:
+            StateError: these are not whole records of contacts.
+        """
+        waiting, taken = state
+        for records in (*waiting, taken):
+            if not isinstance(records, bytes) or len(records) % RECORD.itemsize:
+                raise StateError(f"the state is damaged: sensor {self.Name()!r} has incomplete records of contacts")
+        self._taken = taken
         self._waiting.clear()
         self._waiting.extend(waiting)
         self._read = None

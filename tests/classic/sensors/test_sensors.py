@@ -10,7 +10,7 @@ from sensor_worlds import GROUND, G, box, collision, get, imu, model, noise, ray
 
 from libgz.classic import physics, sensors
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
-from libgz.errors import WorldFileError
+from libgz.errors import StateError, WorldFileError
 
 # Gazebo's acceptance figures -----------------------------------------------------------------------------------------
 
@@ -215,6 +215,18 @@ def test_a_slow_contact_sensor_tells_of_every_iteration_in_between():
     with world_of(touching(on=True, rate=100)) as world:
         world.step(1000)
         assert len(get("s").Contacts().contact) == 20  # two pairs in each of ten iterations
+
+
+def test_a_state_with_incomplete_contacts_is_refused_at_once():
+    with world_of(touching(on=True, rate=100)) as world:
+        world.step(100)
+        one = get("s")
+        waiting, taken = one.SaveState()
+        for damaged in (([*waiting, b"12"], taken), (waiting, taken[:-1]), ([None], taken)):
+            with pytest.raises(StateError, match="sensor 's' has incomplete records of contacts"):
+                one.LoadState(damaged)
+        assert one.SaveState() == (waiting, taken)
+        assert len(one.Contacts().contact) == 20
 
 
 @pytest.mark.parametrize(("rate", "seconds"), [(5, 6.0), (10, 3.0)])

@@ -9,7 +9,7 @@ demo: setup
 test: lint types
 	@./scripts/install_chromium.sh
 	@./scripts/install_compilers.sh
-	@$(BIN)/pytest -q -n 2 -m "not trial"
+	@$(BIN)/pytest -q -n 3 --dist worksteal -m "not trial"
 
 lint: setup
 	@$(BIN)/ruff check .

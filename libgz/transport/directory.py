@@ -12,7 +12,7 @@ import stat
 
 from libgz.errors import ServerError
 from libgz.transport.paths import CONTROL_SOCKET, LOCK_FILE
-from libgz.transport.segment import Segment, keep_room
+from libgz.transport.segment import Segment, raise_file_limit
 
 __all__ = ["ServerDirectory"]
 
@@ -120,7 +120,7 @@ class ServerDirectory:
             self.unlink_file(hidden, descriptor)
             os.close(descriptor)
             raise
-        keep_room(descriptor)
+        raise_file_limit(descriptor)
         log.debug("creating %s/%s %d", self.path, name, size)
         self._created.add(name)
         return segment

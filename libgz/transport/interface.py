@@ -31,7 +31,7 @@ from libgz.transport.layout import (
 )
 from libgz.transport.paths import check_id, file_name
 from libgz.transport.patience import Patience
-from libgz.transport.segment import Segment, keep_room, room_hint
+from libgz.transport.segment import Segment, file_limit_hint, raise_file_limit
 from libgz.transport.tally import Tally
 from libgz.transport.truncation import Watch, watch
 
@@ -243,7 +243,7 @@ class Interface(Generic[D]):
             server.show(self)
         except OSError as error:
             self.destroy()
-            reason = f"{error.strerror} ({self.type}.{self.id}){room_hint(error)}"
+            reason = f"{error.strerror} ({self.type}.{self.id}){file_limit_hint(error)}"
             raise InterfaceError(f"error creating mmap file: {reason}") from None
 
     def set_owner(self, model_type: str, model_id: int, parent_model_id: int) -> None:
@@ -364,7 +364,7 @@ class Interface(Generic[D]):
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
         except OSError as error:
-            hint = client.hint(self.type, self.id) if error.errno == errno.ENOENT else room_hint(error)
+            hint = client.hint(self.type, self.id) if error.errno == errno.ENOENT else file_limit_hint(error)
             raise InterfaceError(f"error opening device file {path} : {error.strerror}{hint}") from None
         try:
             head = os.pread(descriptor, 8, 0)
@@ -380,7 +380,7 @@ class Interface(Generic[D]):
             if isinstance(error, InterfaceError):
                 raise
             raise InterfaceError(f"error mapping device file: {error.strerror} ({path})") from None
-        keep_room(descriptor)
+        raise_file_limit(descriptor)
         self._map(Segment(memory, descriptor))
         announced = self.data.head.size
         if announced < size:

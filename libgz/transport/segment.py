@@ -7,9 +7,9 @@ import mmap
 import resource
 from dataclasses import dataclass
 
-__all__ = ["Segment", "keep_room", "room_hint"]
+__all__ = ["Segment", "file_limit_hint", "raise_file_limit"]
 
-_ROOM = 128  # open files, for what else a process opens
+_SPARE = 128  # open files, for what else a process opens
 
 
 @dataclass(frozen=True)
@@ -20,19 +20,19 @@ class Segment:
     descriptor: int | None = None  # of the file; None for memory of this process
 
 
-def keep_room(descriptor: int) -> None:
+def raise_file_limit(descriptor: int) -> None:
     """Raise this process's limit of open files if it is near: each interface takes two of the usual 1024.
 
     Args:
         descriptor: of a file that was just opened.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if soft not in (hard, resource.RLIM_INFINITY) and descriptor + _ROOM > soft:
-        most = 2 * (descriptor + _ROOM)
+    if soft not in (hard, resource.RLIM_INFINITY) and descriptor + _SPARE > soft:
+        most = 2 * (descriptor + _SPARE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
-def room_hint(error: OSError) -> str:
+def file_limit_hint(error: OSError) -> str:
     """What is short if a file could not be opened because there are too many."""
     if error.errno != errno.EMFILE:
         return ""

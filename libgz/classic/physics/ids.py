@@ -43,6 +43,11 @@ class Ids:
         self._world.server.activity.renamed()
         changes.count()
 
+    @property
+    def new_names(self) -> set[str]:
+        """The names of views that were renamed."""
+        return {view.GetName() for view in self._names}
+
     def save(self) -> tuple[Any, ...]:
         """Ids and changed names as plain data."""
         if not (self._numbers or self._names):

@@ -92,7 +92,7 @@ def insert_now(world: World, file: SdfFile) -> None:
 
 
 def _check_names(world: World, root: Element) -> None:
-    taken = {entity.GetId() for entity in world.core.entities}
+    taken = {entity.GetId() for entity in world.core.entities} | world.server.ids.new_names
     for element in next(root.named("world"), root).children:
         name = element.Get(str, "name") if element.name in BUILT else ""
         if name in taken:

@@ -94,6 +94,9 @@ def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, send, caplog):
     assert "A model named [box] already exists and allow_renaming is false. Model won't be inserted." in caplog.text
     send("~/factory", msgs.Factory(sdf=text, allow_renaming=True))
     assert view.ModelByName("box_0").WorldPose().Pos().X() == pytest.approx(5.0)
+    view.ModelByName("box_0").SetName("other")
+    send("~/factory", msgs.Factory(sdf=text.replace("'box'", "'other'"), allow_renaming=False))
+    assert "A model named [other] already exists" in caplog.text
 
 
 def test_an_invalid_message_is_reported_and_the_world_runs_on(view, core, send, caplog):

@@ -232,7 +232,7 @@ class LoadedPlugin:
     def stop(self, where: str, error: BaseException) -> None:
         """Log the exception that the plugin raised, and drop the plugin."""
         text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
-        if file is not None and isinstance(error, GazeboError) and _comes_with_libgz(Path(file)):
+        if file is not None and isinstance(error, GazeboError) and is_ready(Path(file)):
             text = str(error)  # of the world's file, not of the plugin's code
         elif file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
@@ -252,11 +252,6 @@ class LoadedPlugin:
         for connection in list(self.connections):
             connection.disconnect()
         self.connections.clear()
-
-
-def _comes_with_libgz(file: Path) -> bool:
-    """Whether a file is that of a ready plugin; an editable installation has links to them."""
-    return file.resolve() == (READY / file.name).resolve()
 
 
 names(LoadedPlugin._renew, lambda values: f"{values['doing']} of {values['self']}")
@@ -300,7 +295,7 @@ class Missing:
 def is_ready(path: Path) -> bool:
     """Whether a plugin's file is one of those that come with libgz."""
     ready = READY / path.name
-    return ready.exists() and ready.samefile(path)
+    return path.exists() and ready.exists() and ready.samefile(path)  # an editable installation has links
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:

@@ -7,9 +7,9 @@ from ctypes import c_void_p
 
 from libgz.ode.lib import OdeLibrary
 
-__all__ = ["geoms_near"]
+__all__ = ["NEAR_CALLBACK", "geoms_near"]
 
-_NEAR_CALLBACK = ctypes.PYFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
+NEAR_CALLBACK = ctypes.PYFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
 
 
 def geoms_near(lib: OdeLibrary, probe: int, space: int) -> list[int]:
@@ -24,7 +24,7 @@ def geoms_near(lib: OdeLibrary, probe: int, space: int) -> list[int]:
         geom = geom2 if geom1 == probe else geom1
         (spaces if lib.dGeomIsSpace(geom) else found).append(geom)
 
-    callback = _NEAR_CALLBACK(near)
+    callback = NEAR_CALLBACK(near)
     address = ctypes.cast(callback, c_void_p)
     for one in spaces:  # grows by the spaces that are met
         lib.dSpaceCollide2(probe, one, None, address)

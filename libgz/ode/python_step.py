@@ -15,7 +15,7 @@ from libgz.geometry import rotate
 from libgz.ode import python_state
 from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, Publication, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.nearby import geoms_near
+from libgz.ode.nearby import NEAR_CALLBACK, geoms_near
 from libgz.ode.parts import Parts
 from libgz.ode.python_contacts import FullContacts, make_surface
 from libgz.ode.python_islands import Islands
@@ -27,7 +27,6 @@ from libgz.ode.types import Contact, ContactGeom, ContactRule, JointType
 __all__ = ["PythonStep"]
 
 # ODE is called with the interpreter lock held (PyDLL), so its callbacks need not take it.
-_NEAR_CALLBACK = ctypes.PYFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
 
 
 class _Handle(c_void_p):
@@ -132,7 +131,7 @@ class PythonStep:
             except BaseException as error:  # noqa: BLE001 - ctypes would print and drop it; step() raises it
                 self._error = error
 
-        self._keep = _NEAR_CALLBACK(near)
+        self._keep = NEAR_CALLBACK(near)
         callback = ctypes.cast(self._keep, c_void_p)
         return callback
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "Mesh",
@@ -16,6 +16,7 @@ __all__ = [
     "grid_strip",
     "grid_triangles",
     "triangle_normals",
+    "units",
     "vertex_normals",
 ]
 
@@ -60,15 +61,18 @@ def corner_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]
     sums = np.zeros_like(vertices)
     for k in range(3):
         np.add.at(sums, triangles[:, k], across)
-    face, smooth = _unit(across)[:, None, :], _unit(sums)[triangles]
+    face, smooth = units(across)[:, None, :], units(sums)[triangles]
     bends_little = np.einsum("ijk,ijk->ij", np.broadcast_to(face, smooth.shape), smooth) > CREASE
     return np.ascontiguousarray(np.where(bends_little[..., None], smooth, face), dtype=np.float32)
 
 
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float32]:
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    found = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 1e-30)
-    return np.ascontiguousarray(found, dtype=np.float32)
+def units(vectors: ArrayLike) -> NDArray[np.float32]:
+    """Vectors of length 1 in the same directions; those without a length stay zero."""
+    given = np.asarray(vectors, dtype=np.float64)
+    lengths = np.linalg.norm(given, axis=-1, keepdims=True)
+    return np.ascontiguousarray(
+        np.divide(given, lengths, out=np.zeros_like(given), where=lengths > 1e-30), dtype=np.float32
+    )
 
 
 def triangle_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:

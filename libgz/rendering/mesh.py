@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.physics.meshes import corner_normals
+from libgz.physics.meshes import corner_normals, units
 from libgz.rendering.gl import Constant
 
 __all__ = [
@@ -79,18 +79,12 @@ class Mesh:
         factors = np.array((x, y, z), dtype=np.float32)
         normals = self.normals
         if normals is not None and np.all(factors != 0.0):
-            normals = _unit(normals / factors)
+            normals = units(normals / factors)
         return replace(self, vertices=self.vertices * factors, normals=normals)
 
 
 def _f(values: ArrayLike) -> Floats:
     return np.ascontiguousarray(values, dtype=np.float32)
-
-
-def _unit(vectors: ArrayLike) -> Floats:
-    found = np.asarray(vectors, dtype=np.float64)
-    lengths = np.linalg.norm(found, axis=-1, keepdims=True)
-    return _f(np.divide(found, lengths, out=np.zeros_like(found), where=lengths > 1e-30))
 
 
 def _patches(columns: int, rows: int) -> NDArray[np.uint32]:
@@ -112,7 +106,7 @@ def rectangle(corner: ArrayLike, across: ArrayLike, up: ArrayLike, patch: float 
     i, j = np.meshgrid(np.linspace(0.0, 1.0, columns + 1), np.linspace(0.0, 1.0, rows + 1))
     share = np.stack((i.ravel(), j.ravel()), axis=1)
     normal = np.broadcast_to(np.cross(sides[0], sides[1]), (len(share), 3))
-    return Mesh(_f(np.asarray(corner) + share @ np.array(sides)), _unit(normal), _f(share), _patches(columns, rows))
+    return Mesh(_f(np.asarray(corner) + share @ np.array(sides)), units(normal), _f(share), _patches(columns, rows))
 
 
 def box(x: float, y: float, z: float, patch: float = math.inf) -> Mesh:
@@ -141,7 +135,7 @@ def _revolved(radii: Floats, heights: Floats, outward: Floats, upward: Floats, t
     normals = np.stack([np.outer(outward, cos), np.outer(outward, sin), np.outer(upward, one)], axis=-1)
     texcoords = np.stack([np.outer(np.ones(len(t)), angles / (2.0 * math.pi)), np.outer(t, one)], axis=-1)
     indices = _patches(segments, len(radii) - 1)
-    return Mesh(_f(vertices.reshape(-1, 3)), _unit(normals.reshape(-1, 3)), _f(texcoords.reshape(-1, 2)), indices)
+    return Mesh(_f(vertices.reshape(-1, 3)), units(normals.reshape(-1, 3)), _f(texcoords.reshape(-1, 2)), indices)
 
 
 def sphere(radius: float, segments: int) -> Mesh:
@@ -210,7 +204,7 @@ def heightfield(heights: ArrayLike, extent: tuple[float, ...], texture_size: tup
     dz_dy, dz_dx = np.gradient(z, y, x)
     vertices = np.stack([xs, ys, z], axis=-1).reshape(-1, 3)
     normals = np.stack([-dz_dx, -dz_dy, np.ones_like(z)], axis=-1).reshape(-1, 3)
-    return Mesh(_f(vertices), _unit(normals), _f(vertices[:, :2] / texture_size), _patches(columns - 1, rows - 1))
+    return Mesh(_f(vertices), units(normals), _f(vertices[:, :2] / texture_size), _patches(columns - 1, rows - 1))
 
 
 def ring(radii: NDArray[np.float64], segments: int, texture_size: tuple[float, float]) -> Mesh:

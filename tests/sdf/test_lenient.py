@@ -100,7 +100,6 @@ SENSOR = "<link name='k'><sensor name='s' type='{}'>{}</sensor></link>"
         ("<joint name='j' type='fixed'><parent>l</parent><child>nowhere</child></joint>", "names link 'nowhere'"),
         ("<joint name='j' type='rigid'><parent>world</parent><child>l</child></joint>", "rigid"),
         (SENSOR.format("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
-        (SENSOR.format("force_torque", ""), "must be a joint"),
         (
             "<link name='k'><collision name='c'><geometry><sphere><radius>-1</radius></sphere></geometry>"
             "</collision></link>",

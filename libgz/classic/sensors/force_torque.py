@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics import Joint as JointView
-from libgz.classic.sensors.read import choice, wrong
+from libgz.classic.sensors.read import choice
 from libgz.classic.sensors.sensor import Sensor, SensorOwner
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternIdent, GzQuaternInverse, GzQuaternMul, rotate
 from libgz.simulation.event import Connection
@@ -35,9 +35,7 @@ class ForceTorqueSensor(Sensor):
 
     def __init__(self, sensors: SensorOwner, parent: Link | JointView, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        if not isinstance(parent, JointView):
-            raise wrong(sdf, "sensor", f"parent of a force torque sensor[{self._name}] must be a joint")
-        self._joint = parent
+        self._joint = cast(JointView, parent)  # in a link, none is made
         wrench = sdf.child("force_torque")
         self._frame = choice(wrench, "frame", ("parent", "child", "sensor"))
         self._to_child = False

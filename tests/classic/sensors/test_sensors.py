@@ -10,6 +10,7 @@ from sensor_worlds import GROUND, G, box, collision, get, imu, model, noise, ray
 
 from libgz.classic import physics, sensors
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.sensors.kinds import ON_JOINTS
 from libgz.errors import StateError, WorldFileError
 
 # Gazebo's acceptance figures -----------------------------------------------------------------------------------------
@@ -99,7 +100,7 @@ def test_row_17_an_imu_on_a_frictionless_ramp():
 def test_row_17_an_imu_on_a_pendulum():
     inertia = "<inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-3</izz></inertia>"
     bob = imu() + f"<inertial><mass>1</mass>{inertia}</inertial>"
-    hinge = (
+    fixed = (
         "<joint name='j' type='revolute'><parent>world</parent><child>link</child><pose>0 1 0 0 0 0</pose>"
         "<axis><xyz>1 0 0</xyz></axis></joint>"
     )
@@ -375,7 +376,6 @@ def test_rays_of_one_s_own():
         (sensor("ray", ray(5, resolution=-1)), "<resolution>: is -1; it must be at least 0"),
         (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
-        (sensor("force_torque", ""), "must be a joint"),
         (
             sensor("altimeter", f"<altimeter><vertical_position>{noise('pink')}</vertical_position></altimeter>"),
             "'pink'",
@@ -389,6 +389,19 @@ def test_rays_of_one_s_own():
 def test_wrong_values_are_told_with_file_and_line(text, message):
     with pytest.raises(WorldFileError, match=message):
         world_of("\n" + model("m", text))
+
+
+@pytest.mark.parametrize("kind", ["force_torque", "camera", "imu", "contact"])
+def test_sensors_in_the_wrong_place_are_left_out(kind, caplog):
+    element = f"<sensor name='s' type='{kind}'/>"
+    wrong = element if kind in ON_JOINTS else ""
+    fixed = "<joint name='j' type='fixed'><parent>world</parent><child>link</child>{}</joint>"
+    with world_of(model("m", wrong + imu(), static=False, more=fixed.format("" if wrong else element))) as world:
+        world.step(10)
+        assert list(world.facade.server.sensors.sensors) == ["default::m::link::s"]
+    here, there = ("joint", "link") if wrong else ("link", "joint")
+    said = f":1: <sensor>: type '{kind}' stands in a <{here}>, not in a <{there}>; the sensor is left out"
+    assert caplog.text.count(said) == 1
 
 
 def test_of_sensors_of_one_name_the_first_is_made(caplog):

@@ -411,7 +411,7 @@ class Commands:
     def joint(self, message: Any) -> None:
         """~/MODEL/joint_cmd: set force, targets and gains of a joint by scoped name."""
         found = self._world.BaseByName(message.name)
-        model = found.GetParentModel() if found is not None and found.HasType(Base.JOINT) else None
+        model = found.model_around() if found is not None and found.HasType(Base.JOINT) else None
         if model is None or found is None:
             raise NotFoundError(f"there is no joint {message.name!r}")
         controller, name = model.GetJointController(), found.GetScopedName()
@@ -515,6 +515,7 @@ class Commands:
     def _atmosphere_info(self, _name: str) -> Any:
         air = self._world.Atmosphere()
         return msgs.Atmosphere(
+            type=msgs.Atmosphere.ADIABATIC,
             temperature=air.Temperature(),
             pressure=air.Pressure(),
             mass_density=air.MassDensity(),
@@ -547,7 +548,7 @@ class Commands:
         answer = answers[message.request](message.data)
         response = msgs.Response(id=message.id, request=message.request, response="success")
         if answer is None:
-            response.response = "nonexistent"
+            response.response, response.type = "nonexistent", "error"
         elif answer is not True:
             response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
         self._respond(response)

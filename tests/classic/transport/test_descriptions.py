@@ -110,6 +110,9 @@ def test_links_collisions_and_joints_are_described_whole(core, node):
     surface = link.collision[0].surface
     assert (surface.friction.mu, surface.friction.mu2, surface.friction.slip1) == (0.4, 0.5, 0.1)
     assert surface.kp == 5e5
+    # What contacts do not use is described, too, with the defaults of SDF.
+    assert (surface.soft_cfm, surface.soft_erp, surface.HasField("elastic_modulus")) == (0.0, 0.2, True)
+    assert surface.friction.torsional.ode.HasField("slip")
     own, shown = link.collision[0].visual
     assert (own.name, own.id) == (link.collision[0].name, link.collision[0].id)
     assert (shown.type, shown.geometry.box.size.z, shown.parent_id) == (msgs.Visual.COLLISION, 3.0, link.id)

@@ -179,6 +179,7 @@ def test_requests_are_answered(view, node, core):
         publisher.Publish(msgs.Request(id=number, request=request, data=data))
     core.step(3)
     assert [a.response for a in answers] == ["success", "success", "nonexistent", *["success"] * 4]
+    assert answers[2].type == "error"
     models = msgs.Model_V.FromString(answers[0].serialized_data).models
     assert [model.name for model in models] == ["ground_plane", "box", "arm"]
     arm = msgs.Model.FromString(answers[1].serialized_data)

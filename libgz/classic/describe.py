@@ -182,11 +182,7 @@ def _link_message(link: Link) -> Any:
     )
     msgs.Set(message.pose, link.RelativePose())
     message.visual.append(entity_visual("LINK", message, *_parent(link)))
-    inertial, part = link.GetInertial(), message.inertial
-    part.mass = inertial.Mass()
-    part.ixx, part.ixy, part.ixz = inertial.IXX(), inertial.IXY(), inertial.IXZ()
-    part.iyy, part.iyz, part.izz = inertial.IYY(), inertial.IYZ(), inertial.IZZ()
-    msgs.Set(part.pose, inertial.Pose())
+    _fill_inertial(message.inertial, link)
     for collision in link.GetCollisions():
         message.collision.append(_collision_message(collision))
     for battery in link.batteries:
@@ -202,6 +198,15 @@ def _link_message(link: Link) -> Any:
             msgs.Set(light.pose, element.Get(GzPose, "pose"))
             _fill_light(light, geom)
     return message
+
+
+def _fill_inertial(message: Any, link: Link) -> None:
+    """Describe mass and moments of inertia; those of static models are 0, as in Gazebo."""
+    inertial, there = link.GetInertial(), 0.0 if link.IsStatic() else 1.0
+    message.mass = there * inertial.Mass()
+    for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
+        setattr(message, name, there * getattr(inertial, name.upper())())
+    msgs.Set(message.pose, inertial.Pose())
 
 
 def _collision_message(collision: Collision) -> Any:

@@ -118,6 +118,16 @@ def test_the_world_is_paused_stepped_and_reset(view, core, send):
     core.step(10)
     assert view.Iterations() == at + 7
     assert view.IsPaused()
+    send("~/world_control", msgs.WorldControl(step=False))  # Gazebo asks only whether it is there
+    core.step(3)
+    assert view.Iterations() == at + 8
+    send("~/world_control", msgs.WorldControl(pause=False))
+    core.step(3)
+    send("~/world_control", msgs.WorldControl(pause=False, multi_step=4))
+    before = view.Iterations()
+    core.step(10)
+    assert view.IsPaused()
+    assert before <= view.Iterations() <= before + 4
     reset = msgs.WorldControl(pause=False)
     reset.reset.all = True
     view.ModelByName("box").SetWorldPose(Pose3d(9, 9, 9, 0, 0, 0))

@@ -83,11 +83,11 @@ class Link(Entity):
 
     def IsCanonicalLink(self) -> bool:
         """Whether it is the first link of a model, and no model around that has a link: a tree of models has one."""
-        around = self.model.GetParent()
-        while isinstance(around, Entity):
-            if around.core.bodies:
+        around = self.model.core.parent
+        while isinstance(around, SdfModel):
+            if around.bodies:
                 return False
-            around = around.GetParent()
+            around = around.parent
         return self.model.GetLink() is self
 
     # Pose and motion ---------------------------------------------------------------------------------------------

@@ -129,7 +129,6 @@ NO_EFFECT: dict[str, str] = {
     "surface/contact/poissons_ratio": "kept",
     "surface/contact/ode/soft_cfm": "kp and kd decide",
     "surface/contact/ode/soft_erp": "kp and kd decide",
-    "sensor/transceiver": "warning: the sensor is left out",
     "surface/friction/torsional/ode/slip": "kept",
     "visual/meta": "kept",
     "material/shader": "rendered without it",

@@ -33,6 +33,7 @@ COMMANDS = {
     "log": "read a log file of an SDF world, or start and stop recording in a running server",
     "model": "inspect, move, add and delete models of a running SDF world",
     "models": "list all models, or describe one",
+    "physics": "change gravity, step, rate and solver of a running SDF world",
     "play": "serve a log of gazebo --mcap or gzserver --mcap as its server did",
     "new": "write a folder with a new model or plugin that runs at once",
     "picture": "run a world and save the image of one of its cameras",
@@ -47,6 +48,7 @@ COMMANDS = {
     "topic": "list, print, measure and publish topics of a running gzserver",
     "view": "show a running world in a browser, with controls",
     "upgrade": "convert a worldfile of 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF 1.0 to 1.5 or URDF to SDF 1.6",
+    "world": "pause, step and reset a running SDF world",
     "worlds": "list the worlds that are installed with libgz",
 }
 

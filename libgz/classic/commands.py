@@ -18,7 +18,7 @@ from libgz.classic.describe import (
     place_message,
     scene_message,
 )
-from libgz.classic.math import Pose3d
+from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.insertion import insert_now
@@ -152,16 +152,18 @@ class Commands:
     # The world ---------------------------------------------------------------------------------------------------
 
     def world_control(self, message: Any) -> None:
-        """~/world_control: pause, step, reset, seed."""
+        """~/world_control: pause, step, reset, seed. As in Gazebo, several steps pause the world, and `step` is one."""
         if message.HasField("seed"):
             self._world.Physics().SetSeed(message.seed)
         if message.HasField("pause"):
             self._world.SetPaused(message.pause)
             if not message.pause:
                 self._paused_steps.cancel()
-        steps = message.multi_step if message.HasField("multi_step") else int(message.step)
-        if steps:
-            self._paused_steps.add(steps)
+        if message.HasField("step"):
+            self._paused_steps.add(1)
+        if message.HasField("multi_step"):
+            self._world.SetPaused(True)
+            self._paused_steps.add(message.multi_step)
         if message.HasField("reset"):
             self._reset(message.reset)
 
@@ -220,7 +222,7 @@ class Commands:
         edited = self._edited(message, entities)
         for entity in entities:
             if message.HasField("pose"):
-                _set_pose(entity, msgs.ConvertIgn(message.pose))
+                _set_pose(entity, _pose_of(message))
             elif edited is not None and not entity.HasElement("pose"):
                 _set_pose(entity, edited.RelativePose())
             name = message.edit_name or entity.Get(str, "name")
@@ -317,7 +319,7 @@ class Commands:
         """~/light/modify: change pose, kind, colours, range, cone, shadows and attenuation of a light."""
         light = self._find(message.name, Light)
         if message.HasField("pose"):
-            light.SetWorldPose(msgs.ConvertIgn(message.pose))
+            light.SetWorldPose(_pose_of(message))
         if message.HasField("diffuse"):
             light.SetDiffuseColor(msgs.ConvertIgn(message.diffuse))
         if message.HasField("specular"):
@@ -348,13 +350,14 @@ class Commands:
     def model_modify(self, message: Any) -> None:
         """~/model/modify: change a model, its links and their collisions."""
         model = self._find(message.name, Model)
-        self._modify(model, message)
+        self._modify(model, message, model.SetWorldPose)
         self._changed(model)
 
-    def _modify(self, model: Model, message: Any) -> None:
+    def _modify(self, model: Model, message: Any, place: Callable[[Pose3d], None]) -> None:
+        """Change a model; `place` sets its pose: global for one that is named, relative for one within a message."""
         _check_number(model, message)
         if message.HasField("pose"):
-            model.SetRelativePose(msgs.ConvertIgn(message.pose))
+            place(_pose_of(message))
         if message.HasField("scale"):
             model.SetScale(msgs.ConvertIgn(message.scale))
         for field, setter in (
@@ -373,7 +376,7 @@ class Commands:
             inner = model.NestedModel(nested.name.rpartition("::")[2])
             if inner is None:
                 raise NotFoundError(f"model {model.GetName()!r} has no model {nested.name!r}")
-            self._modify(inner, nested)
+            self._modify(inner, nested, inner.SetRelativePose)
         for visual in message.visual:
             self.visual(visual)
 
@@ -390,7 +393,7 @@ class Commands:
         if message.HasField("inertial"):
             _set_inertial(link, message.inertial)
         if message.HasField("pose"):
-            link.SetRelativePose(msgs.ConvertIgn(message.pose))
+            link.SetRelativePose(_pose_of(message))
         for part in message.collision:
             collision = link.GetCollision(part.name.rpartition("::")[2])
             if collision is None:
@@ -411,7 +414,7 @@ class Commands:
     def joint(self, message: Any) -> None:
         """~/MODEL/joint_cmd: set force, targets and gains of a joint by scoped name."""
         found = self._world.BaseByName(message.name)
-        model = found.GetParentModel() if found is not None and found.HasType(Base.JOINT) else None
+        model = found.model_around() if found is not None and found.HasType(Base.JOINT) else None
         if model is None or found is None:
             raise NotFoundError(f"there is no joint {message.name!r}")
         controller, name = model.GetJointController(), found.GetScopedName()
@@ -477,7 +480,7 @@ class Commands:
             found.Fini()
             return
         if message.HasField("pose"):
-            found.SetPose(msgs.ConvertIgn(message.pose))
+            found.SetPose(_pose_of(message))
         if message.HasField("scale"):
             found.SetScale(msgs.ConvertIgn(message.scale))
         if message.HasField("visible"):
@@ -515,6 +518,7 @@ class Commands:
     def _atmosphere_info(self, _name: str) -> Any:
         air = self._world.Atmosphere()
         return msgs.Atmosphere(
+            type=msgs.Atmosphere.ADIABATIC,
             temperature=air.Temperature(),
             pressure=air.Pressure(),
             mass_density=air.MassDensity(),
@@ -547,7 +551,7 @@ class Commands:
         answer = answers[message.request](message.data)
         response = msgs.Response(id=message.id, request=message.request, response="success")
         if answer is None:
-            response.response = "nonexistent"
+            response.response, response.type = "nonexistent", "error"
         elif answer is not True:
             response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
         self._respond(response)
@@ -591,6 +595,14 @@ def reload_response(message: Any, replace: Callable[[str], list[str]]) -> Any:
     answer = msgs.GzString(data=text)
     response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
     return response
+
+
+def _pose_of(message: Any) -> Pose3d:
+    """The pose of a message; a rotation of four zeros is none, as in Gazebo."""
+    pose: Pose3d = msgs.ConvertIgn(message.pose)
+    if not any(pose.rot):
+        pose.rot = Quaterniond()
+    return pose
 
 
 def _set_pose(entity: Element, pose: Pose3d) -> None:
@@ -644,7 +656,7 @@ def _modify_collision(collision: Collision, message: Any) -> None:
     if message.HasField("max_contacts"):
         collision.SetMaxContacts(int(message.max_contacts))
     if message.HasField("pose"):
-        collision.SetRelativePose(msgs.ConvertIgn(message.pose))
+        collision.SetRelativePose(_pose_of(message))
     surface, given = collision.GetSurface(), message.surface
     for field, name in SURFACE_FIELDS.items():
         if given.HasField(field):

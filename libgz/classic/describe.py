@@ -28,6 +28,7 @@ from libgz.classic.physics.shape import BoxShape, CylinderShape, HeightmapShape,
 from libgz.classic.physics.world import World
 from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.physics.geoms import LightGeom
+from libgz.sdf.element import Element
 
 __all__ = [
     "contacts_of",
@@ -181,11 +182,7 @@ def _link_message(link: Link) -> Any:
     )
     msgs.Set(message.pose, link.RelativePose())
     message.visual.append(entity_visual("LINK", message, *_parent(link)))
-    inertial, part = link.GetInertial(), message.inertial
-    part.mass = inertial.Mass()
-    part.ixx, part.ixy, part.ixz = inertial.IXX(), inertial.IXY(), inertial.IXZ()
-    part.iyy, part.iyz, part.izz = inertial.IYY(), inertial.IYZ(), inertial.IZZ()
-    msgs.Set(part.pose, inertial.Pose())
+    _fill_inertial(message.inertial, link)
     for collision in link.GetCollisions():
         message.collision.append(_collision_message(collision))
     for battery in link.batteries:
@@ -201,6 +198,15 @@ def _link_message(link: Link) -> Any:
             msgs.Set(light.pose, element.Get(GzPose, "pose"))
             _fill_light(light, geom)
     return message
+
+
+def _fill_inertial(message: Any, link: Link) -> None:
+    """Describe mass and moments of inertia; those of static models are 0, as in Gazebo."""
+    inertial, there = link.GetInertial(), 0.0 if link.IsStatic() else 1.0
+    message.mass = there * inertial.Mass()
+    for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
+        setattr(message, name, there * getattr(inertial, name.upper())())
+    msgs.Set(message.pose, inertial.Pose())
 
 
 def _collision_message(collision: Collision) -> Any:
@@ -235,9 +241,6 @@ def _collision_message(collision: Collision) -> Any:
 def _parent(entity: Entity) -> tuple[str, int]:
     """The name and the id of what an entity belongs to: a model, a link, or the world."""
     parent = entity.GetParent()
-    if parent is None:
-        world = entity.GetWorld()
-        return world.Name(), world.GetId()
     return parent.GetScopedName(), parent.GetId()
 
 
@@ -256,10 +259,22 @@ def _fill_surface(message: Any, collision: Collision) -> None:
     friction.torsional.surface_radius = pyramid.SurfaceRadius()
     message.restitution_coefficient, message.bounce_threshold = surface.bounce, surface.bounceThreshold
     message.kp, message.kd = surface.kp, surface.kd
+    if (sdf := collision.GetSDF()) is not None:
+        _fill_as_declared(message, sdf.child("surface"))
     message.max_vel, message.min_depth = surface.maxVel, surface.minDepth
     message.collide_bitmask = surface.collideBitmask & 0xFFFFFFFF
     message.collide_without_contact = surface.collideWithoutContact
     message.collide_without_contact_bitmask = surface.collideWithoutContactBitmask & 0xFFFFFFFF
+
+
+def _fill_as_declared(message: Any, surface: Element) -> None:
+    """Describe what has no setter, as the file has it: elasticity, and what contacts do not use."""
+    contact, torsional = surface.child("contact"), surface.child("friction").GetElement("torsional")
+    ode = contact.child("ode")
+    message.soft_cfm, message.soft_erp = ode.Get(float, "soft_cfm"), ode.Get(float, "soft_erp")
+    message.elastic_modulus = contact.Get(float, "elastic_modulus")
+    if torsional is not None:  # from 1.5 on
+        message.friction.torsional.ode.slip = torsional.child("ode").Get(float, "slip")
 
 
 def joint_message(joint: Joint) -> Any:

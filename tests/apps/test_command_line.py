@@ -31,7 +31,7 @@ CASES = [
     (("gazebo", "--solver", ""), {"world", "quick"}),
     (("gzserver", "emp"), {"empty"}),
     (("gzclient", "--pic"), {"--picture"}),
-    (("libgz", "wor"), {"worlds"}),
+    (("libgz", "wor"), {"world", "worlds"}),
     (("libgz", "check", "roo"), {"roomba", "room.world"}),
     (("libgz", "models", "Sick"), {"SickLMS200"}),
     (("libgz", "completion", "f"), {"fish"}),

@@ -1,4 +1,4 @@
-"""The commands for running SDF worlds, against a real gzserver: libgz model, joint, stats."""
+"""The commands for running SDF worlds, against a real gzserver: libgz model, joint, stats, world, physics."""
 
 import contextlib
 import json
@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 from master_uri import free_master_uri
+
+from libgz.apps.libgz import main
 
 ROBOTS = Path(__file__).parents[1] / "data" / "urdf"
 WORLD = """
@@ -136,3 +138,44 @@ def test_statistics_end_with_the_server(tmp_path):
             server.kill()
             assert "the server has ended" in stats.communicate(timeout=30)[1]
             assert stats.returncode == 1
+
+
+def test_a_world_is_paused_stepped_and_reset(libgz):
+    def paused_at():
+        found = json.loads(libgz("topic", "-e", "~/world_stats", "-n", "1", "--json"))
+        return int(found["iterations"]) if found["paused"] else None
+
+    assert libgz("world", "-p", "1") == ""
+    eventually(lambda: paused_at() is not None)
+    at = paused_at()
+    libgz("world", "-m", "20")
+    eventually(lambda: paused_at() == at + 20)
+    libgz("world", "-r")
+    eventually(lambda: paused_at() == 0)
+    libgz("physics", "-g", "0,0,-3", "-s", "0.002", "-i", "70", "-u", "500", "-o", "default_physics")
+    found = libgz("topic", "-r", "physics_info")
+    assert "max_step_size: 0.002" in found
+    assert "z: -3\n" in found
+    assert dict(re.findall(r"^(iters|real_time_update_rate): (\d+)", found, re.MULTILINE)) == {
+        "iters": "70",
+        "real_time_update_rate": "500",
+    }
+    libgz("physics", "--gravity=0,0,-9.8", "-s", "0.001", "-i", "50", "-u", "1000")
+    libgz("world", "-p", "0")
+
+
+def test_commands_for_worlds_without_an_action_or_with_wrong_numbers_are_errors(capsys):
+    for words, code, message in (
+        (["world"], 1, "no action is given; use -p 0, -p 1, -s, -m N, -r, -t or -o"),
+        (["world", "-m", "0"], 1, "--multi-step is 0; it must be at least 1"),
+        (["physics"], 1, "no parameter is given"),
+        (["physics", "--step-size=-1"], 1, "--step-size is -1 s; it must be above 0"),
+        (["physics", "-i", "0"], 1, "--iters is 0; it must be at least 1"),
+        (["physics", "-g", "1,2"], 2, "'1,2' is not three numbers, such as 0,0,-9.8"),
+    ):
+        try:
+            found = main(words)
+        except SystemExit as error:
+            found = error.code
+        assert found == code
+        assert message in capsys.readouterr().err

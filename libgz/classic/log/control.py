@@ -10,10 +10,11 @@ from typing import Any
 
 from libgz.classic import msgs
 from libgz.classic.log.play import LogPlay
-from libgz.classic.log.record import LogRecord
+from libgz.classic.log.record import LogRecord, log_folder
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
+from libgz.classic.transport.address import publicized_address
 from libgz.errors import GazeboError
 
 __all__ = ["PlaybackControl", "RecordControl"]
@@ -32,6 +33,7 @@ class RecordControl:
 
     def __init__(self, world: World, record: LogRecord | None = None) -> None:
         self._world, self.record = world, record
+        self._base: Path | None = None  # where a client wants the log; None: in the folder of logs
         self._due = 0.0
         self._node = Node()
         self._node.Init(world.core.topic_space)
@@ -52,7 +54,8 @@ class RecordControl:
         if message.stop or message.start:
             self._stop()
         if message.start:
-            path = Path(message.base_path) / "state.log" if message.base_path else None
+            self._base = Path(message.base_path) if message.base_path else None
+            path = self._base / "state.log" if self._base is not None else None
             try:
                 self.record = LogRecord(self._world, path, encoding=message.encoding or "zlib")
                 log.info("recording to [%s]", self.record.path)
@@ -73,14 +76,14 @@ class RecordControl:
         self._due = time.monotonic() + STATUS_PERIOD
         status = msgs.LogStatus()
         msgs.Set(status.sim_time, self._world.SimTime())
+        file, size = status.log_file, 0.0
         if self.record is not None and self.record.running:
             path = self.record.path
-            status.log_file.uri = status.log_file.full_path = str(path)
-            status.log_file.base_path = str(path.parent)
+            file.full_path = str(path)
             size = float(path.stat().st_size) if path.exists() else 0.0
-            power = min(3, max(0, int(math.log10(max(size, 1.0))) // 3))
-            status.log_file.size = size / 1000.0**power
-            status.log_file.size_units = UNITS[power]
+        file.uri, file.base_path, file.record_resources = publicized_address(), f"{self._base or log_folder()}/", False
+        power = min(3, max(0, int(math.log10(max(size, 1.0))) // 3))
+        file.size, file.size_units = size / 1000.0**power, UNITS[power]
         self._status.Publish(status)
 
     def close(self) -> None:

@@ -30,12 +30,16 @@ __all__ = ["LogRecord", "NamePattern", "default_log_path"]
 log = logging.getLogger("libgz.classic")
 
 
+def log_folder() -> Path:
+    """Return the folder of logs: ``<GAZEBO_LOG_PATH or ~/.gazebo>/log``."""
+    return Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / "log"
+
+
 def default_log_path() -> Path:
-    """Return the default path of a log: ``<GAZEBO_LOG_PATH or ~/.gazebo>/log/<date and time>/gzserver/state.log``."""
-    folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser()
+    """Return the default path of a log: ``<date and time>/gzserver/state.log`` in the folder of logs."""
     now = time.time()
     stamp = time.strftime("%Y-%m-%dT%H:%M:%S", time.localtime(now)) + f".{int(now % 1.0 * 1e6):06d}"
-    return folder / "log" / stamp / "gzserver" / "state.log"
+    return log_folder() / stamp / "gzserver" / "state.log"
 
 
 class LogRecord:

@@ -72,12 +72,11 @@ class Activity:
             controller.renamed()
 
     def _controllers_of(self, joint: Joint) -> Iterator[JointController]:
-        part = joint.GetParentModel()
+        part = joint.model_around()
         while isinstance(part, Model):
             if part in self._controllers:
                 yield self._controllers[part]
-            above = part.GetParent()
-            part = above if isinstance(above, Model) else None
+            part = part.GetParent()
 
     # Batteries ---------------------------------------------------------------------------------------------------
 

@@ -95,17 +95,25 @@ class Base:
         return self._world
 
     def GetParent(self) -> Base | Any:
-        """The parent; None for top-level models and lights."""
-        return self._parent
+        """The parent: the world for top-level models and lights; None for the world."""
+        return self._parent if self._parent is not None or self is self._world else self._world
 
     def GetParentId(self) -> int:
-        """The id of the parent, or 0."""
-        return self._parent.GetId() if self._parent is not None else 0
+        """The id of the parent; 0 for the world."""
+        parent = self.GetParent()
+        return parent.GetId() if parent is not None else 0
 
-    def GetParentModel(self) -> Model | Any:
+    def model_around(self) -> Model | Any:
         """The nearest model among the object itself and its parents; None if there is none."""
         found: Base | None = self
         while found is not None and not found.HasType(Base.MODEL):
+            found = found._parent
+        return found
+
+    def GetParentModel(self) -> Model | Any:
+        """A model itself; of its parts, as in Gazebo, the top-level model around all nested ones; None for others."""
+        found = self.model_around()
+        while found is not None and found is not self and found._parent is not None:
             found = found._parent
         return found
 
@@ -280,7 +288,7 @@ class Entity(Base):
 
     # The old names call the new ones, so that subclasses override the new ones only.
 
-    def GetWorldLinearVel(self, *offset: Vector3d) -> Vector3d:
+    def GetWorldLinearVel(self, *offset: Any) -> Vector3d:
         """The old name of WorldLinearVel."""
         return self.WorldLinearVel(*offset)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +33,18 @@ class JointWrench:
     body1Torque: Vector3d = field(default_factory=Vector3d)
     body2Force: Vector3d = field(default_factory=Vector3d)
     body2Torque: Vector3d = field(default_factory=Vector3d)
+
+    def __add__(self, other: JointWrench) -> JointWrench:
+        return self._each(operator.add, other)
+
+    def __sub__(self, other: JointWrench) -> JointWrench:
+        return self._each(operator.sub, other)
+
+    def _each(self, combine: Callable[[Vector3d, Vector3d], Vector3d], other: JointWrench) -> JointWrench:
+        if not isinstance(other, JointWrench):
+            return NotImplemented
+        names = [one.name for one in fields(self)]
+        return JointWrench(*(combine(getattr(self, name), getattr(other, name)) for name in names))
 
 
 @dataclass

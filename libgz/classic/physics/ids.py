@@ -79,7 +79,7 @@ class Ids:
             return ()
         if not isinstance(view, Joint):
             return place_if_there(view) if self._present(view) else None
-        model = view.GetParentModel()
+        model = view.model_around()
         return (model.core.GetId(), view.core.name) if model is not None and self._present(model) else None
 
     def _present(self, view: Any) -> bool:

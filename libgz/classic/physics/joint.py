@@ -358,7 +358,7 @@ class Joint(Base):
         if self._parent is model or not isinstance(model.core, SdfModel):
             return
         joints, core = model.core.sdf_joints, self.core
-        before = self.GetParentModel()
+        before = self.model_around()
         if before is not None and isinstance(before.core, SdfModel):
             self._world.server.joint_removed(self)
             before.core.sdf_joints.pop(core.name, None)
@@ -378,7 +378,7 @@ class Joint(Base):
 
     def remove(self) -> None:
         """Remove it from its model and its controllers, and destroy it with its sensors."""
-        model = self.GetParentModel()
+        model = self.model_around()
         if model is not None and isinstance(model.core, SdfModel):
             model.core.remove_joint(self.core.name)
         self.core.close()

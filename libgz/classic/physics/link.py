@@ -20,6 +20,7 @@ from libgz.geometry import (
     GzPose,
     GzVectorAdd,
     GzVectorDot,
+    QuaternLike,
     VectorLike,
     rotate,
 )
@@ -81,7 +82,12 @@ class Link(Entity):
             self.model.core.set_first_place(self.body, pose)
 
     def IsCanonicalLink(self) -> bool:
-        """Whether it is the link that the model's frame is fixed to."""
+        """Whether it is the first link of a model, and no model around that has a link: a tree of models has one."""
+        around = self.model.core.parent
+        while isinstance(around, SdfModel):
+            if around.bodies:
+                return False
+            around = around.parent
         return self.model.GetLink() is self
 
     # Pose and motion ---------------------------------------------------------------------------------------------
@@ -107,10 +113,16 @@ class Link(Entity):
 
     GetWorldInertialPose = WorldInertialPose
 
-    def WorldLinearVel(self, offset: VectorLike | None = None) -> Vector3d:
-        """Linear velocity [m/s] of the link's origin, or of a point given in the link frame [m]."""
+    def WorldLinearVel(self, offset: VectorLike | None = None, q: QuaternLike | None = None) -> Vector3d:
+        """Linear velocity [m/s] of the link's origin, or of a point at an offset from it [m].
+
+        Args:
+            offset: in the link's frame.
+            q: the global rotation of the frame in which the offset is given instead.
+        """
         pose = self.body.GetPose()
-        point = pose.pos if offset is None else GzVectorAdd(pose.pos, rotate(pose.rot, offset))
+        turn = pose.rot if q is None else q
+        point = pose.pos if offset is None else GzVectorAdd(pose.pos, rotate(turn, offset))
         return Vector3d(*self.body.GetPointVel(point))
 
     def WorldCoGLinearVel(self) -> Vector3d:
@@ -349,8 +361,8 @@ class Link(Entity):
         self.body.Enable(enable)
 
     def GetEnabled(self) -> bool:
-        """Whether it is awake."""
-        return self.body.IsEnabled()
+        """Whether it is awake; one that is static always is."""
+        return self.body.IsEnabled() or self.IsStatic()
 
     def SetLinearDamping(self, damping: float) -> None:
         """Set the fraction of linear velocity that is lost in each step."""

@@ -244,7 +244,7 @@ class World(Base):
 
     def Models(self) -> list[Model]:
         """The top-level models."""
-        return [model for model in self.all_models() if model.GetParent() is None]
+        return [model for model in self.all_models() if model.GetParent() is self]
 
     GetModels = Models
 
@@ -271,7 +271,9 @@ class World(Base):
         return self.ModelByIndex(which) if isinstance(which, int) else self.ModelByName(which)
 
     def BaseByName(self, name: str) -> Base | Any:
-        """A model, link, joint, collision or light by name or scoped name; None if there is none."""
+        """A model, link, joint, collision or light by name or scoped name, the world by its own; None for none."""
+        if name == self.Name():
+            return self
         name = name.removeprefix(f"{self.Name()}::")
         scope = name
         while scope:  # search the model of a scoped name before all others

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.classic.common import Time
-from libgz.classic.math import Angle, Pose3d, Quaterniond, Vector2i, Vector3d
+from libgz.classic.math import Angle, Planed, Pose3d, Quaterniond, Vector2i, Vector3d
 from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, pack
 from libgz.classic.rendering.mount import Mount
 from libgz.classic.rendering.visual import Visual
@@ -488,11 +488,19 @@ class Camera(Noted, Closing):
     GetCameraToViewportRay = CameraToViewportRay
 
     def WorldPointOnPlane(
-        self, x: float, y: float, normal: VectorLike = (0.0, 0.0, 1.0), offset: float = 0.0
+        self, x: float, y: float, plane: Planed | VectorLike = (0.0, 0.0, 1.0), offset: float = 0.0
     ) -> Vector3d | None:
-        """The point of the plane normal . p = offset [m] at a pixel; None if it is not visible there."""
+        """The point of the plane normal . p = offset [m] at a pixel; None if it is not visible there.
+
+        Args:
+            x, y: the pixel.
+            plane: a plane, or its normal.
+            offset: of the plane whose normal is given.
+        """
         start, direction = self.CameraToViewportRay(x, y)
-        n = Vector3d(*normal)
+        if isinstance(plane, Planed):
+            offset = plane.Offset()
+        n = Vector3d(*(plane.Normal() if isinstance(plane, Planed) else plane))
         slope = n.Dot(direction)
         distance = (offset - n.Dot(start)) / slope if slope else -1.0
         return start + direction * distance if distance >= 0.0 else None

@@ -221,7 +221,7 @@ class Scene:
         """The visual of a model."""
         if model.visual is None:
             above = model.GetParent()
-            parent = self.model_visual(above) if above is not None else self._root  # type: ignore[arg-type]
+            parent = self._root if above is self.world else self.model_visual(above)  # type: ignore[arg-type]
             body = model.core.bodies[0] if model.core.bodies else None
             made = Visual.of(self, model.GetScopedName(), parent, frame=model.pose, body=body)
             made.members = lambda: [

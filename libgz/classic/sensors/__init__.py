@@ -26,6 +26,10 @@ if TYPE_CHECKING:  # at run time each is imported when it is first used
     from libgz.classic.sensors.multi_camera import MultiCameraSensor as MultiCameraSensor
     from libgz.classic.sensors.ray import RaySensor as RaySensor
     from libgz.classic.sensors.sonar import SonarSensor as SonarSensor
+    from libgz.classic.sensors.wireless import (
+        WirelessReceiver as WirelessReceiver,
+        WirelessTransmitter as WirelessTransmitter,
+    )
 
 __all__ = [
     *CLASSES,

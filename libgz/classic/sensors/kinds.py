@@ -27,6 +27,8 @@ KINDS = {
     "multicamera": "libgz.classic.sensors.multi_camera:MultiCameraSensor",
     "ray": "libgz.classic.sensors.ray:RaySensor",
     "sonar": "libgz.classic.sensors.sonar:SonarSensor",
+    "wireless_receiver": "libgz.classic.sensors.wireless:WirelessReceiver",
+    "wireless_transmitter": "libgz.classic.sensors.wireless:WirelessTransmitter",
 }
 CLASSES = {target.partition(":")[2]: kind for kind, target in KINDS.items()}  # class -> type
 ON_JOINTS = ("force_torque",)  # all others are carried by links

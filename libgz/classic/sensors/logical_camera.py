@@ -55,7 +55,7 @@ class LogicalCameraSensor(LinkSensor):
 
     def _find(self, models: list[Model], pose: Pose3d, planes: NDArray[np.float64]) -> None:
         """Add those of some models, and of the models nested in them, that are in sight."""
-        own = self.link.GetParentModel()
+        own = self.link.model_around()
         for model in models:
             if model is not own and _reaches_in(_corners(model.BoundingBox(), model.pose().pos), planes):
                 self._seen.append((model.GetScopedName(), Pose3d(GzCoordPoseSub(model.pose(), pose))))

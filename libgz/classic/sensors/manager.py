@@ -378,7 +378,7 @@ class WorldSensors:
     def remove_of(self, model: Model) -> None:
         """Remove the sensors of a model that is being deleted."""
         for sensor in list(self.sensors.values()):
-            if sensor.parent.GetParentModel() is model:
+            if sensor.parent.model_around() is model:
                 self.remove(sensor)
 
     def remove_on(self, joint: Joint) -> None:

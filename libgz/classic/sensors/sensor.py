@@ -42,6 +42,7 @@ class SensorOwner(Protocol):
     """The sensors of a world, as each of them uses it."""
 
     world: World
+    sensors: dict[str, Sensor]
 
     def name_of(self, parent: Link | Joint) -> str:
         """The name of the parent of a new sensor."""

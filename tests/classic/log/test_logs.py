@@ -299,6 +299,7 @@ def test_topics_begin_and_end_a_log(load, tmp_path, monkeypatch):
     assert [bool(message.log_file.full_path) for message in heard] == [True] * (len(heard) - 1) + [False]
     assert len(heard) > 11
     assert heard[0].log_file.full_path == str(tmp_path / "here" / "state.log")
+    assert (heard[0].log_file.uri, heard[0].log_file.base_path) == ("127.0.0.1", f"{tmp_path}/here/")
     assert [s.iterations for s in log_of(tmp_path / "here" / "state.log")] == list(range(1, paused))
     subscriber.Unsubscribe()
     control.close()

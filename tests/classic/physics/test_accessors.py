@@ -138,7 +138,6 @@ NOT_READ_BACK: dict[type, dict[str, str]] = {
     physics.Link: {
         "SetInertial": "test_link.py sets and reads it",
         "SetRelativePose": "the model frame moves with its first link",
-        "WorldLinearVel": "the argument is a point",
     },
     physics.Joint: {"GetChild": "the argument has no effect", "SetForce": "efforts of several calls add up"},
     physics.Collision: {"WorldLinearVel": "the argument is a point"},

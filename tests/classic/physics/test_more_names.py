@@ -1,5 +1,7 @@
 """Names of physics that plugins use beside the common ones: states, links that are loaded, frames of joints, shapes."""
 
+import math
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -7,8 +9,8 @@ from plugin_worlds import GROUND, HINGE, body, collision
 
 import libgz
 from libgz.classic import physics, sdf
-from libgz.classic.math import Pose3d, Vector3d
-from libgz.classic.physics import Base, JointState, LinkState, ModelState, WorldState
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.physics import Base, JointState, JointWrench, LinkState, ModelState, WorldState
 from libgz.errors import GazeboError, NotFoundError, ParameterError
 
 BOX = "<box><size>1 1 1</size></box>"
@@ -295,3 +297,44 @@ def test_the_difference_of_two_states_is_what_has_changed():
             assert one.Velocity().Pos().Equal(two.Velocity().Pos(), 1e-12)
         with pytest.raises(TypeError):
             new - model
+
+
+def test_the_tree_of_a_world_ends_at_the_world(run):
+    inner = body("inner", pose="0 0 2 0 0 0", link=collision(BOX))
+    _, world = run(body("outer", inside=inner))
+    outer = world.ModelByName("outer")
+    nested = outer.NestedModel("inner")
+    link = nested.GetLink("link")
+    assert outer.GetParent() is world
+    assert (world.GetParent(), world.GetParentModel()) == (None, None)
+    assert world.BaseByName(world.Name()) is world
+    assert (outer.GetParentId(), world.GetParentId()) == (world.GetId(), 0)
+    assert outer.GetParent().GetChild("outer") is outer
+    # Of parts, Gazebo finds the model around all nested ones.
+    assert (nested.GetParentModel(), link.GetParentModel(), link.GetModel()) == (nested, outer, nested)
+    assert link.GetCollision(0).GetParentModel() is outer
+    assert (outer.GetLink().IsCanonicalLink(), link.IsCanonicalLink()) == (True, False)
+    up, names = link, []
+    while up.GetParent():
+        up = up.GetParent()
+        names.append(up.GetName())
+    assert names[-1] == world.Name()
+
+
+def test_a_point_s_velocity_by_an_offset_in_any_frame(run):
+    _, world = run(body("top", pose="0 0 1 0 0 1.5707963267948966", gravity="false"))
+    link = world.ModelByName("top").GetLink()
+    link.SetLinearVel((0.1, 0.0, 0.0))
+    link.SetAngularVel((0.0, 0.0, 2.0))
+    assert link.WorldLinearVel((0.5, 0, 0)).Equal(Vector3d(-0.9, 0, 0), 1e-9)
+    assert link.WorldLinearVel((0.5, 0, 0), Quaterniond.Identity).Equal(Vector3d(0.1, 1, 0), 1e-9)
+    assert link.GetWorldLinearVel((0.5, 0, 0), Quaterniond(0, 0, -math.pi / 2)).Equal(Vector3d(1.1, 0, 0), 1e-9)
+
+
+def test_wrenches_are_added_and_subtracted():
+    one = JointWrench(Vector3d(1, 2, 3), Vector3d(4, 5, 6), Vector3d(7, 8, 9), Vector3d(1, 1, 1))
+    both = one + one
+    assert (both.body1Force, both.body2Torque) == (Vector3d(2, 4, 6), Vector3d(2, 2, 2))
+    assert both - one == one
+    with pytest.raises(TypeError):
+        one + 1

@@ -9,7 +9,7 @@ from PIL import Image
 
 from libgz.classic import rendering
 from libgz.classic.event import Events
-from libgz.classic.math import Color, Pose3d, Vector3d
+from libgz.classic.math import Color, Planed, Pose3d, Vector3d
 from libgz.errors import ParameterError
 from libgz.sdf.materials import find_material
 
@@ -91,6 +91,7 @@ def test_pixels_and_rays_agree(world_of):
             assert tuple(camera.Project(start + way * 7)) == pixel
             below = camera.WorldPointOnPlane(pixel[0] + 0.5, pixel[1] + 0.5) if way.z < 0 else None
             assert below is None or tuple(camera.Project(below)) == pixel
+            assert below == camera.WorldPointOnPlane(pixel[0] + 0.5, pixel[1] + 0.5, Planed((0, 0, 1), 0)) or not below
         assert tuple(camera.Project(camera.WorldPosition() - camera.Direction())) == (-1, -1)
         assert camera.Direction().Cross(camera.Up()).Equal(camera.Right(), 1e-12)
         assert float(camera.VFOV()) == pytest.approx(2 * math.atan(math.tan(0.5) * 0.75))

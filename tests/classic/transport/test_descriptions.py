@@ -59,6 +59,10 @@ def heard(core, node, topic, steps=2):
     return received
 
 
+NESTED = """<sdf version='1.6'><model name='outer'><static>1</static><pose>0 5 1 0 0 0</pose><link name='l'/>
+  <model name='inner'><link name='l'/></model></model></sdf>"""
+
+
 def ask(core, node, request, data=""):
     answers = []
     kept = node.Subscribe("~/response", answers.append)
@@ -110,6 +114,9 @@ def test_links_collisions_and_joints_are_described_whole(core, node):
     surface = link.collision[0].surface
     assert (surface.friction.mu, surface.friction.mu2, surface.friction.slip1) == (0.4, 0.5, 0.1)
     assert surface.kp == 5e5
+    # What contacts do not use is described, too, with the defaults of SDF.
+    assert (surface.soft_cfm, surface.soft_erp, surface.HasField("elastic_modulus")) == (0.0, 0.2, True)
+    assert surface.friction.torsional.ode.HasField("slip")
     own, shown = link.collision[0].visual
     assert (own.name, own.id) == (link.collision[0].name, link.collision[0].id)
     assert (shown.type, shown.geometry.box.size.z, shown.parent_id) == (msgs.Visual.COLLISION, 3.0, link.id)
@@ -252,3 +259,23 @@ def test_an_actor_publishes_its_bones(tmp_path):
         assert poses[name].id == links[-1].GetId()
         assert poses[name].position.z == pytest.approx(links[-1].RelativePose().Z(), abs=0.02)
         kept.Unsubscribe()
+
+
+def test_a_nested_model_is_placed_globally_by_its_name_and_relative_within_its_parent(core, node, send):
+    view = physics.get_world("described")
+    view.InsertModelString(NESTED)
+    core.step(1)
+    inner = view.ModelByName("outer::inner")
+    message = msgs.Model(name="outer::inner")
+    msgs.Set(message.pose, Pose3d(4, 0, 1, 0, 0, 0))
+    message.pose.orientation.w = 0.0  # four zeros are no rotation, as in Gazebo
+    send("~/model/modify", message)
+    assert inner.WorldPose().Equal(Pose3d(4, 0, 1, 0, 0, 0), 1e-9)
+    message = msgs.Model(name="outer")
+    msgs.Set(message.model.add(name="outer::inner").pose, Pose3d(2, 0, 0, 0, 0, 0))
+    send("~/model/modify", message)
+    assert inner.WorldPose().Equal(Pose3d(2, 5, 1, 0, 0, 0), 1e-9)
+    seen = msgs.Model.FromString(ask(core, node, "entity_info", "outer").serialized_data)
+    assert [link.inertial.mass for link in (seen.link[0], seen.model[0].link[0])] == [0.0, 0.0]
+    assert seen.link[0].enabled
+    view.RemoveModel("outer")

@@ -118,6 +118,16 @@ def test_the_world_is_paused_stepped_and_reset(view, core, send):
     core.step(10)
     assert view.Iterations() == at + 7
     assert view.IsPaused()
+    send("~/world_control", msgs.WorldControl(step=False))  # Gazebo asks only whether it is there
+    core.step(3)
+    assert view.Iterations() == at + 8
+    send("~/world_control", msgs.WorldControl(pause=False))
+    core.step(3)
+    send("~/world_control", msgs.WorldControl(pause=False, multi_step=4))
+    before = view.Iterations()
+    core.step(10)
+    assert view.IsPaused()
+    assert before <= view.Iterations() <= before + 4
     reset = msgs.WorldControl(pause=False)
     reset.reset.all = True
     view.ModelByName("box").SetWorldPose(Pose3d(9, 9, 9, 0, 0, 0))
@@ -179,6 +189,7 @@ def test_requests_are_answered(view, node, core):
         publisher.Publish(msgs.Request(id=number, request=request, data=data))
     core.step(3)
     assert [a.response for a in answers] == ["success", "success", "nonexistent", *["success"] * 4]
+    assert answers[2].type == "error"
     models = msgs.Model_V.FromString(answers[0].serialized_data).models
     assert [model.name for model in models] == ["ground_plane", "box", "arm"]
     arm = msgs.Model.FromString(answers[1].serialized_data)

@@ -64,7 +64,7 @@ class WirelessTransmitter(WirelessTransceiver):
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
         self._essid = self._antenna.Get(str, "essid")
-        self._wave = SPEED_OF_LIGHT / (self._frequency("frequency") * 1e6)
+        self._carrier = self._frequency("frequency")  # [MHz]
         stream = zlib.crc32(self.ScopedName().encode())
         self._fading = GaussianNoiseModel(
             0.0, FADING, seed=np.random.SeedSequence(self.world.core.seed, spawn_key=(stream, 0))
@@ -87,7 +87,7 @@ class WirelessTransmitter(WirelessTransceiver):
 
     def Freq(self) -> float:
         """The frequency [MHz]."""
-        return SPEED_OF_LIGHT / self._wave / 1e6
+        return self._carrier
 
     def ModelStdDev(self) -> float:
         """Standard deviation of the loss that varies [dB]."""
@@ -103,7 +103,8 @@ class WirelessTransmitter(WirelessTransceiver):
         distance = math.dist(here, there)
         exponent = BLOCKED if self._obstacle(here, there, distance) else FREE
         loss = abs(self._fading.Apply(0.0)) + 10.0 * exponent * math.log10(max(1.0, distance))
-        spread = 20.0 * math.log10(self._wave / (4.0 * math.pi))
+        wave = SPEED_OF_LIGHT / (self._carrier * 1e6)
+        spread = 20.0 * math.log10(wave / (4.0 * math.pi))
         return self._power + self._gain + rxGain + spread - loss
 
     def _obstacle(self, here: GzVector, there: GzVector, distance: float) -> bool:

@@ -100,7 +100,7 @@ def test_row_17_an_imu_on_a_frictionless_ramp():
 def test_row_17_an_imu_on_a_pendulum():
     inertia = "<inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-3</izz></inertia>"
     bob = imu() + f"<inertial><mass>1</mass>{inertia}</inertial>"
-    fixed = (
+    hinge = (
         "<joint name='j' type='revolute'><parent>world</parent><child>link</child><pose>0 1 0 0 0 0</pose>"
         "<axis><xyz>1 0 0</xyz></axis></joint>"
     )

@@ -1816,15 +1816,27 @@ static int slides(const context *c, const member *root)
     return found > 0;
 }
 
-/* Solve calm islands of bodies that only touch; those that cannot be solved so are left to ODE. */
+/* Whether a body stands for an island that may rest: calm bodies that only touch. */
+static int may_rest(const context *c, int64_t i)
+{
+    const member *root = members + i;
+    return c->bodies[i] && root->root == i && root->touching && !root->fast && !root->joined;
+}
+
+/* Solve islands that rest; those that cannot be solved so are left to ODE. */
 static void solve_resting(context *c)
 {
     int64_t i;
+    int listed = 0;
     for (i = 0; i < c->body_count; i++) {
         member *root = members + i;
         int64_t points, bodies;
-        if (!c->bodies[i] || root->root != i || root->fast || root->joined || root->touch < 0 ||
-            slides(c, root))
+        if (!may_rest(c, i))
+            continue;
+        if (!listed)
+            list_members(c);
+        listed = 1;
+        if (root->touch < 0 || slides(c, root))
             continue;
         points = describe_island(c, root, &bodies);
         if (points && gz_solve_resting(resting_bodies, bodies, resting_points, points)) {
@@ -1851,7 +1863,6 @@ static int sort_islands(context *c)
                     0);
     for (i = 0; i < c->touch_count; i++)
         connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
-    list_members(c);
     solve_resting(c);
     for (i = 0; i < c->body_count; i++) {
         const member *root;

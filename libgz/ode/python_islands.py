@@ -22,7 +22,7 @@ _EXACT_ROWS, _FAST_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 60, 6, 3
 _FLANK = 0.70710678118654752
 _CALM_SPEED = 0.1  # [m/s] and [rad/s]
 _FALLING_STEPS = 2.0
-_SLACK, _RESTING_WORK = 1e-5, 400  # explained in step.c, as is _PLAIN
+_SLACK, _SURELY, _RESTING_WORK = 1e-5, 2.0, 400  # explained in step.c, as is _PLAIN
 _PLAIN = (
     ContactMode.MU2
     | ContactMode.FDIR1
@@ -153,12 +153,52 @@ class Islands:
         for touch in touches:
             parts.setdefault(members[touch.body1].find(), []).append(touch)
         for root, found in parts.items():
-            if root.fast or root.joined:
+            if root.fast or root.joined or self._slides(bodies[root], found):
                 continue
             described = self._describe_island(bodies[root], found, small=root.rows <= _EXACT_ROWS)
             if described and solve_resting(*described):
                 root.solved = True
                 self._apply_solution(bodies[root], found, *described)
+
+    def _slides(self, handles: list[int], touches: list[Touch]) -> bool:
+        """slides in step.c."""
+        ode_ = self._ode
+        whole_mass, whole = 0.0, [0.0] * 3
+        for body in handles:
+            mass = self._mass(body).mass
+            load = self._load(body, mass)
+            whole_mass = whole_mass + mass
+            whole = [whole[k] + load[k] for k in range(3)]
+        size, cfm = math.sqrt(dot(whole, whole)), ode_.dWorldGetCFM(self._context.world)
+        found = False
+        for touch in touches:
+            if touch.body2:
+                continue
+            mass = self._mass(touch.body1).mass
+            for point in touch.points:
+                found = True
+                if not self._point_slides(touch.body1, mass, size, whole_mass, point.contact, cfm):
+                    return False
+        return found
+
+    def _point_slides(
+        self, body: int, mass: float, load: float, whole_mass: float, contact: Any, world_cfm: float
+    ) -> bool:
+        """point_slides in step.c."""
+        ode_ = self._ode
+        place, v, w = (
+            get(body).contents for get in (ode_.dBodyGetPosition, ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel)
+        )
+        turning = cross(w, [contact.geom.pos[k] - place[k] for k in range(3)])
+        velocity = [v[k] + turning[k] for k in range(3)]
+        normal, *directions = _directions(contact)
+        softness, mu = self._friction(contact, world_cfm)
+        press = load + whole_mass * max(0.0, -dot(normal, velocity))
+        return any(
+            mu[k] > 0.0
+            and math.fabs(dot(direction, velocity)) > _SURELY * (mu[k] * press * (1.0 / mass + softness[k + 1]))
+            for k, direction in enumerate(directions)
+        )
 
     def _describe_island(
         self, handles: list[int], touches: list[Touch], *, small: bool
@@ -192,15 +232,12 @@ class Islands:
 
     def _describe_body(self, body: int, nearest: int) -> RestingBody:
         """describe_body in step.c."""
-        ode_, h, gravity = self._ode, self._context.step, self._context.gravity
+        ode_, h = self._ode, self._context.step
         r = ode_.dBodyGetRotation(body).contents
-        v, w, force, torque = (
-            get(body).contents
-            for get in (ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel, ode_.dBodyGetForce, ode_.dBodyGetTorque)
+        v, w, torque = (
+            get(body).contents for get in (ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel, ode_.dBodyGetTorque)
         )
-        falls = ode_.dBodyGetGravityMode(body)
-        m = Mass()
-        ode_.dBodyGetMass(body, ctypes.addressof(m))
+        m = self._mass(body)
         own = m.I
         turned = [
             [r[4 * i] * own[k] + r[4 * i + 1] * own[4 + k] + r[4 * i + 2] * own[8 + k] for k in range(3)]
@@ -209,16 +246,39 @@ class Islands:
         inertia = [[dot(turned[i], r[4 * k : 4 * k + 3]) for k in range(3)] for i in range(3)]
         angular = [dot(inertia[i], w) for i in range(3)]
         gyroscopic = cross(w, angular)
-        momentum = [m.mass * v[i] + h * (force[i] + (m.mass * gravity[i] if falls else 0.0)) for i in range(3)]
+        load = self._load(body, m.mass)
+        momentum = [m.mass * v[i] + load[i] for i in range(3)]
         momentum += [angular[i] + h * (torque[i] - gyroscopic[i]) for i in range(3)]
         return RestingBody(m.mass, inertia, momentum, nearest)
+
+    def _mass(self, body: int) -> Mass:
+        m = Mass()
+        self._ode.dBodyGetMass(body, ctypes.addressof(m))
+        return m
+
+    def _load(self, body: int, mass: float) -> list[float]:
+        """find_load in step.c."""
+        h, gravity = self._context.step, self._context.gravity
+        force = self._ode.dBodyGetForce(body).contents
+        falls = self._ode.dBodyGetGravityMode(body)
+        return [h * (force[i] + (mass * gravity[i] if falls else 0.0)) for i in range(3)]
+
+    def _friction(self, contact: Any, world_cfm: float) -> tuple[list[float], tuple[float, float]]:
+        """find_friction in step.c: softness by direction, and coefficients of friction."""
+        h, surface = self._context.step, contact.surface
+        mode = surface.mode
+        softness = [
+            surface.soft_cfm / h,
+            (surface.slip1 if mode & ContactMode.SLIP1 else world_cfm) / h,
+            (surface.slip2 if mode & ContactMode.SLIP2 else world_cfm) / h,
+        ]
+        return softness, (surface.mu, surface.mu2 if mode & ContactMode.MU2 else surface.mu)
 
     def _describe_point(
         self, pair: list[tuple[int, int]], mass: float, contact: Any, world_cfm: float, fastest: float
     ) -> RestingPoint:
         """describe_point in step.c."""
-        h, surface = self._context.step, contact.surface
-        directions, pos = _directions(contact), contact.geom.pos
+        surface, directions, pos = contact.surface, _directions(contact), contact.geom.pos
         sides: list[tuple[int, list[list[float]]]] = []
         for side, (handle, number) in enumerate(pair):
             if number < 0:
@@ -228,15 +288,10 @@ class Islands:
             arm = [pos[k] - place[k] for k in range(3)]
             rows = [[*direction, *cross(arm, direction)] for direction in directions]
             sides.append((number, [[-value for value in row] for row in rows] if side else rows))
-        mode = surface.mode
-        aim = surface.soft_erp * contact.geom.depth / h + (surface.motionN if mode & ContactMode.MOTION_N else 0.0)
-        softness = [
-            surface.soft_cfm / h,
-            (surface.slip1 if mode & ContactMode.SLIP1 else world_cfm) / h,
-            (surface.slip2 if mode & ContactMode.SLIP2 else world_cfm) / h,
-        ]
+        motion = surface.motionN if surface.mode & ContactMode.MOTION_N else 0.0
+        aim = surface.soft_erp * contact.geom.depth / self._context.step + motion
+        softness, mu = self._friction(contact, world_cfm)
         slack = [max(0.0, _SLACK / mass - value) for value in softness]
-        mu = surface.mu, surface.mu2 if mode & ContactMode.MU2 else surface.mu
         return RestingPoint(sides, min(aim, fastest), softness, slack, mu)
 
     def _apply_solution(

@@ -1522,6 +1522,7 @@ static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetDat
 enum { PLAIN = MU2 | FDIR1 | SOFT_ERP | SOFT_CFM | MOTION_N | SLIP1 | SLIP2 | APPROX1 };
 enum { RESTING_WORK = 400 }; /* bodies squared, in the profile of larger islands: what a stack of a hundred takes */
 #define SLACK 1e-5 /* [-] of the inverse mass, that every direction yields at least while a system is solved */
+#define SURELY 2.0 /* times as fast as friction can stop in a step: contacts slide, however the load is shared */
 
 static resting_body *resting_bodies; /* guarded by ode_lock */
 static resting_point *resting_points;
@@ -1554,13 +1555,22 @@ static void list_members(const context *c)
     }
 }
 
+/* Impulse that acts on a body in the step, without contacts. */
+static void find_load(const context *c, void *body, double mass, double *load)
+{
+    const double *force = dBodyGetForce(body);
+    int i, falls = dBodyGetGravityMode(body);
+    for (i = 0; i < 3; i++)
+        load[i] = c->step * (force[i] + (falls ? mass * c->gravity[i] : 0.0));
+}
+
 /* Momentum and inertia of a body that has no contacts. */
 static void describe_body(const context *c, void *body, resting_body *b)
 {
     const double *r = dBodyGetRotation(body), *v = dBodyGetLinearVel(body), *w = dBodyGetAngularVel(body);
-    const double *force = dBodyGetForce(body), *torque = dBodyGetTorque(body);
-    double turned[3][3], angular[3], gyroscopic[3];
-    int i, k, falls = dBodyGetGravityMode(body);
+    const double *torque = dBodyGetTorque(body);
+    double turned[3][3], angular[3], gyroscopic[3], load[3];
+    int i, k;
     body_mass m;
     dBodyGetMass(body, &m);
     b->mass = m.mass;
@@ -1573,8 +1583,9 @@ static void describe_body(const context *c, void *body, resting_body *b)
     for (i = 0; i < 3; i++)
         angular[i] = dot(b->inertia[i], w);
     cross(w, angular, gyroscopic);
+    find_load(c, body, m.mass, load);
     for (i = 0; i < 3; i++) {
-        b->momentum[i] = m.mass * v[i] + c->step * (force[i] + (falls ? m.mass * c->gravity[i] : 0.0));
+        b->momentum[i] = m.mass * v[i] + load[i];
         b->momentum[3 + i] = angular[i] + c->step * (torque[i] - gyroscopic[i]);
     }
 }
@@ -1590,6 +1601,17 @@ static void find_directions(const contact *p, double directions[DIRECTIONS][3])
     else
         default_direction(n, one);
     cross(n, one, two);
+}
+
+/* Softness of a contact, and coefficients of friction. */
+static void find_friction(const context *c, const contact *p, double world_cfm, double *softness, double *mu)
+{
+    const surface_parameters *s = &p->surface;
+    softness[0] = s->soft_cfm / c->step;
+    softness[1] = (s->mode & SLIP1 ? s->slip1 : world_cfm) / c->step;
+    softness[2] = (s->mode & SLIP2 ? s->slip2 : world_cfm) / c->step;
+    mu[0] = s->mu;
+    mu[1] = s->mode & MU2 ? s->mu2 : s->mu;
 }
 
 static void describe_point(const context *c, const touch_record *t, const contact *p, double world_cfm, double fastest,
@@ -1621,13 +1643,9 @@ static void describe_point(const context *c, const touch_record *t, const contac
     }
     found->aim = s->soft_erp * p->geom.depth / c->step + (s->mode & MOTION_N ? s->motionN : 0.0);
     found->aim = smaller(found->aim, fastest);
-    found->softness[0] = s->soft_cfm / c->step;
-    found->softness[1] = (s->mode & SLIP1 ? s->slip1 : world_cfm) / c->step;
-    found->softness[2] = (s->mode & SLIP2 ? s->slip2 : world_cfm) / c->step;
+    find_friction(c, p, world_cfm, found->softness, found->mu);
     for (k = 0; k < DIRECTIONS; k++)
         found->slack[k] = larger(0.0, SLACK / mass - found->softness[k]);
-    found->mu[0] = s->mu;
-    found->mu[1] = s->mode & MU2 ? s->mu2 : s->mu;
 }
 
 /* Number the bodies of an island from top to bottom, so that those that touch are near each other; how many there are, 0 if
@@ -1746,14 +1764,79 @@ static void apply_solution(context *c, const member *root)
         }
 }
 
-/* Solve calm islands of bodies that only touch; those that cannot be solved so are left to ODE. */
+/* Whether a contact of a body with the world slides faster than friction could stop it in the step, if the whole island's
+ * load and mass pressed there. */
+static int point_slides(const context *c, void *body, double mass, double load, double whole_mass, const contact *p)
+{
+    const double *place = dBodyGetPosition(body), *v = dBodyGetLinearVel(body), *w = dBodyGetAngularVel(body);
+    double directions[DIRECTIONS][3], softness[DIRECTIONS], mu[2], arm[3], velocity[3], press;
+    int k;
+    for (k = 0; k < 3; k++)
+        arm[k] = p->geom.pos[k] - place[k];
+    cross(w, arm, velocity);
+    for (k = 0; k < 3; k++)
+        velocity[k] = v[k] + velocity[k];
+    find_directions(p, directions);
+    find_friction(c, p, dWorldGetCFM(c->world), softness, mu);
+    press = load + whole_mass * larger(0.0, -dot(directions[0], velocity));
+    for (k = 0; k < 2; k++)
+        if (mu[k] > 0.0 &&
+            fabs(dot(directions[k + 1], velocity)) > SURELY * (mu[k] * press * (1.0 / mass + softness[k + 1])))
+            return 1;
+    return 0;
+}
+
+/* Whether an island surely slides, at each of its contacts with the world: it is not worth an attempt, which would fail.
+ * Where that would not fail, as with a ball that friction turns at once, ODE finds the same motion. What rests has no
+ * velocity, and so never seems to slide. */
+static int slides(const context *c, const member *root)
+{
+    double whole[3] = {0.0, 0.0, 0.0}, whole_mass = 0.0, load[3];
+    int64_t i, k, found = 0;
+    body_mass m;
+    for (i = root->first; i >= 0; i = members[i].next) {
+        dBodyGetMass(c->bodies[i], &m);
+        find_load(c, c->bodies[i], m.mass, load);
+        whole_mass = whole_mass + m.mass;
+        for (k = 0; k < 3; k++)
+            whole[k] = whole[k] + load[k];
+    }
+    for (i = root->touch; i >= 0; i = c->touches[i].next) {
+        const touch_record *t = c->touches + i;
+        void *body = c->bodies[t->body1];
+        if (t->body2 >= 0)
+            continue;
+        if (t->first + t->count > c->point_count)
+            return 0;
+        dBodyGetMass(body, &m);
+        for (k = 0; k < t->count; k++, found++)
+            if (!point_slides(c, body, m.mass, sqrt(dot(whole, whole)), whole_mass, &c->points[t->first + k].point))
+                return 0;
+    }
+    return found > 0;
+}
+
+/* Whether a body stands for an island that may rest: calm bodies that only touch. */
+static int may_rest(const context *c, int64_t i)
+{
+    const member *root = members + i;
+    return c->bodies[i] && root->root == i && root->touching && !root->fast && !root->joined;
+}
+
+/* Solve islands that rest; those that cannot be solved so are left to ODE. */
 static void solve_resting(context *c)
 {
     int64_t i;
+    int listed = 0;
     for (i = 0; i < c->body_count; i++) {
         member *root = members + i;
         int64_t points, bodies;
-        if (!c->bodies[i] || root->root != i || root->fast || root->joined || root->touch < 0)
+        if (!may_rest(c, i))
+            continue;
+        if (!listed)
+            list_members(c);
+        listed = 1;
+        if (root->touch < 0 || slides(c, root))
             continue;
         points = describe_island(c, root, &bodies);
         if (points && gz_solve_resting(resting_bodies, bodies, resting_points, points)) {
@@ -1780,7 +1863,6 @@ static int sort_islands(context *c)
                     0);
     for (i = 0; i < c->touch_count; i++)
         connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
-    list_members(c);
     solve_resting(c);
     for (i = 0; i < c->body_count; i++) {
         const member *root;

@@ -78,21 +78,6 @@ _description = attrgetter(
 )
 
 
-class _Kept:
-    """An attribute that a state has; its assignments are counted, for it seldom changes."""
-
-    def __set_name__(self, _owner: type, name: str) -> None:
-        self._name = name
-
-    def __set__(self, joint: SdfJoint, value: Any) -> None:  # without a __get__, reading costs nothing more
-        vars(joint)[self._name] = value
-        joint.edits += 1
-
-
-def _kept() -> Any:
-    return _Kept()
-
-
 class SdfJoint:
     """A joint between two links, or a link and the world.
 
@@ -109,20 +94,11 @@ class SdfJoint:
         dof: how many positions there are.
         acts: whether `update` has anything to do.
         on_acts: called when that changes.
-        edits: differs after each change of what `save` returns, unless a link was destroyed.
+        edits: counts changes of what `save` returns, but for those by which a link was destroyed.
 
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
-
-    links: Links = _kept()
-    acts: bool = _kept()
-    _mechanism: Mechanism | None = _kept()
-    _engine_springs: bool = _kept()  # whether the engine applies its springs
-    _step_time: float = _kept()  # [s] that `_refresh` has used
-    _in_child: GzPose = _kept()
-    _in_parent: GzPose = _kept()
-    _local: list[GzVector] = _kept()
 
     def __init__(self, engine: Engine, plan: JointPlan) -> None:
         self.edits = 0
@@ -137,14 +113,14 @@ class SdfJoint:
         self.acts = False
         self.on_acts: Callable[[], None] | None = None
         self.facade: Any = None
-        self._mechanism = None
+        self._mechanism: Mechanism | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
         self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
-        self._engine_springs = False
+        self._engine_springs = False  # whether the engine applies its springs
         self._set: dict[tuple[str, int], float] = {}  # ODE's parameters as users set them, by key and axis
         self._stop_turns: dict[int, float] = {}  # axis -> turns [rad] that its stops were set for
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
-        self._step_time = engine.step_time
+        self._step_time = engine.step_time  # [s] that `_refresh` has used
         self._attach(plan.anchor)
 
     @property
@@ -199,6 +175,7 @@ class SdfJoint:
 
     def _place(self, anchor: GzPose) -> None:
         """Note where the joint's frame lies in the child, and the axes in it."""
+        self.edits += 1
         frame = self.child.GetPose() if self.child is not None else GzPose()
         self._in_child = GzCoordPoseSub(anchor, frame)
         self._in_parent = GzCoordPoseSub(anchor, self.parent.GetPose() if self.parent is not None else GzPose())
@@ -220,6 +197,7 @@ class SdfJoint:
         """Release both links; `attach` joins links again."""
         if self._mechanism is not None:
             self._mechanism.close()
+        self.edits += 1
         self._mechanism = None
         self._set_acts(False)
 
@@ -312,6 +290,7 @@ class SdfJoint:
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
         self.acts, self._engine_springs, self._step_time = flags[:3]
+        self.edits += 1
         self._set, self._stop_turns, self._spring_stops = map(dict, tables)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
@@ -456,6 +435,7 @@ class SdfJoint:
 
     def set_frame(self, pose: GzPose) -> None:
         """Where the joint's frame is to lie in the child [m]; `attach` makes it so."""
+        self.edits += 1
         self._in_child = GzPose(GzVector(*pose.pos), pose.rot)
 
     def set_anchor(self, anchor: Iterable[float]) -> None:
@@ -663,6 +643,7 @@ class SdfJoint:
 
         An implicit spring that is gentle is explicit, too: solved with the constraints it would lose energy.
         """
+        self.edits += 1
         self._engine_springs, self._step_time = False, self.engine.step_time
         mechanism, joint = self._mechanism, self.joint
         if mechanism is not None and joint is not None and mechanism.engine_springs:
@@ -679,6 +660,7 @@ class SdfJoint:
 
     def _set_acts(self, value: bool) -> None:
         if value != self.acts:
+            self.edits += 1
             self.acts = value
             if self.on_acts is not None:
                 self.on_acts()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -151,11 +150,10 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
     except ParameterError as error:
         note(fading, f"{error}; the light does not fade")
     light.range = fading.Get(float, "range")
-    if element.HasElement("spot"):
-        cone = element.child("spot")
-        light.spot = (cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))
-    elif light.kind == "spot":
-        light.spot = (math.pi / 2.0, math.pi / 2.0, 0.0)
+    if light.kind == "spot" and not element.HasElement("spot"):
+        note(element, "the light has no <spot>; as in Gazebo its cone has an angle of 0, and it lights nothing")
+    cone = element.child("spot")
+    light.spot = (cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))
 
 
 def link_lights(body: Body, link: Element, note: Note) -> None:

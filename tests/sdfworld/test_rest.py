@@ -7,6 +7,7 @@ import pytest
 from engine_parts import in_both_forms, use_form
 from sdf_worlds import GROUND, Loader, collision, friction, inertial, joint, link, model, world
 
+from libgz.ode import python_islands
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld
 
@@ -136,6 +137,54 @@ def test_contacts_that_hold_on_a_slope_do_not_creep_and_others_slide(load):
     assert math.dist((before.x, before.y, before.z), (after.x, after.y, after.z)) < 1e-7
     speed = made.body("slides").GetLinearVel()
     assert math.hypot(*speed) == pytest.approx(1.2 * 9.8 * (math.sin(slope) - 0.2 * math.cos(slope)), rel=0.02)
+
+
+def sliding(load, speed):
+    """Two boxes apart and two stacked ones, with a velocity."""
+    size = (0.4, 0.4, 0.2)
+    boxes = [
+        ("rough", (0, 0, 0.1), 0.5),
+        ("smooth", (0, 2, 0.1), 0.1),
+        ("low", (0, 6, 0.1), 0.3),
+        ("high", (0, 6, 0.3), 0.3),
+    ]
+    made = load(
+        world(GROUND, *(block(name, size, at, surface=friction(mu)) for name, at, mu in boxes), physics=physics())
+    )
+    made.step(5)
+    for name, _, _ in boxes:
+        made.body(name).SetLinearVel((speed, 0, 0))
+    return made
+
+
+def test_boxes_that_slide_to_a_stop_rest_where_friction_stops_them(load, monkeypatch):
+    """At v^2 / (2 mu g), less what friction takes within the first step."""
+
+    def run():
+        made = sliding(load, 0.09)
+        made.run(0.15)
+        assert accelerations(made, 0.01) < 1e-6
+        return made.engine.states.tolist()
+
+    native, python = in_both_forms(run, monkeypatch)
+    assert native == python
+    for row, mu in zip(native, (0.5, 0.1, 0.3, 0.3), strict=True):
+        step, slowing = 0.001, mu * 9.8
+        assert row[0] == pytest.approx(0.09**2 / (2 * slowing) - 0.09 * step / 2, abs=2e-6), mu
+
+
+def test_no_attempt_is_made_to_solve_as_resting_what_surely_slides(load, monkeypatch):
+    use_form("python", monkeypatch)
+    attempts = []
+    monkeypatch.setattr(python_islands, "solve_resting", lambda *island: attempts.append(island) or False)
+    made = sliding(load, 0.09)
+    attempts.clear()
+    made.step(3)
+    assert not attempts
+    for name in ("rough", "smooth", "low", "high"):
+        made.body(name).SetLinearVel((0.0, 0.0, 0.0))
+    made.step()
+    assert len(attempts) == 3  # islands
 
 
 @pytest.mark.parametrize("form", ["native", "python"])

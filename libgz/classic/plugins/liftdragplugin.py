@@ -23,11 +23,14 @@ PARALLEL = 1e-6  # sine of the smallest angle between forward and upward
 class LiftDragPlugin(ModelPlugin):
     """Applies lift and drag of a surface to a link, at the centre of pressure.
 
-    With v the velocity of the centre of pressure in the plane of `forward` and `upward`, q = air_density v^2 / 2 and
-    alpha the angle of attack, lift = cl q area, normal to v, and drag = |cd| q area, opposite to v. Up to the stall
+    With v the velocity of the centre of pressure, q = air_density v^2 / 2 and alpha the angle of attack, lift = cl q
+    area, normal to v in the plane of `forward` and `upward`, and drag = |cd| q area, opposite to v. Up to the stall
     angle cl = cla alpha and cd = cda alpha; beyond it both continue with the slopes cla_stall and cda_stall, and cl
     keeps its sign. Both are multiplied by the squared cosine of the sweep, the angle between the velocity and the
-    plane. As in Gazebo there is no moment: cma and cma_stall are read and have no effect.
+    plane. All of that is Gazebo 11.1's, with three peculiarities for which models are tuned: where the air comes from
+    the side, v is taken times 1 - s, s the sine of the sweep, positive towards forward x upward; the force acts at `cp`
+    from the centre of mass, while the velocity is that at `cp` from the link's origin; and there is no moment: cma and
+    cma_stall are read and have no effect.
 
     Elements:
         link_name: the link.
@@ -35,7 +38,7 @@ class LiftDragPlugin(ModelPlugin):
         cla, cda: slopes of the coefficients [1/rad] (1, 0.01).
         alpha_stall: [rad] (pi / 2).
         cla_stall, cda_stall: slopes beyond it [1/rad] (0, 1).
-        cp: centre of pressure in the link's frame [m] (0 0 0).
+        cp: centre of pressure along the link's axes [m] (0 0 0).
         forward, upward: directions in the link's frame (1 0 0, 0 0 1).
         area: [m^2] (1).
         air_density: [kg/m^3] (1.2041).
@@ -81,30 +84,30 @@ class LiftDragPlugin(ModelPlugin):
         if self.radial:
             across = forward.Cross(forward.Cross(velocity))
             upward = across.Normalize() if across.Length() > 0.0 else upward
-        self.link.AddForceAtWorldPosition(self.force(velocity, forward, upward), pose.CoordPositionAdd(self.cp))
+        self.link.AddForceAtRelativePosition(self.force(velocity, forward, upward), self.cp)
 
     def force(self, velocity: Vector3d, forward: Vector3d, upward: Vector3d) -> Vector3d:
         """The sum of lift and drag [N] at a velocity [m/s]; all vectors in the world frame."""
         span = forward.Cross(upward).Normalize()
         sweep = clamp(span.Dot(velocity) / velocity.Length(), -1.0, 1.0)
         cos_sweep2 = 1.0 - sweep * sweep
-        in_plane = velocity - span * velocity.Dot(span)
-        speed = in_plane.Length()
+        flow = velocity * (1.0 - sweep)
+        speed = flow.Length()
         if speed == 0.0:
             return Vector3d()
-        lift_direction = span.Cross(in_plane).Normalize()
-        alpha = self.attack(in_plane, forward, upward)
+        lift_direction = span.Cross(flow).Normalize()
+        alpha = self.attack(lift_direction, forward, upward)
         cl, cd = self.coefficients(alpha)
         cl *= cos_sweep2
         if self.control is not None:
             cl += self.control_to_cl * self.control.Position(0)
         pressure = 0.5 * self.density * speed * speed * self.area
-        return lift_direction * (cl * pressure) - in_plane * (abs(cd) * cos_sweep2 * pressure / speed)
+        return lift_direction * (cl * pressure) - flow * (abs(cd) * cos_sweep2 * pressure / speed)
 
-    def attack(self, in_plane: Vector3d, forward: Vector3d, upward: Vector3d) -> float:
+    def attack(self, lift_direction: Vector3d, forward: Vector3d, upward: Vector3d) -> float:
         """The angle of attack [rad], within +-pi / 2; positive for flow from below."""
-        angle = math.acos(clamp(forward.Dot(in_plane) / in_plane.Length(), -1.0, 1.0))
-        alpha = self.alpha0 + math.copysign(angle, -upward.Dot(in_plane))
+        angle = math.acos(clamp(upward.Dot(lift_direction), -1.0, 1.0))
+        alpha = self.alpha0 + math.copysign(angle, forward.Dot(lift_direction))
         while abs(alpha) > HALF:
             alpha -= math.copysign(math.pi, alpha)
         return alpha

@@ -62,21 +62,36 @@ def test_lift_and_drag_are_those_of_the_formula(velocity, alpha, cl, cd, run):
     assert tuple(force) == pytest.approx(tuple(across * (cl * pressure) - along * (cd * pressure)), abs=1e-6)
 
 
-def test_lift_acts_at_the_centre_of_pressure_and_shrinks_with_sweep(run):
+@pytest.mark.parametrize("side", [10.0, -10.0])
+def test_lift_acts_at_the_centre_of_pressure_and_shrinks_with_sweep(side, run):
+    """Air from the side changes the velocity that counts by 1 - sin(sweep), as in Gazebo."""
     wing = {**WING, "a0": 0.0, "cda": 0.0, "cp": "0 1 0"}
     core, world = run(body("plane", inside=plugin("LiftDragPlugin", **wing), gravity="false"))
     plane = world.ModelByName("plane")
-    plane.SetLinearVel((10.0, 10.0, -1.0))
+    velocity = Vector3d(10.0, side, -1.0)
+    plane.SetLinearVel(velocity)
     core.step()
     link = plane.GetLink()
     alpha = math.atan(0.1)
-    sweep = math.asin(10.0 / math.sqrt(201.0))
-    lift = 4.0 * alpha * math.cos(sweep) ** 2 * 0.5 * 1.2 * 101.0 * 0.5
+    sine = -side / velocity.Length()  # forward x upward is -y
+    flow = velocity.Length() * (1.0 - sine)
+    lift = 4.0 * alpha * (1.0 - sine * sine) * 0.5 * 1.2 * flow * flow * 0.5
     along = Vector3d(10.0, 0.0, -1.0) / math.sqrt(101.0)
-    force = (link.WorldCoGLinearVel() - Vector3d(10.0, 10.0, -1.0)) / 0.001
+    force = (link.WorldCoGLinearVel() - velocity) / 0.001
     assert tuple(force) == pytest.approx(tuple(Vector3d(-along.Z(), 0.0, along.X()) * lift), abs=1e-6)
     # Torque: (0, 1, 0) x force, on unit moments of inertia.
     assert tuple(link.WorldAngularVel() / 0.001) == pytest.approx((force.Z(), 0.0, -force.X()), abs=1e-3)
+
+
+def test_lift_acts_from_the_centre_of_mass(run):
+    """As in Gazebo, where a wing whose centre of mass is not the link's origin is not turned by a `cp` of zero."""
+    made = body("plane", inside=plugin("LiftDragPlugin", **WING), gravity="false")
+    core, world = run(made.replace("<inertial>", "<inertial><pose>0.3 0.1 0 0 0 0</pose>", 1))
+    plane = world.ModelByName("plane")
+    plane.SetLinearVel((10.0, 0.0, -1.0))
+    core.step()
+    assert plane.GetLink().WorldCoGLinearVel().Z() > -1.0
+    assert tuple(plane.GetLink().WorldAngularVel()) == (0.0, 0.0, 0.0)
 
 
 def test_a_flap_adds_lift(run):

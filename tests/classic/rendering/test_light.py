@@ -80,6 +80,13 @@ def test_a_spot_lights_its_cone_only(world_of):
     assert (pixels[angle < 0.1] > 200).all()
 
 
+def test_a_spot_without_a_cone_lights_nothing_as_in_gazebo(world_of, caplog):
+    plane = visual(geometry="<plane><normal>-1 0 0</normal><size>8 8</size></plane>")
+    world = world_of(model(inside=plane), light("spot"), scene=DARK)
+    assert (see(world, hfov=2.0) == 0).all()
+    assert "no <spot>" in caplog.text
+
+
 def test_several_lights_add_up(world_of):
     both = light("directional").replace("1 1 1 1", "1 0 0 1")
     both += light("directional").replace("1 1 1 1", "0 0 1 1").replace("name='l'", "name='k'")

@@ -172,6 +172,43 @@ def test_joints_made_and_removed_around_a_state(run):
     assert two.GetJoint("grip") is not None
 
 
+def test_a_joint_that_returns_is_the_object_that_plugins_hold(run):
+    three = run.view.ModelByName("three")
+    hinge, ends = three.GetJoint("hinge"), (three.GetLink("l"), three.GetLink("arm"))
+    run.steps(10)
+    with_hinge = run.world.get_state()
+    three.RemoveJoint("hinge")
+    another = three.CreateJoint("hinge", "revolute", *ends)  # the same name is another joint
+    with_another = run.world.get_state()
+    run.world.set_state(with_hinge)
+    assert three.GetJoint("hinge") is hinge
+    hinge.SetPosition(0, 0.2)
+    assert hinge.Position() == pytest.approx(0.2)
+    run.world.set_state(with_another)
+    assert three.GetJoint("hinge") is another
+    assert run.world.get_state() == with_another
+    run.world.set_state(with_hinge)
+    assert run.world.get_state() == with_hinge
+
+    def edit():
+        three.RemoveJoint("hinge")
+        run.steps(5)
+
+    repeats(run, edit, 20)
+
+
+def test_names_of_models_that_were_removed_are_in_no_state(run):
+    inner = run.view.ModelByName("four::inner")
+    inner.SetName("other")
+    run.view.RemoveModel(inner)
+    run.steps(5)
+    state = run.world.get_state()
+    run.view.RemoveModel("four")
+    run.steps(5)
+    run.world.set_state(state)
+    assert run.world.get_state() == state
+
+
 def test_an_axis_and_an_anchor_set_since_are_undone(run):
     hinge = run.view.ModelByName("three").GetJoint("hinge")
     run.steps(20)

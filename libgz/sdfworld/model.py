@@ -63,6 +63,7 @@ class SdfModel(Entity):
         self._start = GzPose()  # where the model was then
         self._spaces: dict[Body, Space] = {}  # of links that touch others of the model
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
+        self._coming: tuple[Any, Any] | None = None  # joints and motion of a state, until all models have their links
         self._kept = Kept()  # of `_parts`
         self._kept_at: tuple[int, ...] | None = None  # what had been counted then
         self.SetName("model")
@@ -457,6 +458,8 @@ class SdfModel(Entity):
     @property
     def _parts(self) -> bytes | None:
         """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
+        if self._coming is not None:  # of a state that could not be set
+            return b""
         if not self._has_parts:
             return None
         links = self.world.engine.tables.bodies.changes
@@ -488,11 +491,21 @@ class SdfModel(Entity):
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         for name, body in self.links.items():
             self.set_self_collide(body, name in (colliding or ()))
-        self.sdf_joints.load(joints or NO_JOINTS)
+        self._coming = joints or NO_JOINTS, None
+
+    def MasterStatesSet(self) -> None:
+        """Take the joints of a state: now all models have their links."""
+        if self._coming is not None:
+            (joints, motion), self._coming = self._coming, None
+            self.sdf_joints.load(joints)
+            if motion is not None:
+                self._motion = motion
 
     @property
-    def _motion(self) -> bytes | tuple[Any, ...]:
+    def _motion(self) -> bytes | tuple[Any, ...] | None:
         """The efforts of joints, and behind them what grippers hold."""
+        if self._coming is not None:
+            return None
         if not (self.sdf_joints or self.grippers):
             return b""
         efforts = b"".join([joint.efforts for joint in self.sdf_joints.values()])
@@ -500,6 +513,9 @@ class SdfModel(Entity):
 
     @_motion.setter
     def _motion(self, state: bytes | tuple[Any, ...]) -> None:
+        if self._coming is not None:
+            self._coming = self._coming[0], state
+            return
         efforts, *held = (state,) if isinstance(state, bytes) else state
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
         for gripper, one in zip(self.grippers.values(), held, strict=False):

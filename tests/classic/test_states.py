@@ -197,6 +197,24 @@ def test_a_joint_that_returns_is_the_object_that_plugins_hold(run):
     repeats(run, edit, 20)
 
 
+def test_a_joint_returns_to_a_link_that_was_made_in_a_later_model(run):
+    two, three = (run.view.ModelByName(name) for name in ("two", "three"))
+    two.CreateJoint("grip", "fixed", three.CreateLink("late"), two.GetLink("l"))
+    run.steps(5)
+    repeats(run, lambda: run.view.RemoveModel("one"), 20)
+
+
+def test_a_name_that_a_state_took_back_is_free_again(run):
+    state = run.world.get_state()
+    one = run.view.ModelByName("one")
+    one.SetName("other")
+    run.world.set_state(state)
+    run.view.RemoveModel(one)
+    run.view.InsertModelString(f"<sdf version='1.6'>{box('one', '0 0 3 0 0 0')}</sdf>")
+    run.steps(2)
+    assert run.view.ModelByName("one") is not None
+
+
 def test_names_of_models_that_were_removed_are_in_no_state(run):
     inner = run.view.ModelByName("four::inner")
     inner.SetName("other")

@@ -47,8 +47,8 @@ class Ids:
 
     @property
     def new_names(self) -> set[str]:
-        """The names of views that were renamed."""
-        return {view.GetName() for view in self._names}
+        """The names of models and lights, and of their parts, that were renamed."""
+        return {view._name for view, before in self._names.items() if view._name != before and self._present(view)}
 
     def save(self) -> tuple[Any, ...]:
         """Ids and changed names as plain data."""

@@ -85,11 +85,15 @@ class JointTable(dict[str, SdfJoint]):
         self.count, kept = state
         before = dict(self)
         self.clear()
-        for name, number, saved in kept:
-            joint = before.get(name) or self._removed_one(name, number, saved) or self._made(name, saved)
-            self._take(name, number, joint)
-            joint.load(saved, self._find)
-        self._changed()
+        try:
+            for name, number, saved in kept:
+                joint = before.get(name) or self._removed_one(name, number, saved) or self._made(name, saved)
+                self._take(name, number, joint)
+                joint.load(saved, self._find)
+        finally:
+            for name, joint in before.items():  # of a damaged state, of which only some could be taken
+                self.setdefault(name, joint)
+            self._changed()
 
     def _take(self, name: str, number: int, joint: SdfJoint) -> None:
         self[name] = joint

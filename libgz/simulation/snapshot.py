@@ -116,11 +116,21 @@ class Snapshots:
         except USER_ERRORS as error:
             pass_interrupt(error)
             if before is not None:
-                self._set(self._decoded(before), False)
+                self._undo(self._decoded(before))
             if isinstance(error, GazeboError):
                 raise
             raise StateError(f"the state is damaged: {type(error).__name__}: {error}") from error
         self._sound = data
+
+    def _undo(self, before: dict[str, Any]) -> None:
+        try:
+            self._set(before, False)
+        except (GazeboError, *USER_ERRORS) as error:  # something was destroyed that only building anew brings back
+            pass_interrupt(error)
+            self._set(before, True)
+        finally:
+            state.changes.count()  # an error may have come before the count of a change
+            edits.count()
 
     def _saved_before(self) -> bytes | None:
         try:

@@ -20,8 +20,9 @@ from libgz.classic.rendering import Visual, get_scene
 from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import ClosedError, ParameterError, StateError
+from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.simulation.event import owner
+from libgz.simulation.state import FORMAT, decode, encode, large
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
 WORLDS = sorted(path for path in EXAMPLES.glob("*/*.world") if path.parent.name != "hello_world")
@@ -345,6 +346,39 @@ def test_a_state_of_another_world_is_refused(run):
         pytest.raises(StateError, match="another world"),
     ):
         other.set_state(run.world.get_state())
+
+
+def replaced(value, old, new):
+    """A decoded state with another value in place of those that are equal to `old`."""
+    if isinstance(value, bytes) and value.startswith(FORMAT):
+        return encode(replaced(decode(value), old, new))
+    if isinstance(value, memoryview):
+        return large(bytes(value))
+    if isinstance(value, dict):
+        return {key: replaced(one, old, new) for key, one in value.items()}
+    if isinstance(value, (tuple, list)):
+        return type(value)(replaced(one, old, new) for one in value)
+    return new if type(value) is type(old) and value == old else value
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("revolute", "bent"), ("hinge", 7), (b"", "x"), ("one", ("a",)), (False, "x"), (0, "x"), (0.0, "x"), (None, {})],
+)
+def test_a_damaged_state_leaves_the_world_unchanged(run, old, new):
+    run.steps(2)
+    state = run.world.get_state()
+    run.steps(2)
+    run.view.RemoveModel("four")
+    run.steps(2)
+    now = run.world.get_state()
+    damaged = replaced(state, old, new)
+    assert damaged != state
+    with pytest.raises(GazeboError):
+        run.world.set_state(damaged)
+    assert run.world.get_state() == now
+    run.world.set_state(state)
+    assert run.world.get_state() == state
 
 
 # Plugins --------------------------------------------------------------------------------------------------------------

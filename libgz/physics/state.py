@@ -36,6 +36,7 @@ from libgz.physics.meshes import Mesh
 
 __all__ = ["PARTS", "EngineState"]
 
+MOST_ROWS = 1 << 24  # of a table
 MOST_NAMED = 5  # missing objects in a message
 
 PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")
@@ -251,7 +252,9 @@ class EngineState:
             raise StateError("this state was made with another build of ODE")
         block, present = state["objects"], self._present(engine)
         if block != self._objects(engine, present):
-            self._restore_objects(_decoded(block))
+            saved = _decoded(block)
+            _check_objects(saved)
+            self._restore_objects(saved)
             present = self._present(engine)
             self._objects(engine, present)
         self._restore_settings(state)
@@ -356,7 +359,9 @@ class EngineState:
             ode().dGeomSetData(geom._id, geom.row)
         self._engine.tables.geoms.owner[geom.row] = geom.body.number
         changed = _assign(geom, values)
-        if look != _appearance(geom.appearance):
+        if look != (present := _appearance(geom.appearance)):
+            if look.keys() != present.keys():
+                raise StateError("the state is damaged: a geom has other looks")
             for name, value in look.items():
                 setattr(geom.appearance, name, _value(value))
             changed = True
@@ -532,6 +537,45 @@ def _decoded(block: bytes) -> Any:
         return json.loads(zlib.decompress(block))
     except (zlib.error, ValueError) as error:
         raise StateError(f"the state is damaged: {error}") from error
+
+
+def _check_objects(saved: Any) -> None:
+    """Check that the parts of a list of objects fit each other.
+
+    Raises:
+        StateError: they do not.
+    """
+    try:
+        bodies, dummies, geoms, joints, spaces = (
+            saved[kind] for kind in ("bodies", "dummies", "geoms", "joints", "spaces")
+        )
+        things, inside, attached = (bodies, joints, geoms), saved["inside"], saved["attached"]
+        held = [body for _, body, *_ in geoms]
+        held += [body for _, (one, two), _ in joints for body in (one, two) if body is not None]
+        fits = (
+            all(_counts(census, len(some)) for census, some in zip(saved["rows"], things, strict=True))
+            and (len(inside), len(saved["feedback"])) == (len(geoms), len(joints))
+            and all(-len(dummies) <= body < len(bodies) for body in held)
+            and len(set(attached)) == len(attached)
+            and all(0 <= joint < len(joints) for joint in attached)
+            and all(0 <= parent <= len(spaces) for parent in spaces)
+            and all(place is None or 0 <= place <= len(spaces) for place in inside)
+        )
+    except (TypeError, ValueError, KeyError, IndexError) as error:
+        raise StateError(f"the state is damaged: its list of objects is incomplete ({error})") from error
+    if not fits:
+        raise StateError("the state is damaged: its bodies, geoms, joints and spaces do not fit each other")
+
+
+def _counts(census: Any, count: int) -> bool:
+    """Whether a census is one of so many objects."""
+    rows, numbers, free, (used, _) = census
+    taken = {*rows, *free}
+    return (
+        len(rows) == len(numbers) == len(set(numbers)) == count
+        and len(taken) == len(rows) + len(free)
+        and all(0 <= row < used <= MOST_ROWS for row in taken)
+    )
 
 
 # Plain data ---------------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from libgz.geometry import GzCoordPoseSub, GzVector
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.joint_table import JointTable
 from libgz.simulation.world import World
 
 __all__ = ["SdfGripper"]
@@ -23,7 +24,7 @@ class Holder(Protocol):
     """The part of a model that its grippers use."""
 
     world: World
-    sdf_joints: dict[str, SdfJoint]
+    sdf_joints: JointTable
 
     def find_link(self, name: str) -> Body:
         """A link by name."""

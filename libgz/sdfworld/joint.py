@@ -94,6 +94,8 @@ class SdfJoint:
         dof: how many positions there are.
         acts: whether `update` has anything to do.
         on_acts: called when that changes.
+        table: the `JointTable` that has it; None for none.
+        number: that in the table.
         edits: counts changes of what `save` returns, but for those by which a link was destroyed.
 
     Raises:
@@ -113,6 +115,8 @@ class SdfJoint:
         self.acts = False
         self.on_acts: Callable[[], None] | None = None
         self.facade: Any = None
+        self.number = 0
+        self.table: object = None
         self._mechanism: Mechanism | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
         self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
@@ -209,7 +213,7 @@ class SdfJoint:
         """Its state as plain data, beside its efforts, and what the engine has of its ODE joints.
 
         Args:
-            holder: what contains the `<joint>` elements of the file that `load_joints` will find.
+            holder: what contains the `<joint>` elements of the file that will be found again.
         """
         self.release_deleted()
         links, mechanism = self.links, self._mechanism
@@ -258,9 +262,9 @@ class SdfJoint:
             element if state[-1] else None,
         )
 
-    def fits(self, state: Sequence[Any]) -> bool:
-        """Whether it is a joint as that of a state: of the same kind."""
-        return bool((self.kind, self.implicit) == tuple(state[2][:2]))
+    def fits(self, name: str, number: int, state: Sequence[Any]) -> bool:
+        """Whether it is the joint of a state: of the same name, number and kind."""
+        return (self.name, self.number, self.kind, self.implicit) == (name, number, *state[2][:2])
 
     def load(self, state: Sequence[Any], find: FindPlace) -> None:
         """Take a state that `save` returned: of this joint, or of one of this name that was removed since.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from libgz.errors import Diagnostics, NotFoundError, ParameterError, StateError, nearest
+from libgz.errors import Diagnostics, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
@@ -17,7 +17,8 @@ from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, lost_link, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
 from libgz.sdfworld.gripper import SdfGripper
-from libgz.sdfworld.joint import Place, SdfJoint
+from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.joint_table import NO_JOINTS, JointTable
 from libgz.sdfworld.mimic import Mimic
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
@@ -28,7 +29,7 @@ from libgz.simulation.state import Kept, changes, decode
 from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
-__all__ = ["SdfModel", "load_joints", "model_pose"]
+__all__ = ["SdfModel", "model_pose"]
 
 
 class SdfModel(Entity):
@@ -51,7 +52,7 @@ class SdfModel(Entity):
         self.static: bool = element.Get(bool, "static") or (parent is not None and parent.static)
         self.links: dict[str, Body] = {}
         self.nested: dict[str, SdfModel] = {}
-        self.sdf_joints: dict[str, SdfJoint] = {}
+        self.sdf_joints = JointTable(world, element)
         self.grippers: dict[str, SdfGripper] = {}
         self.mimics: list[Mimic] = []
         self.geom_names: dict[Geom, str] = {}
@@ -62,6 +63,7 @@ class SdfModel(Entity):
         self._start = GzPose()  # where the model was then
         self._spaces: dict[Body, Space] = {}  # of links that touch others of the model
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
+        self._coming: tuple[Any, Any] | None = None  # joints and motion of a state, until all models have their links
         self._kept = Kept()  # of `_parts`
         self._kept_at: tuple[int, ...] | None = None  # what had been counted then
         self.SetName("model")
@@ -393,10 +395,7 @@ class SdfModel(Entity):
         if self.static:
             return None
         joint = SdfJoint(self.world.engine, plan)
-        self.sdf_joints[plan.name] = joint
-        changes.count()
-        joint.on_acts = self.world.update_rows_changed
-        joint.on_acts()
+        self.sdf_joints.add(joint)
         for body in (plan.parent, plan.child):
             if body is not None and body.auto_disable:
                 body.set_auto_disable(False)
@@ -413,12 +412,7 @@ class SdfModel(Entity):
 
     def remove_joint(self, name: str) -> bool:
         """Destroy a joint; false if there is none of this name."""
-        joint = self.sdf_joints.pop(name, None)
-        if joint is None:
-            return False
-        changes.count()
-        joint.close()
-        return True
+        return self.sdf_joints.remove(name)
 
     def MasterRows(self, rows: UpdateRows) -> None:
         """A row in Python for joints that act or follow others, grippers, and what a subclass does."""
@@ -459,11 +453,13 @@ class SdfModel(Entity):
 
     @property
     def _has_parts(self) -> bool:
-        return bool(self._canonical is None or self._added or self.sdf_joints or self._spaces)
+        return bool(self._canonical is None or self._added or self.sdf_joints.count or self._spaces)
 
     @property
     def _parts(self) -> bytes | None:
         """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
+        if self._coming is not None:  # of a state that could not be set
+            return b""
         if not self._has_parts:
             return None
         links = self.world.engine.tables.bodies.changes
@@ -471,7 +467,7 @@ class SdfModel(Entity):
         if key == self._kept_at:
             return self._kept.encoded
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
-        joints = [(name, joint.save(self.sdf)) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
+        joints = self.sdf_joints.save() if self.sdf_joints.count else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         colliding = [name for name, body in self.links.items() if body in self._spaces]
         self._kept_at = key if frame is None and added is None else None
@@ -484,8 +480,7 @@ class SdfModel(Entity):
         if frame is not None:
             self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
         places = dict(added or ())
-        for name in [name for name in self.sdf_joints if name not in dict(joints or ())]:
-            self.remove_joint(name)
+        self.sdf_joints.remove_others(joints or NO_JOINTS)
         for name in [name for name in self._added if name not in places]:
             self.remove_link(name)
         for name, (*start, number) in places.items():
@@ -496,11 +491,21 @@ class SdfModel(Entity):
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         for name, body in self.links.items():
             self.set_self_collide(body, name in (colliding or ()))
-        load_joints(self.world, self.sdf_joints, joints or (), self.sdf)
+        self._coming = joints or NO_JOINTS, None
+
+    def MasterStatesSet(self) -> None:
+        """Take the joints of a state: now all models have their links."""
+        if self._coming is not None:
+            (joints, motion), self._coming = self._coming, None
+            self.sdf_joints.load(joints)
+            if motion is not None:
+                self._motion = motion
 
     @property
-    def _motion(self) -> bytes | tuple[Any, ...]:
+    def _motion(self) -> bytes | tuple[Any, ...] | None:
         """The efforts of joints, and behind them what grippers hold."""
+        if self._coming is not None:
+            return None
         if not (self.sdf_joints or self.grippers):
             return b""
         efforts = b"".join([joint.efforts for joint in self.sdf_joints.values()])
@@ -508,6 +513,9 @@ class SdfModel(Entity):
 
     @_motion.setter
     def _motion(self, state: bytes | tuple[Any, ...]) -> None:
+        if self._coming is not None:
+            self._coming = self._coming[0], state
+            return
         efforts, *held = (state,) if isinstance(state, bytes) else state
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
         for gripper, one in zip(self.grippers.values(), held, strict=False):
@@ -591,38 +599,6 @@ class SdfModel(Entity):
         super().close()
         for space in self._spaces.values():
             space.close()
-
-
-def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]], holder: Element) -> None:
-    """Give joints the states that `SdfJoint.save` returned, by name; those that are missing are made again.
-
-    They are in the order of the states then. `holder` contains the `<joint>` elements of the file.
-    """
-
-    def find(place: Place) -> Body | None:
-        if place is None:
-            return None
-        owner, number = place
-        bodies: list[Body] = world.model(owner).bodies
-        if number >= len(bodies):
-            raise StateError(f"a joint of this state is attached to link {number + 1} of {owner!r}, which is not there")
-        return bodies[number]
-
-    kept, before, own = list(state), dict(joints), list(holder.named("joint"))
-    joints.clear()
-    for name, one in kept:
-        joint = before.get(name)
-        if joint is None or not joint.fits(one):
-            element = next((element for element in own if element.Get(str, "name") == name), None)
-            joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find, element))
-        joints[name] = joint
-        joint.on_acts = world.update_rows_changed
-        joint.load(one, find)
-    for joint in before.values():
-        if joint not in joints.values():
-            joint.close()
-    changes.count()
-    world.update_rows_changed()
 
 
 def model_pose(element: Element) -> GzPose:

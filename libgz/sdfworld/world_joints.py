@@ -12,7 +12,7 @@ from libgz.sdf.element import Element
 from libgz.sdfworld.axis import lost_link, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, ode_joints
 from libgz.sdfworld.joint import SdfJoint
-from libgz.sdfworld.model import load_joints
+from libgz.sdfworld.joint_table import JointTable
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.state import Kept, decode
@@ -39,7 +39,7 @@ class WorldJoints(Entity):
         self.SetName("joints")
         self.SetId("world_joints")
         self.AddBody(Body(world, dummy=True), True)
-        self.sdf_joints: dict[str, SdfJoint] = {}
+        self.sdf_joints = JointTable(world, holder)
         self._kept = Kept()
         for element in holder.named("joint"):
             if lost := lost_link(element, self.find_link):
@@ -47,21 +47,20 @@ class WorldJoints(Entity):
                 continue
             try:
                 plan = read_joint(element, self.find_link, GzPose(), diagnostics.warn)
-                joint = self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
-                joint.on_acts = world.update_rows_changed
+                self.sdf_joints.add(SdfJoint(world.engine, plan))
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
 
     def SaveState(self) -> tuple[bytes, bytes]:
         """The joints, and their efforts."""
-        joints = self._kept.encode([(name, joint.save(self.sdf)) for name, joint in self.sdf_joints.items()])
+        joints = self._kept.encode(self.sdf_joints.save())
         return joints, b"".join([joint.efforts for joint in self.sdf_joints.values()])
 
     def LoadState(self, state: tuple[bytes, bytes]) -> None:
         """Take what SaveState returned."""
         joints, efforts = state
         if joints != self.SaveState()[0]:
-            load_joints(self.world, self.sdf_joints, decode(joints), self.sdf)
+            self.sdf_joints.load(decode(joints))
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
 
     def MasterRows(self, rows: UpdateRows) -> None:

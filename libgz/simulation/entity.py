@@ -188,6 +188,9 @@ class Entity:
     def _homes(self, packed: bytes) -> None:
         self.initPose, self.relPose = _unpacked(packed[: _HOME.size]), _unpacked(packed[_HOME.size :])
 
+    def MasterStatesSet(self) -> None:
+        """All entities have taken what a state has of them; what reaches into others of them follows here."""
+
     def MasterIsStill(self) -> bool:
         """Whether all that its class declares as state changes by counted assignments only, as it is now."""
         return False

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import functools
-from collections.abc import Sequence
+import logging
+from collections.abc import Iterable, Sequence
+from itertools import chain
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from libgz.transport.interface import Interface
 
 __all__ = ["Snapshots"]
+
+log = logging.getLogger("libgz.simulation")
 
 # What a state consists of, in order.
 PARTS = (
@@ -59,6 +63,7 @@ class Snapshots:
         self._sorted: list[Interface[Any]] = []  # in order of their types and ids
         self._names = b""  # the encoding of those
         self._encoder = state.Encoder()
+        self._sound: bytes | None = None  # the state that was set last, without an error
 
     def save(self) -> bytes:
         """The state between two steps.
@@ -94,24 +99,64 @@ class Snapshots:
     def restore(self, data: bytes, *, anew: bool = False) -> None:
         """Bring the world into a state that `save` returned, of itself or of another world of the same file.
 
+        If the state turns out to be damaged, the world is brought back to what it was before.
+
         Args:
             data: the state.
             anew: whether all entities are built again, also those that are there.
 
         Raises:
-            StateError: the state is of another file, or something that cannot be built again is missing.
+            StateError: the state is of another file, or damaged, or something that cannot be built again is missing.
             ParameterError: these bytes are no state.
         """
+        saved = self._decoded(data)
+        before = None if data is self._sound else self._saved_before()
+        try:
+            self._set(saved, anew)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            if before is not None:
+                self._undo(self._decoded(before))
+            if isinstance(error, GazeboError):
+                raise
+            raise StateError(f"the state is damaged: {type(error).__name__}: {error}") from error
+        self._sound = data
+
+    def _undo(self, before: dict[str, Any]) -> None:
+        try:
+            self._set(before, False)
+        except (GazeboError, *USER_ERRORS) as error:  # something was destroyed that only building anew brings back
+            pass_interrupt(error)
+            self._set(before, True)
+        finally:
+            state.changes.count()  # an error may have come before the count of a change
+            edits.count()
+
+    def _saved_before(self) -> bytes | None:
+        try:
+            return self.save()
+        except GazeboError as error:
+            log.debug("a damaged state cannot be undone, as the world's state cannot be saved: %s", error)
+            return None
+
+    def _decoded(self, data: bytes) -> dict[str, Any]:
+        """The parts of a state of this world, by their names; nothing is changed."""
         world, decoded = self._world, state.decode(data)
         if not isinstance(decoded, tuple) or len(decoded) != len(PARTS):
             raise ParameterError("the state is damaged: it has not the parts of one")
         saved = dict(zip(PARTS, decoded, strict=True))
         if saved["file"] != world.era.digest:
             raise StateError("this state is of another world: its file has another text than this world's")
+        if not isinstance(saved["companions"], dict):
+            raise StateError("the state is damaged: it does not name its parts")
         if saved["companions"] and not saved["companions"].keys() <= set(map(_name, world.companions)):
             world.attach_era()
             for name in saved["companions"].keys() - set(map(_name, world.companions)):
                 raise StateError(f"this state has a part that this world has not: {name}")
+        return saved
+
+    def _set(self, saved: dict[str, Any], anew: bool) -> None:
+        world = self._world
         listed = state.decode(saved["list"]) if anew or saved["list"] != self._list() else None
         if listed is not None:
             _restore_entities(world, listed, anew)
@@ -216,8 +261,9 @@ class Snapshots:
         """Set the states of all entities."""
         self._list()
         groups = self._often
+        given: Iterable[Entity] = chain(*(members for _, members in groups))
         if seldom != self._seldom:
-            entities = self._world.entities
+            given = entities = self._world.entities
             still, rows = state.decode(seldom)
             for entity, whole, row in zip(entities, still, rows, strict=True):
                 _load_own_state(_reader(entity, whole), entity, row)
@@ -225,6 +271,8 @@ class Snapshots:
         for (reader, members), rows in zip(groups, often, strict=True):
             for entity, row in zip(members, rows, strict=True):
                 _load_own_state(reader, entity, row)
+        for entity in given:
+            entity.MasterStatesSet()
 
 
 _type: Any = type  # mypy takes a class for no key of a cache

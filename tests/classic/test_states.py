@@ -20,8 +20,9 @@ from libgz.classic.rendering import Visual, get_scene
 from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import ClosedError, ParameterError, StateError
+from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.simulation.event import owner
+from libgz.simulation.state import FORMAT, decode, encode, large
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
 WORLDS = sorted(path for path in EXAMPLES.glob("*/*.world") if path.parent.name != "hello_world")
@@ -172,6 +173,61 @@ def test_joints_made_and_removed_around_a_state(run):
     assert two.GetJoint("grip") is not None
 
 
+def test_a_joint_that_returns_is_the_object_that_plugins_hold(run):
+    three = run.view.ModelByName("three")
+    hinge, ends = three.GetJoint("hinge"), (three.GetLink("l"), three.GetLink("arm"))
+    run.steps(10)
+    with_hinge = run.world.get_state()
+    three.RemoveJoint("hinge")
+    another = three.CreateJoint("hinge", "revolute", *ends)  # the same name is another joint
+    with_another = run.world.get_state()
+    run.world.set_state(with_hinge)
+    assert three.GetJoint("hinge") is hinge
+    hinge.SetPosition(0, 0.2)
+    assert hinge.Position() == pytest.approx(0.2)
+    run.world.set_state(with_another)
+    assert three.GetJoint("hinge") is another
+    assert run.world.get_state() == with_another
+    run.world.set_state(with_hinge)
+    assert run.world.get_state() == with_hinge
+
+    def edit():
+        three.RemoveJoint("hinge")
+        run.steps(5)
+
+    repeats(run, edit, 20)
+
+
+def test_a_joint_returns_to_a_link_that_was_made_in_a_later_model(run):
+    two, three = (run.view.ModelByName(name) for name in ("two", "three"))
+    two.CreateJoint("grip", "fixed", three.CreateLink("late"), two.GetLink("l"))
+    run.steps(5)
+    repeats(run, lambda: run.view.RemoveModel("one"), 20)
+
+
+def test_a_name_that_a_state_took_back_is_free_again(run):
+    state = run.world.get_state()
+    one = run.view.ModelByName("one")
+    one.SetName("other")
+    run.world.set_state(state)
+    run.view.RemoveModel(one)
+    run.view.InsertModelString(f"<sdf version='1.6'>{box('one', '0 0 3 0 0 0')}</sdf>")
+    run.steps(2)
+    assert run.view.ModelByName("one") is not None
+
+
+def test_names_of_models_that_were_removed_are_in_no_state(run):
+    inner = run.view.ModelByName("four::inner")
+    inner.SetName("other")
+    run.view.RemoveModel(inner)
+    run.steps(5)
+    state = run.world.get_state()
+    run.view.RemoveModel("four")
+    run.steps(5)
+    run.world.set_state(state)
+    assert run.world.get_state() == state
+
+
 def test_an_axis_and_an_anchor_set_since_are_undone(run):
     hinge = run.view.ModelByName("three").GetJoint("hinge")
     run.steps(20)
@@ -290,6 +346,39 @@ def test_a_state_of_another_world_is_refused(run):
         pytest.raises(StateError, match="another world"),
     ):
         other.set_state(run.world.get_state())
+
+
+def replaced(value, old, new):
+    """A decoded state with another value in place of those that are equal to `old`."""
+    if isinstance(value, bytes) and value.startswith(FORMAT):
+        return encode(replaced(decode(value), old, new))
+    if isinstance(value, memoryview):
+        return large(bytes(value))
+    if isinstance(value, dict):
+        return {key: replaced(one, old, new) for key, one in value.items()}
+    if isinstance(value, (tuple, list)):
+        return type(value)(replaced(one, old, new) for one in value)
+    return new if type(value) is type(old) and value == old else value
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("revolute", "bent"), ("hinge", 7), (b"", "x"), ("one", ("a",)), (False, "x"), (0, "x"), (0.0, "x"), (None, {})],
+)
+def test_a_damaged_state_leaves_the_world_unchanged(run, old, new):
+    run.steps(2)
+    state = run.world.get_state()
+    run.steps(2)
+    run.view.RemoveModel("four")
+    run.steps(2)
+    now = run.world.get_state()
+    damaged = replaced(state, old, new)
+    assert damaged != state
+    with pytest.raises(GazeboError):
+        run.world.set_state(damaged)
+    assert run.world.get_state() == now
+    run.world.set_state(state)
+    assert run.world.get_state() == state
 
 
 # Plugins --------------------------------------------------------------------------------------------------------------

@@ -8,6 +8,8 @@ from weakref import WeakKeyDictionary
 
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.light import Light
+from libgz.classic.physics.model import Model
 from libgz.classic.physics.place import found_at, place_if_there
 from libgz.simulation.state import changes
 
@@ -45,8 +47,8 @@ class Ids:
 
     @property
     def new_names(self) -> set[str]:
-        """The names of views that were renamed."""
-        return {view.GetName() for view in self._names}
+        """The names of models and lights, and of their parts, that were renamed."""
+        return {view._name for view, before in self._names.items() if view._name != before and self._present(view)}
 
     def save(self) -> tuple[Any, ...]:
         """Ids and changed names as plain data."""
@@ -83,9 +85,12 @@ class Ids:
         return (model.core.GetId(), view.core.name) if model is not None and self._present(model) else None
 
     def _present(self, view: Any) -> bool:
+        """Whether the model or light that it is, or is a part of, is in the world."""
         part = view
-        while part._parent is not None:
+        while not isinstance(part, (Model, Light)):
             part = part._parent
+            if part is None:
+                return False
         return part.core in self._world.core.entities
 
     def _at(self, place: Sequence[Any]) -> Any:

@@ -11,7 +11,6 @@ from libgz.classic.physics.contact import JointWrench
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.sdfworld.model import SdfModel
-from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -361,15 +360,11 @@ class Joint(Base):
         before = self.model_around()
         if before is not None and isinstance(before.core, SdfModel):
             self._world.server.joint_removed(self)
-            before.core.sdf_joints.pop(core.name, None)
-            changes.count()
+            before.core.sdf_joints.release(core.name)
         while joints.get(core.name, core) is not core:  # the name is taken
             core.name += "_"
         self._parent = model
-        joints[core.name] = core
-        changes.count()
-        core.on_acts = model.core.world.update_rows_changed
-        core.on_acts()
+        joints.add(core)
         self._world.server.joint_added(self)
 
     def Fini(self) -> None:

@@ -320,9 +320,9 @@ class Server(LocalServer):
         try:
             self._semaphores.post()
         except OSError as error:
-            self._replace_semaphores(error.strerror)
+            self._replace_semaphores(error)
 
-    def _replace_semaphores(self, why: str) -> None:
+    def _replace_semaphores(self, why: OSError) -> None:
         """Make new semaphores in place of removed ones, unless another server has the id now."""
         try:
             self._use(SemaphoreSet.create(self.server_id))
@@ -331,7 +331,8 @@ class Server(LocalServer):
             consequence = f"new ones cannot be made ({error.strerror}), and clients can no longer wait"
         if self._tally.due(consequence):
             times = self._tally.times(consequence)
-            log.warning("the semaphores of server %d were removed (%s): %s%s", self.server_id, why, consequence, times)
+            gone = f"the semaphores of server {self.server_id} were removed ({why.strerror})"
+            log.warning("%s: %s%s", gone, consequence, times)
 
     def _use(self, semaphores: SemaphoreSet) -> None:
         """Post to these from now on, in native code, too."""

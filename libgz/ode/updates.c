@@ -120,10 +120,18 @@ static int take(link_record *l)
     return 1;
 }
 
+static const int ATTEMPTS = 32; /* some 20 us: clients mostly hold a lock for less */
+
 /* Whether a client holds a lock that Python has waited for in vain. */
 static int is_still_blocked(const link_record *l)
 {
-    return l->memory && l->descriptor >= 0 && l->blocked && flock((int)l->descriptor, LOCK_EX | LOCK_NB);
+    int i;
+    if (!l->memory || l->descriptor < 0 || !l->blocked)
+        return 0;
+    for (i = 0; i < ATTEMPTS; i++)
+        if (!flock((int)l->descriptor, LOCK_EX | LOCK_NB))
+            return 0;
+    return 1;
 }
 
 /* Keep the commands, unless a client has overwritten the head meanwhile. */

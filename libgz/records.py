@@ -346,9 +346,9 @@ class TransferRecord(ctypes.Structure):
 
 
 class ShareRecord(ctypes.Structure):
-    """An exchange with an interface under its lock."""
+    """An exchange with an interface under its lock; an optional one is left out while a client keeps the lock."""
 
-    _fields_ = [("link", c_void_p), ("transfers", c_void_p), ("count", c_int64)]
+    _fields_ = [("link", c_void_p), ("transfers", c_void_p), ("count", c_int64), ("optional", c_int64)]
 
 
 class BeginRecord(ctypes.Structure):

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from sample_files import sample, worlds
+from sample_files import TEXTURE_FORMATS, sample, with_library, with_texture, worlds
 
 from libgz import GazeboError, GzVector, World
 from libgz.errors import UNFORESEEN
@@ -18,13 +18,16 @@ from libgz.physics.bone_motion import read_motion
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.image import read_image
 from libgz.rendering.skin import read_skin
+from libgz.view.local import LocalSource
+from libgz.view.shapes import Shapes
 
 __all__ = ["ASSETS", "KINDS", "TEXT", "problem", "seeds", "warm"]
 
 ROOT = Path(__file__).parents[1]
 EVERYTHING = ROOT / "tests" / "data" / "worlds" / "everything.sdf"
 
-# Where each kind of asset stands in a world, and what reads it alone. A road's model adds the file's name.
+# Where each kind of asset stands in a world ({0}: its name, {1}: without suffix), and what reads it alone. A road's
+# model adds the file's name; the files that name libraries and textures are written beside them.
 GEOMETRY = (
     "<sdf version='1.6'><model name='m'><static>1</static><link name='l'>"
     "<collision name='c'><geometry>{}</geometry></collision></link></model></sdf>"
@@ -37,6 +40,13 @@ ACTOR = (
     "<animation name='walk'><filename>{0}</filename></animation></actor></world></sdf>"
 )
 MESH = "<mesh><uri>{0}</uri></mesh>"
+SHOWN = (
+    "".join(
+        f"<visual name='v{i}'><geometry><mesh><uri>{{1}}.{kind}</uri></mesh></geometry></visual>"
+        for i, kind in enumerate(("obj", "dae"))
+    )
+    + "</link>"
+)
 ASSET_WORLDS = {
     "3ds": LEGACY.format("<model:SimpleSolid><skinFile>{0}</skinFile></model:SimpleSolid>"),
     "gzb": LEGACY.format("<model:Terrain><terrainFile>{0}</terrainFile></model:Terrain>"),
@@ -45,6 +55,7 @@ ASSET_WORLDS = {
     "jpeg": LEGACY.format("<model:Terrain><dataFile>{0}</dataFile></model:Terrain>"),
     **dict.fromkeys(("stl", "obj", "dae"), LOOK.format(MESH, MESH)),
     "bvh": ACTOR,
+    **dict.fromkeys(("mtl", "texture"), GEOMETRY.format(MESH.format("{1}.obj")).replace("</link>", SHOWN)),
 }
 READERS: dict[str, list[Callable[[Path], object]]] = {
     "3ds": [read_skin],
@@ -53,10 +64,13 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
     **{kind: [read_image, read_grey] for kind in ("ppm", "png", "jpeg")},
     **{kind: [read_mesh] for kind in ("stl", "obj", "dae")},
     "bvh": [read_motion],
+    "mtl": [lambda path: read_mesh(with_library(path))],
+    "texture": [read_image, lambda path: with_texture(path)],
 }
 ASSETS = tuple(ASSET_WORLDS)
 KINDS = ("legacy", "sdf", *ASSETS)
-TEXT = ("legacy", "sdf", "road", "obj", "dae", "bvh")
+TEXT = ("legacy", "sdf", "road", "obj", "dae", "bvh", "mtl")
+WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
 
 
 def seeds(kind: str) -> list[bytes]:
@@ -67,7 +81,7 @@ def seeds(kind: str) -> list[bytes]:
         robots = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.urdf"))
         files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
         return [path.read_bytes() for path in files]
-    return [sample(kind, number) for number in range(2)]
+    return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
 
 
 def warm() -> None:
@@ -88,6 +102,8 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
 
     def load(path: Path) -> None:
         with World.from_file(path) as world:
+            if kind in WITH_LOOKS:
+                show(world)
             if after is not None:
                 after(world)
 
@@ -98,8 +114,17 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
         if found and kind != "road":
             return found
     world = path.with_suffix(".world")
-    world.write_text(ASSET_WORLDS[kind].format(path.name))
+    world.write_text(ASSET_WORLDS[kind].format(path.name, path.stem))
     return _problem(world, load, line=True)
+
+
+def show(world: World) -> None:
+    """Make all that a page of the browser shows of a world."""
+    source = LocalSource(world)
+    shapes = Shapes(source)
+    bodies = [body for entity in source.scene["entities"] for body in entity["bodies"]]
+    for shape in (shape for body in bodies for shape in body["shapes"]):
+        list(shapes.instances(shape))
 
 
 def _problem(path: Path, action: Callable[[Path], object], line: bool = False) -> str:

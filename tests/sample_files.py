@@ -11,7 +11,9 @@ from PIL import Image
 
 from libgz.files import installed_worlds
 
-__all__ = ["chunk", "model_3ds", "sample"]
+__all__ = ["TEXTURE_FORMATS", "chunk", "model_3ds", "sample", "with_library", "with_texture"]
+
+TEXTURE_FORMATS = ("PNG", "JPEG", "PPM", "BMP", "TGA", "GIF", "DDS", "TIFF", "JPEG2000", "WEBP", "PCX", "ICO", "SGI")
 
 
 def chunk(kind, *parts):
@@ -73,6 +75,52 @@ def _obj() -> bytes:
     faces = ["f {} {} {}".format(*(i + 1 for i in triangle)) for triangle in TRIANGLES]
     lines = ["mtllib sample.mtl", "o sample", *vertices, "vn 0 0 1", "vt 0 0", "usemtl red", *faces]
     return "\n".join([*lines, "g more", "f 1//1 2/1/1 3 4", "f -1 -2 -3"]).encode()
+
+
+def _mtl() -> bytes:
+    return b"""# a library
+newmtl red
+Ns 96.0
+Ka 0 0 0
+Kd 1.0 0.5 0.25
+d 1.0
+illum 2
+newmtl shown
+Kd 0.8 0.8 0.8
+map_Kd -s 1 1 1 -clamp off image.png
+newmtl plain
+Kd 0.5
+"""
+
+
+def with_library(library: Path) -> Path:
+    """Write a mesh, beside a material library, whose faces name the library's materials, and their image."""
+    image = library.parent / "image.png"
+    if not image.exists():
+        image.write_bytes(_image("PNG"))
+    _write_dae(library, image)
+    return _write_obj(library, library)
+
+
+def with_texture(image: Path) -> Path:
+    """Write two meshes that show an image beside it, the first of them with a material library."""
+    library = image.with_suffix(".mtl")
+    library.write_bytes(_mtl().replace(b"image.png", image.name.encode()))
+    _write_dae(image, image)
+    return _write_obj(image, library)
+
+
+def _write_obj(beside: Path, library: Path) -> Path:
+    rows = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0", "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
+    for material in ("red", "shown", "plain"):
+        rows += [f"usemtl {material}", "f 1/1 2/2 3/3 4/4"]
+    path = beside.with_suffix(".obj")
+    path.write_text("\n".join([f"mtllib {library.name}", *rows]))
+    return path
+
+
+def _write_dae(beside: Path, image: Path) -> None:
+    beside.with_suffix(".dae").write_bytes(_dae_image().replace(b"none.png", image.name.encode()))
 
 
 def _dae() -> bytes:
@@ -159,8 +207,10 @@ def _road() -> bytes:
 def sample(kind: str, number: int = 0) -> bytes:
     """A valid file of a kind of `readers.ASSETS`.
 
-    STL alternates between its two forms, COLLADA between a colour and an image.
+    STL alternates between its two forms, COLLADA between a colour and an image; textures have one format after another.
     """
+    if kind == "texture":
+        return _image(TEXTURE_FORMATS[number % len(TEXTURE_FORMATS)])
     makers = {
         "3ds": model_3ds,
         "gzb": _gzb,
@@ -169,6 +219,7 @@ def sample(kind: str, number: int = 0) -> bytes:
         "obj": _obj,
         "dae": (_dae, _dae_image)[number % 2],
         "bvh": _bvh,
+        "mtl": _mtl,
     }
     return makers[kind]() if kind in makers else _image(kind.upper())
 

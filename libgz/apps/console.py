@@ -28,6 +28,7 @@ __all__ = [
     "LogFile",
     "Parser",
     "as_command",
+    "file_name",
     "number_above_zero",
     "number_from_zero",
     "read_text",
@@ -128,6 +129,13 @@ def number_from_zero(name: str) -> Callable[[str], float]:
 def number_above_zero(name: str) -> Callable[[str], float]:
     """An argument type: numbers above 0; `name` is its name in error messages."""
     return _number(name, float, lambda number: number > 0.0)
+
+
+def file_name(text: str) -> Path:
+    """A path on the command line, which is empty where a variable of a script is not set."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name is empty")
+    return Path(text)
 
 
 def read_text(path: str, what: str) -> str:

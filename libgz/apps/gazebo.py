@@ -234,7 +234,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report(str(error), USAGE_ERROR)
     if options.steps is not None and options.steps < 0:
         return _report(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
-    path = find_worldfile(options.worldfile)
+    try:
+        path = find_worldfile(options.worldfile)
+    except WorldFileError as error:
+        return _report(str(error), USAGE_ERROR)
     if not is_file(path):
         missing = f"does not exist{why_missing(path)}"
         what = "is a directory" if path.is_dir() else "is not a plain file" if exists(path) else missing

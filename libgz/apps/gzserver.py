@@ -254,10 +254,12 @@ def _find_world(name: str) -> Path:
     try:
         return find_world(name)
     except NotFoundError as error:
+        if not name:
+            raise NotFoundError("Could not open file[]: the name is empty") from None
         found = find_worldfile(name)  # a legacy world, or one of libgz by its name
         if is_file(found):
             return found
-        if name and found.is_dir():
+        if found.is_dir():
             raise NotFoundError(f"Could not open file[{name}]: it is a folder") from None
         names = [world.name for world in ready_worlds()]
         near = nearest(Path(name).name.removesuffix(".world"), names)

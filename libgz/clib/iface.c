@@ -204,5 +204,9 @@ void gz_iface_unlock(gz_iface_t *self)
 
 int gz_iface_post(gz_iface_t *self)
 {
+    if (self->server == NULL) {
+        GZ_ERROR("interface %s belongs to a client, and only servers post", self->filename ? self->filename : "");
+        return -1;
+    }
     return gz_server_post(self->server);
 }

@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import math
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -86,7 +87,25 @@ def read_mesh(path: Path) -> list[MeshPart]:
     Raises:
         GazeboError: it cannot be read, or holds no triangles.
     """
-    return _read(path.resolve(), path.stat().st_mtime_ns if is_file(path) else 0)
+    path = path.resolve()
+    found = _read(path, _changed(path))
+    if any(_changed(library) != changed for library, changed in found.libraries.items()):
+        _read.cache_clear()
+        found = _read(path, _changed(path))
+    return found.parts
+
+
+def _changed(path: Path) -> int:
+    """When a file was last changed [ns]; 0 if there is none."""
+    return path.stat().st_mtime_ns if is_file(path) else 0
+
+
+@dataclass
+class _Mesh:
+    """A mesh that was read, and when each material library that it names was last changed [ns]."""
+
+    parts: list[MeshPart]
+    libraries: dict[Path, int]
 
 
 @contextlib.contextmanager
@@ -113,8 +132,13 @@ def reading(path: Path) -> Iterator[None]:
 
 
 @functools.lru_cache(maxsize=32)
-def _read(path: Path, _changed: int) -> list[MeshPart]:
-    readers = {".stl": _read_stl, ".obj": _read_obj, ".dae": _read_dae}
+def _read(path: Path, _when: int) -> _Mesh:
+    libraries: dict[Path, int] = {}
+    readers: dict[str, Callable[[Path], Iterator[MeshPart]]] = {
+        ".stl": _read_stl,
+        ".obj": functools.partial(_read_obj, libraries=libraries),
+        ".dae": _read_dae,
+    }
     reader = readers.get(path.suffix.lower(), _read_by_trimesh)
     with reading(path):
         parts = [part for part in _bounded(reader(path), path) if len(part.triangles)]
@@ -124,7 +148,7 @@ def _read(path: Path, _changed: int) -> list[MeshPart]:
         outside = part.triangles.min() < 0 or part.triangles.max() >= len(part.vertices)
         if outside or not np.isfinite(part.vertices).all():
             raise GazeboError(f"mesh {path} cannot be read: a vertex is not finite, or a triangle names none")
-    return parts
+    return _Mesh(parts, libraries)
 
 
 def _bounded(parts: Iterable[MeshPart], path: Path) -> Iterator[MeshPart]:
@@ -216,7 +240,7 @@ class _Look:
     image: str = ""
 
 
-def _read_obj(path: Path) -> Iterator[MeshPart]:
+def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
     vertices: list[list[float]] = []
     coordinates: list[list[str]] = []
     looks: dict[str, _Look] = {}
@@ -234,7 +258,9 @@ def _read_obj(path: Path) -> Iterator[MeshPart]:
         elif key == "usemtl":
             material = rest.strip()
         elif key == "mtllib":
-            looks |= _read_mtl(path.parent / rest.strip())
+            for library in _libraries(path.parent, rest.strip()):
+                libraries[library] = _changed(library)
+                looks |= _read_mtl(library)
         elif key == "f":
             words = rest.split()
             corners = [int(word.partition("/")[0]) for word in words]
@@ -273,20 +299,47 @@ def _coordinate(word: str, count: int) -> int:
     return row if 0 <= row < 2**31 else -2
 
 
+def _libraries(folder: Path, names: str) -> list[Path]:
+    """The material libraries of a line: one, whose name may have spaces, or several."""
+    whole = folder / names
+    return [whole] if is_file(whole) else [folder / name for name in names.split()]
+
+
 def _read_mtl(path: Path) -> dict[str, _Look]:
-    """Diffuse colours and images by material."""
+    """Diffuse colours and images by material; none if there is no such file.
+
+    Raises:
+        GazeboError: it cannot be read, or a colour has no three finite numbers.
+    """
     if not is_file(path):
         return {}
     name, found = "", dict[str, _Look]()
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise GazeboError(f"material library {path} cannot be read: {error.strerror}") from None
+    for number, line in enumerate(text.splitlines(), start=1):
         words = line.split()
         if words[:1] == ["newmtl"]:
             name = " ".join(words[1:])
-        elif words[:1] == ["Kd"] and len(words) >= 4:
-            found.setdefault(name, _Look(path)).color = (*(float(word) for word in words[1:4]), 1.0)
+        elif words[:1] == ["Kd"] and words[1:2] not in (["spectral"], ["xyz"]):
+            color = _color(words[1:4])
+            if color is None:
+                raise GazeboError(f"material library {path}:{number}: {line.strip()[:80]!r} is not Kd RED GREEN BLUE")
+            found.setdefault(name, _Look(path)).color = color
         elif words and words[0].lower() == "map_kd":
             found.setdefault(name, _Look(path)).image = _image_name(line.strip()[len("map_Kd") :].strip())
     return found
+
+
+def _color(words: list[str]) -> tuple[float, ...] | None:
+    """An opaque colour of one number for each channel, or one for all; None if they are no finite numbers."""
+    try:
+        channels = [float(word) for word in words]
+    except ValueError:
+        return None
+    usable = len(channels) in (1, 3) and all(map(math.isfinite, channels))
+    return (*(channels * 3)[:3], 1.0) if usable else None
 
 
 def _image_name(text: str) -> str:
@@ -562,7 +615,7 @@ class Collada:
             for diffuse in self.deep(self.target(effect.get("url")), "diffuse"):
                 for color in self.all(diffuse, "color"):
                     values = tuple(float(word) for word in (color.text or "").split())
-                    return values if len(values) == 4 else None
+                    return values if len(values) == 4 and all(map(math.isfinite, values)) else None
         return None
 
 

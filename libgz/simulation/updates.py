@@ -132,6 +132,9 @@ def _nothing(_step: float) -> None:
     """The twin of rows that native code can always do."""
 
 
+OF_CLIENTS = (What.REQUIRE, What.EXPECT_INT, What.EXPECT_DOUBLE)  # conditions that clients meet, or do not
+
+
 class _Line(NamedTuple):
     """What Python knows of a row."""
 
@@ -470,13 +473,30 @@ class UpdateRows:
             self._add(Kind.CAST, part, twin, bundle)
         return part
 
-    def share(self, twin: Twin, exchange: Exchange) -> None:
-        """Exchange numbers with an interface under its lock."""
+    def share(self, twin: Twin, exchange: Exchange, *, optional: bool = True) -> None:
+        """Exchange numbers with an interface under its lock.
+
+        Args:
+            twin: does the row in Python.
+            exchange: what it does.
+            optional: whether the twin does nothing without the lock, if what the exchange requires is there.
+        """
         transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
         link = exchange.interface.link
-        part = ShareRecord(address_of(link), address_of(transfers), len(transfers))
+        part = ShareRecord(address_of(link), address_of(transfers), len(transfers), optional)
         memory = exchange.interface.memory if link.memory else None  # stays mapped as long as the row is used
+        if memory is not None and not any(transfer.what in OF_CLIENTS for transfer in transfers):
+            twin = partial(self._share_again, len(self._rows), exchange.interface, twin)
         self._add(Kind.SHARE, part, twin, link, memory, transfers, exchange.kept)
+
+    def _share_again(self, number: int, interface: Interface[Any], twin: Twin, step: float) -> None:
+        """Wait for the lock and repair the file, which native code leaves to Python, and do the row natively after all.
+
+        A twin takes many times as long, and a client can have the native row refused in each step.
+        """
+        if self.valid and interface.link.memory and interface.lock() and self.run(number, number + 1) > number:
+            return  # it has released the lock
+        twin(step)
 
     @staticmethod
     def _axes(axes: Sequence[JointAxis]) -> Any:

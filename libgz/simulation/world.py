@@ -789,7 +789,7 @@ class World(Closing):
             times.doubles("pause_time", (self.clock, "pause_time"))
             times.real_time("real_time")
         with self.rows.building() as rows:
-            rows.share(lambda _: None, buttons)
+            rows.share(lambda _: None, buttons, optional=False)  # a paused world stays so
             rows.begin_step(FALL_PERIOD, self.era.counts_at_start)
             rows.entities()
             rows.advance(lambda _: self.engine.finish())

@@ -19,6 +19,7 @@ from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
 from libgz.transport.semaphores import SemaphoreSet
 from libgz.transport.tables import LocalTables, SharedTables
+from libgz.transport.tally import Tally
 
 __all__ = ["LocalServer", "Server", "alive", "free_server_id", "on_free_server_id"]
 
@@ -186,7 +187,8 @@ class Server(LocalServer):
     ) -> None:
         super().__init__(version, abi)
         self._semaphores: SemaphoreSet | None = None
-        self._lost_semaphores = False
+        self._posting = super().posting()
+        self._tally = Tally()
         self.configure(server_id, force)
 
     @property
@@ -234,13 +236,12 @@ class Server(LocalServer):
             stale = self._stale_semaphores()
             # Stale files are removed before semaphores are created: a client that finds the new set never opens one.
             directory.remove_stale_files()
-            self._semaphores = self._new_semaphores(stale)
+            self._use(self._new_semaphores(stale))
         except BaseException as error:
             directory.abandon()
             if isinstance(error, OSError):
                 raise directory.unusable(error) from None
             raise
-        self._lost_semaphores = False
         self.shared = SharedTables(directory)
         atexit.register(self.stop)
         log.debug("creating %s", self.path)
@@ -313,24 +314,34 @@ class Server(LocalServer):
     # Run and stop ------------------------------------------------------------------------------------------------
 
     def post(self) -> None:
-        """Wake all clients."""
-        if self._semaphores is None or self._lost_semaphores:
+        """Wake all clients; if somebody has removed the semaphores, those that connect from now on."""
+        if self._semaphores is None:
             return
         try:
             self._semaphores.post()
         except OSError as error:
-            self._lost_semaphores = True
-            log.warning(
-                "the semaphores of server %d were removed (%s): clients can no longer wait",
-                self.server_id,
-                error.strerror,
-            )
+            self._replace_semaphores(error)
+
+    def _replace_semaphores(self, why: OSError) -> None:
+        """Make new semaphores in place of removed ones, unless another server has the id now."""
+        try:
+            self._use(SemaphoreSet.create(self.server_id))
+            consequence = "clients can connect again"
+        except OSError as error:
+            consequence = f"new ones cannot be made ({error.strerror}), and clients can no longer wait"
+        if self._tally.due(consequence):
+            times = self._tally.times(consequence)
+            gone = f"the semaphores of server {self.server_id} were removed ({why.strerror})"
+            log.warning("%s: %s%s", gone, consequence, times)
+
+    def _use(self, semaphores: SemaphoreSet) -> None:
+        """Post to these from now on, in native code, too."""
+        self._semaphores, new = semaphores, semaphores.posting()
+        self._posting.set, self._posting.values = new.set, new.values
 
     def posting(self) -> PostRecord:
-        """What native updates need to wake all clients."""
-        if self._semaphores is None or self._lost_semaphores:
-            return super().posting()
-        return self._semaphores.posting()
+        """What native updates need to wake all clients; it changes with the semaphores."""
+        return self._posting
 
     def stop(self) -> None:
         """Remove all files, the directory and the semaphores. Can be called twice."""
@@ -352,7 +363,7 @@ class Server(LocalServer):
             if owned:
                 with contextlib.suppress(OSError):
                     self._semaphores.remove()
-            self._semaphores = None
+            self._semaphores, self._posting.set = None, -1
 
 
 def free_server_id(first: int = 0) -> int:

@@ -123,6 +123,7 @@ class WorldFile:
         number = self._numbered
         self._numbered += 1
         node = WorldFileNode(self, parent, name, element.prefix, line, number, attributes)
+        node.reported = element.prefix is None and ":" in name
         node.pieces.append(element.text or "")
         for child in element:
             if isinstance(child.tag, str):

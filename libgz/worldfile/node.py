@@ -104,6 +104,7 @@ class WorldFileNode:
         self._index: dict[str, WorldFileNode] = {}  # the first child of each name, where there are many
         self._indexed = 0
         self.used = False
+        self.reported = False  # whether a warning says already that it is not used
         self.asked: dict[str, None] = {}  # keys that getters looked for
 
     def __repr__(self) -> str:
@@ -456,7 +457,8 @@ class WorldFileNode:
         for child in self.children:
             if not child.used:
                 found = True
-                if self.used or self.parent is None:  # else this element's own warning covers it
+                # Else this element's own warning covers it.
+                if (self.used or self.parent is None) and not child.reported:
                     self.file.diagnostics.no_effect(child.place, functools.partial(self._unused, child))
             found = child.note_unused() or found
         return found

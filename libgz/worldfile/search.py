@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.errors import nearest
+from libgz.errors import WorldFileError, nearest
 from libgz.files import exists, expand, installed_worlds, is_file
 
 __all__ = ["ReadyWorld", "find_worldfile", "is_ready_world", "ready_worlds", "why_missing"]
@@ -60,8 +60,13 @@ def find_worldfile(name: str | os.PathLike[str]) -> Path:
     A file in the current directory comes first, then one in a directory of GAZEBOPATH, then the world of libgz. What is
     found beside the path as given is logged. Absolute paths, and those that begin with ``./`` or ``../``, are not
     searched for. A file that does not exist is returned as given.
+
+    Raises:
+        WorldFileError: the name is empty, as where a variable of a script is not set.
     """
     text, given = os.fspath(name), Path(name)
+    if not text.strip():
+        raise WorldFileError("no worldfile is named: the name is empty")
     if given.is_absolute() or text.startswith(("./", "../")):
         return given
     ready = next(_among_ready(given), None)

@@ -272,6 +272,24 @@ def test_a_c_program_reads_0x050_by_offsets(tmp_path, wire, kind):
 
 
 @needs_compiler
+def test_a_client_that_posts_gets_an_error(tmp_path, flags, server):
+    new_interface("ptz").create(server, "p")
+    source = f"""
+        #include <gazebo.h>
+        int main(void) {{
+            gz_client_t *client = gz_client_alloc();
+            gz_ptz_t *ptz = gz_ptz_alloc();
+            if (gz_ptz_post(ptz) != -1 || gz_client_connect_wait(client, {server.server_id}, 0) != 0)
+                return 1;
+            if (gz_ptz_open(ptz, client, "p") != 0)
+                return 2;
+            return gz_ptz_post(ptz) == -1 ? 0 : 3;
+        }}"""
+    done = run(compile_c(tmp_path, source, *flags))
+    assert done.stderr.count("belongs to a client, and only servers post") == 2
+
+
+@needs_compiler
 def test_a_c_program_drives_the_robot_of_a_running_server(tmp_path, flags, gazebo):
     body = r"""
     face->data->cmd_vel_pos[0] = 0.4;

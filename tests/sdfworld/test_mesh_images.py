@@ -1,6 +1,7 @@
 """Images on meshes: what OBJ and COLLADA files name, where it is looked for, and what takes its place."""
 
 import io
+import os
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import trimesh
 from PIL import Image
 from sdf_worlds import collision, link, model, world
 
+from libgz.errors import GazeboError
 from libgz.geometry import GzPosePointAt, GzVector
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.camera import Camera
@@ -225,3 +227,30 @@ def test_the_page_shows_the_image(load, tmp_path):
     assert pixels[4, 4].tolist() == pytest.approx(RED, abs=40)
     low = part.visual.uv[np.argmin(part.vertices @ (0, 1, 1))]
     assert tuple(low) == pytest.approx((0, 0))
+
+
+def test_a_changed_material_library_is_read_again(tmp_path):
+    write_obj(tmp_path / "square.obj")
+    assert read_mesh(tmp_path / "square.obj")[0].color == (1, 1, 1, 1)
+    library = tmp_path / "square.mtl"
+    library.write_text("newmtl look\nKd 0 0 1\n")
+    os.utime(library, ns=(0, 0))
+    assert read_mesh(tmp_path / "square.obj")[0].color == (0, 0, 1, 1)
+
+
+@pytest.mark.parametrize("names", ["one.mtl two.mtl", "one two.mtl"])
+def test_one_line_names_several_libraries_or_one_with_spaces(tmp_path, names):
+    write_obj(tmp_path / "square.obj")
+    text = (tmp_path / "square.obj").read_text().replace("square.mtl", names)
+    (tmp_path / "square.obj").write_text(text)
+    (tmp_path / "one.mtl").write_text("newmtl other\nKd 1 0 0\n")
+    (tmp_path / ("two.mtl" if names.startswith("one.mtl") else "one two.mtl")).write_text("newmtl look\nKd 0.5\n")
+    assert read_mesh(tmp_path / "square.obj")[0].color == (0.5, 0.5, 0.5, 1)
+
+
+@pytest.mark.parametrize("color", ["1 0", "1 nan 0", "1e400 0 0", "red", ""])
+def test_a_damaged_colour_names_the_library_and_the_line(tmp_path, color):
+    write_obj(tmp_path / "square.obj")
+    (tmp_path / "square.mtl").write_text(f"newmtl look\nKd {color}\n")
+    with pytest.raises(GazeboError, match=r"material library .*square\.mtl:2: 'Kd.*' is not Kd RED GREEN BLUE"):
+        read_mesh(tmp_path / "square.obj")

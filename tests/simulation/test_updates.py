@@ -13,6 +13,7 @@ import pytest
 import libgz
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
+from libgz.models.bandit import JointServo
 from libgz.models.motion import Motion
 from libgz.models.pioneer2at import Pioneer2AT
 from libgz.ode.native_step import native_path
@@ -376,6 +377,42 @@ def test_served_worlds_are_equal_while_clients_lock_overwrite_and_truncate(wire)
             if step < 60 or step > 75:  # the moment in which a truncated file is found depends on the clock
                 compare(worlds)
         assert worlds[0].model("at").position.command == (0.2, 0.0)
+
+
+def test_locks_that_clients_keep_and_heads_that_they_overwrite_cost_little_python(wire, monkeypatch):
+    text = f"{HEAD}<model:GroundPlane/><model:SickLMS200><id>l</id></model:SickLMS200>{ROBOTS[13]}</gz:world>"
+    with libgz.World.from_string(text, server_id=wire) as world:
+        world.step(20)
+        served = {name: Path(f"{world.gz_server.path}/{name}") for name in ("joint.bandit", "laser.l")}
+        called, own = [], libgz.World._call
+
+        def call(entity, update, step):
+            called.append(entity.GetId())
+            return own(entity, update, step)
+
+        monkeypatch.setattr(libgz.World, "_call", staticmethod(call))
+        with served["joint.bandit"].open("rb") as one, served["laser.l"].open("rb") as other:
+            for file in (one, other):
+                fcntl.flock(file, fcntl.LOCK_EX)
+            world.step(20)
+            assert set(called) == {"bandit", "l"}, "it does not wait for locks"
+            called.clear()
+            world.step(40)
+            assert called == []
+        bandit, laser = world.interface("joint", "bandit"), world.interface("laser", "l")
+        before = world.GetSimTime()
+        world.step(10)
+        assert called == []
+        assert min(bandit.data.time, laser.data.time) > before
+        monkeypatch.setattr(JointServo, "publish", lambda *_: pytest.fail("written in Python"))
+        for path in served.values():
+            with path.open("r+b", buffering=0) as file:
+                file.write(b"\xff" * 152)
+        before = world.GetSimTime()
+        world.step(10)
+        assert set(called) == {"bandit", "l"}, "it does not repair heads"
+        assert bandit.data.head.version == laser.data.head.version == 0x60
+        assert min(bandit.data.time, laser.data.time) > before
 
 
 def test_other_processes_see_every_step_of_a_native_world(wire):

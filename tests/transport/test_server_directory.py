@@ -240,3 +240,36 @@ def test_a_server_is_stopped_when_its_program_ends(wire):
     program = f"from libgz.transport.server import Server\nServer({wire}).start()"
     assert subprocess.run([sys.executable, "-c", program], timeout=30).returncode == 0
     assert not Path(server_directory(wire)).exists()
+
+
+def test_semaphores_that_were_removed_are_made_again(wire, caplog):
+    """As `ipcrm` removes them, also while native code posts."""
+    text = "<gz:world xmlns:gz='g' xmlns:model='m'><model:Pioneer2AT><id>r</id></model:Pioneer2AT></gz:world>"
+    with libgz.World.from_string(text, server_id=wire) as world, libgz.Client(wire) as client:
+        world.step(2)
+        assert client.wait(timeout=1.0)
+        for _ in range(3):
+            SemaphoreSet.attach(wire).remove()
+            with pytest.raises(libgz.ServerGoneError):
+                client.wait(timeout=1.0)
+            world.step(2)
+            with libgz.Client(wire) as again:
+                assert again.wait(timeout=1.0)
+                assert not again.wait(timeout=0.0)
+                world.step()
+                assert again.wait(timeout=1.0)
+        assert caplog.text.count("clients can connect again") == 1
+    with pytest.raises(FileNotFoundError):
+        SemaphoreSet.attach(wire)
+
+
+def test_semaphores_of_another_server_are_left_alone(wire, caplog):
+    server = Server(wire)
+    server.start()
+    SemaphoreSet.attach(wire).remove()
+    other = SemaphoreSet.create(wire)
+    server.post()
+    server.post()
+    assert caplog.text.count("new ones cannot be made") == 1
+    server.stop()
+    other.remove()  # it is still there

@@ -198,6 +198,8 @@ def test_undeclared_prefix_is_a_warning():
     file = WorldFile()
     file.LoadString("<gz:world xmlns:gz='x'><model:X/></gz:world>", "w")
     assert "prefix 'model' is not declared" in messages(file)[0]
+    file.root.note_unused()
+    assert len(messages(file)) == 1
 
 
 def test_invalid_namespaces_are_accepted():

@@ -11,7 +11,7 @@ from libgz.classic import msgs
 from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import Diagnostics, GazeboError, LibraryError, StateError, nearest
+from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.event import unowned
@@ -72,13 +72,17 @@ class WorldSensors:
             hint = f"; there are {', '.join(KINDS)}{nearest(kind, KINDS)}"
             log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out%s", element.where, kind, hint)
             return None
-        on_joint = not hasattr(parent, "pose")
-        if on_joint != (kind in ON_JOINTS):  # Gazebo reports it, and the world runs
-            here, there = ("joint", "link") if on_joint else ("link", "joint")
-            hint = f"type {kind!r} stands in a <{there}>, not in a <{here}>; the sensor is left out"
+        in_link = hasattr(parent, "pose")
+        if in_link and kind in ON_JOINTS:  # in some worlds of Gazebo, which run there
+            hint = f"type {kind!r} stands in a <joint>, not in a <link>; the sensor is left out"
             log.warning("%s: <sensor>: %s", element.where, hint)
             return None
         try:
+            if not in_link and kind not in ON_JOINTS:
+                raise ParameterError(
+                    f"{element.where}: <sensor>: type is {kind!r}, which stands in a <link>; in a <joint>, "
+                    f"{' and '.join(ON_JOINTS)} is allowed"
+                )
             sensor = sensor_class(kind)(self, parent, element)
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             self._diagnostics.failure(element, error)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -594,8 +594,8 @@ class WorldServer:
         for plugin in left:  # before others are loaded, which may serve what these do
             plugin.drop()
         found = []
-        for plugin, (filename, name, source, saved) in zip(kept, rows, strict=True):
-            one = plugin or self._load_again(kind, holder, filename, name, source)
+        for same, (filename, name, source, saved) in zip(kept, rows, strict=True):
+            one = same or self._load_again(kind, holder, filename, name, source)
             if one is not None:
                 found.append((one, saved))
         present[:] = [plugin for plugin, _ in found]

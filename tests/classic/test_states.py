@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import logging
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import pytest
@@ -379,6 +381,25 @@ def test_a_damaged_state_leaves_the_world_unchanged(run, old, new):
     assert run.world.get_state() == now
     run.world.set_state(state)
     assert run.world.get_state() == state
+
+
+def whole(value):
+    """A block as `encode` takes it."""
+    return large(bytes(value)) if isinstance(value, memoryview) else value
+
+
+def test_a_joint_of_a_body_with_itself_is_refused(run):
+    state = decode(run.world.get_state())
+    engine = [*state[8]]
+    objects = json.loads(zlib.decompress(engine[4]))
+    one, two = next(pair for _, pair, _ in objects["joints"])
+    for _, pair, _ in objects["joints"]:
+        pair[:] = [max(one, two)] * 2
+    engine[4] = zlib.compress(json.dumps(objects).encode(), 1)
+    now = run.world.get_state()
+    with pytest.raises(StateError, match="with itself"):
+        run.world.set_state(encode((*state[:8], tuple(map(whole, engine)), (state[9][0], [*map(whole, state[9][1])]))))
+    assert run.world.get_state() == now
 
 
 # Plugins --------------------------------------------------------------------------------------------------------------

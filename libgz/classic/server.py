@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.world import World
 from libgz.classic.ros_names import is_ros_name, notice
 from libgz.classic.topics import WorldTopics
-from libgz.errors import GazeboError, NotFoundError, PluginError, nearest
+from libgz.errors import GazeboError, NotFoundError, PluginError, StateError, nearest
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
@@ -43,6 +44,7 @@ log = logging.getLogger("libgz.classic")
 
 # What its state consists of, in order.
 PARTS = ("quiet", "settings", "published", "sensors", "topics", "plugins")
+KINDS = ("World", "Model", "Sensor", "Visual")  # of plugins that belong to a world
 QUIET = ("random", "ids", "activity", "scene")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
@@ -339,8 +341,10 @@ class WorldServer:
         found = [row for row in self._all_plugins() if row[2].called(name, row[1])]
         absent = list(self._wanted(name))
         before = self._state_before() if found else None
+        server = self.core.gz_server
         try:
-            reload_all([plugin for *_, plugin in found])
+            with server.hand_over(server.interfaces.values()):
+                reload_all([plugin for *_, plugin in found])
         except PluginError:
             if before is not None:
                 self.core.snapshots.restore(before)
@@ -454,11 +458,15 @@ class WorldServer:
         scene = self.scene.save() if self.scene is not None else None
         return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene))
 
-    def set_state(self, state: Sequence[Any] | None) -> None:
-        """Take what `get_state` returned; None, for what a world was before this was attached to it."""
+    def set_state(self, state: Sequence[Any] | None) -> bool:
+        """Take what `get_state` returned; None, for what a world was before this was attached to it.
+
+        Returns:
+            Whether plugins were loaded again, or dropped.
+        """
         values = self._first if state is None else state
         if values is None:
-            return
+            return False
         saved = dict(zip(PARTS, values, strict=True))
         quiet = dict(zip(QUIET, decode(saved["quiet"]), strict=True)) if saved["quiet"] != self._quiet() else None
         if quiet is not None:
@@ -470,8 +478,7 @@ class WorldServer:
             self.sensors.load(saved["sensors"])
         if quiet is not None:
             self._load_quiet(quiet["activity"], quiet["scene"])
-        if saved["plugins"] is not None:
-            self._load_plugins(*saved["plugins"])
+        others = saved["plugins"] is not None and self._load_plugins(*saved["plugins"])
         if saved["quiet"] != self._quiet():
             self.ids.load(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"])
         if saved["settings"] != self._settings():
@@ -483,6 +490,7 @@ class WorldServer:
         contacts.published = saved["published"]
         if self.topics is not None and saved["topics"] is not None:
             self.topics.load(saved["topics"], replace=saved["plugins"] is not None)
+        return others
 
     def _load_quiet(self, activity: Sequence[Any], scene: Sequence[Any] | None) -> None:
         self.activity.load(activity)
@@ -504,16 +512,22 @@ class WorldServer:
         return self._kept.encoded
 
     def entities_rebuilt(self) -> None:
-        """Entities were built again: make their sensors, and load their plugins.
-
-        What these insert or delete meanwhile has no effect, for the state has it.
-        """
-        deferred = self.core.agenda.deferred
-        before = len(deferred)
+        """Entities were built again: make their sensors, and load their plugins."""
         if self._new and self.scene is not None:
             self.scene.shape_again()
-        self.finish_added()
-        del deferred[before:]
+        with self._discarded():
+            self.finish_added()
+
+    @contextlib.contextmanager
+    def _discarded(self) -> Iterator[None]:
+        """What plugins that are loaded for a state insert or delete has no effect, for the state has it."""
+        with self.core.hold():
+            deferred = self.core.agenda.deferred
+            before = len(deferred)
+            try:
+                yield
+            finally:
+                del deferred[before:]
 
     def _plugins_by_holder(self) -> Iterator[tuple[str, str, list[LoadedPlugin]]]:
         """(kind, name of the holder, its plugins) of all holders that have any."""
@@ -543,37 +557,47 @@ class WorldServer:
                 if plugin.plugin_class not in self._seen and not self._reloading:
                     self._warn_of_undeclared(plugin)
             self._keeping += [plugin for plugin in running if plugin.keeps]
-            rows.append((kind, holder, [(p.filename, p.name, p.source, p.keeps) for p in running]))
+            if running:
+                rows.append((kind, holder, [(p.filename, p.name, p.source, p.keeps) for p in running]))
         self._listed, self._listed_at = encode(rows), count
         return self._listed
 
-    def _load_plugins(self, listed: bytes, states: Sequence[Any]) -> None:
+    def _load_plugins(self, listed: bytes, states: Sequence[Any]) -> bool:
+        """Make the plugins those of a state, and set their states; whether they were others."""
         if listed == self._list_plugins():
             for plugin, saved in zip(self._keeping, states, strict=True):
                 plugin.load_state(saved)
-            return
+            return False
         left = iter(states)
         wanted = {
             (kind, holder): [(*names, next(left) if keeps else None) for *names, keeps in rows]
             for kind, holder, rows in decode(listed)
         }
-        for kind, holder, plugins in list(self._plugins_by_holder()):
-            self._match(kind, holder, plugins, wanted.pop((kind, holder), ()))
-        for (kind, holder), rows in wanted.items():
-            self._match(kind, holder, [], rows)
+        for kind, _ in wanted:
+            if kind not in KINDS:
+                raise StateError(f"the state is damaged: plugins are of the kinds {', '.join(KINDS)}, not {kind!r}")
+        with self._discarded():
+            for kind, holder, plugins in list(self._plugins_by_holder()):
+                self._match(kind, holder, plugins, wanted.pop((kind, holder), ()))
+            for (kind, holder), rows in wanted.items():
+                self._match(kind, holder, [], rows)
+        return True
 
-    def _match(self, kind: str, holder: str, present: list[LoadedPlugin], rows: Iterable[Any]) -> None:
+    def _match(self, kind: str, holder: str, present: list[LoadedPlugin], rows: Sequence[Any]) -> None:
         """Drop plugins that came since a state, load again those that ended, and set their states."""
         left = [plugin for plugin in present if plugin.plugin is not None]
-        found = []
-        for filename, name, source, saved in rows:
-            same = [plugin for plugin in left if (plugin.filename, plugin.name) == (filename, name)]
-            plugin = same[0] if same else self._load_again(kind, holder, filename, name, source)
-            left = [other for other in left if other is not plugin]
-            if plugin is not None:
-                found.append((plugin, saved))
-        for plugin in left:
+        kept: list[LoadedPlugin | None] = []
+        for filename, name, *_ in rows:
+            same = next((one for one in left if (one.filename, one.name) == (filename, name)), None)
+            left = [other for other in left if other is not same]
+            kept.append(same)
+        for plugin in left:  # before others are loaded, which may serve what these do
             plugin.drop()
+        found = []
+        for same, (filename, name, source, saved) in zip(kept, rows, strict=True):
+            one = same or self._load_again(kind, holder, filename, name, source)
+            if one is not None:
+                found.append((one, saved))
         present[:] = [plugin for plugin, _ in found]
         for plugin, saved in found:
             plugin.load_state(saved)

@@ -250,25 +250,23 @@ class Joint(Edited):
         Raises:
             ParameterError: one is no body of the joint's world, or both are the same.
         """
-        self._check_bodies(one, two)
-        ids = tuple(0 if body is None else body.id for body in (one, two))
-        if not any(ids):
-            return
-        if one is not None and ids[0] == ids[1]:
-            raise ParameterError(f"{self.label} cannot join body {one.label!r} with itself")
-        self._join(one, two)
+        self.check_bodies(one, two)
+        if any(body is not None and body.id for body in (one, two)):
+            self._join(one, two)
 
-    def _check_bodies(self, *bodies: Body | None) -> None:
-        """Check what is to be attached: ODE ends the process if it is not a body of the joint's world.
+    def check_bodies(self, one: Body | None, two: Body | None) -> None:
+        """Check what is to be attached: ODE ends the process if these are not two bodies of the joint's world.
 
         Raises:
             ClosedError: the joint was closed.
-            ParameterError: something is no such body.
+            ParameterError: one is no body of the joint's world, or both are the same.
         """
         self._require_open()
-        for body in bodies:
+        for body in (one, two):
             if body is not None and not (isinstance(body, Body) and body.engine is self.engine):
                 raise ParameterError(f"{self.label} joins bodies of its world; {body!r} is none of them")
+        if one is not None and two is not None and one.id and one.id == two.id:
+            raise ParameterError(f"{self.label} cannot join body {one.label!r} with itself")
 
     def _join(self, one: Body | None, two: Body | None) -> None:
         self._forget_bodies()

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import StateError
+from libgz.errors import ParameterError, StateError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.ode.context import StepContext
 from libgz.ode.lib import ode
@@ -384,6 +384,10 @@ class EngineState:
         for joint in list(engine.attached)[same:]:
             joint.Detach()
         for joint, pair in order[same:]:
+            try:
+                joint.check_bodies(*pair)
+            except ParameterError as error:
+                raise StateError(f"the state is damaged: {error}") from error
             joint._join(*pair)
         for joint in joints:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0

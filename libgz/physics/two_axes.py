@@ -114,13 +114,11 @@ class Hinge2Joint(TwoAxisJoint):
             lib.dJointGetHinge2Anchor,
         )
 
-    @exclusive
-    def Attach(self, one: Body | None, two: Body | None) -> None:
-        """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
-        self._check_bodies(one, two)
+    def check_bodies(self, one: Body | None, two: Body | None) -> None:
+        """Check what is to be attached: the chassis, first, and the wheel; neither may be the world or a dummy."""
+        super().check_bodies(one, two)
         if one is None or two is None or one.dummy or two.dummy:
             raise ParameterError(f"{self.label} joins two bodies; neither may be the world or a dummy")
-        super().Attach(one, two)
 
     def _put_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:
         addresses = [None if a is None else (ctypes.c_double * 4)(*a) for a in (axis1, axis2)]

@@ -40,8 +40,12 @@ class Companion(Protocol):
     def get_state(self) -> object:
         """Its own state as plain data, for `World.get_state`; None if it has none."""
 
-    def set_state(self, state: Any) -> None:
-        """Take a state that `get_state` returned, or None. Entities may have been built again just before."""
+    def set_state(self, state: Any) -> bool:
+        """Take a state that `get_state` returned, or None. Entities may have been built again just before.
+
+        Returns:
+            Whether plugins came or went: these may have changed anything, so that all is to be set once more.
+        """
 
     def close(self) -> None:
         """The world ends; its entities still exist."""

@@ -16,6 +16,7 @@ from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 
 __all__ = [
+    "AtEnd",
     "Callback",
     "Connection",
     "Ends",
@@ -113,6 +114,27 @@ class Callback:
             return otherwise
         finally:
             owner.reset(token)
+
+
+class AtEnd:
+    """A function that is called once: when the plugin that makes this ends, or when nothing refers to this any more.
+
+    A plugin that is dropped may live on until Python collects it; what it added to the world ends at once in this way.
+    """
+
+    def __init__(self, function: Callable[[], object]) -> None:
+        self._functions = [function]
+        by = owner.get()
+        if by is not None:
+            by.connections.add(self)
+
+    def disconnect(self) -> None:
+        """Call the function now, if it was not called before."""
+        while self._functions:
+            self._functions.pop()()
+
+    def __del__(self) -> None:
+        self.disconnect()
 
 
 def report_failure(by: Owner | None, what: str, error: BaseException) -> None:

@@ -33,6 +33,8 @@ PARTS = (
     *("file", "list", "seldom", "world", "random", "entities", "companions", "extensions", "engine", "interfaces"),
 )
 
+MOST_SOUND = 1024  # states whose hashes are kept
+
 
 class StoppedError(GazeboError):
     """What an entity had raised in the world that a state was saved of."""
@@ -63,7 +65,7 @@ class Snapshots:
         self._sorted: list[Interface[Any]] = []  # in order of their types and ids
         self._names = b""  # the encoding of those
         self._encoder = state.Encoder()
-        self._sound: bytes | None = None  # the state that was set last, without an error
+        self._sound: dict[int, None] = {}  # hashes of the last states that were set without an error
 
     def save(self) -> bytes:
         """The state between two steps.
@@ -109,8 +111,11 @@ class Snapshots:
             StateError: the state is of another file, or damaged, or something that cannot be built again is missing.
             ParameterError: these bytes are no state.
         """
+        data = bytes(data)  # the same object, if it is that already
         saved = self._decoded(data)
-        before = None if data is self._sound else self._saved_before()
+        number = hash(data)
+        before = None if number in self._sound else self._saved_before()
+        self._sound.pop(number, None)
         try:
             self._set(saved, anew)
         except USER_ERRORS as error:
@@ -120,7 +125,9 @@ class Snapshots:
             if isinstance(error, GazeboError):
                 raise
             raise StateError(f"the state is damaged: {type(error).__name__}: {error}") from error
-        self._sound = data
+        self._sound[number] = None
+        if len(self._sound) > MOST_SOUND:
+            del self._sound[next(iter(self._sound))]
 
     def _undo(self, before: dict[str, Any]) -> None:
         try:
@@ -156,6 +163,12 @@ class Snapshots:
         return saved
 
     def _set(self, saved: dict[str, Any], anew: bool) -> None:
+        """Set a state: twice if plugins came or went, for their Load may have changed what was set already."""
+        if self._set_once(saved, anew):
+            self._set_once(saved, False)
+
+    def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
+        """Set a state; whether a companion asks for setting it once more."""
         world = self._world
         listed = state.decode(saved["list"]) if anew or saved["list"] != self._list() else None
         if listed is not None:
@@ -180,8 +193,9 @@ class Snapshots:
         world.update_rows_changed()
         if listed is not None:
             world.followers[:] = [world.entities[index] for index in listed["followers"]]
+        again = False
         for companion in world.companions:
-            companion.set_state(saved["companions"].get(_name(companion)))
+            again |= companion.set_state(saved["companions"].get(_name(companion)))
         for name, extension in self._extensions():
             if name in saved["extensions"]:
                 state.set_values(extension, saved["extensions"][name])
@@ -196,6 +210,7 @@ class Snapshots:
         for interface, content in rows:
             if interface is not None:
                 interface.set_bytes(content)
+        return again
 
     def _extensions(self) -> list[tuple[str, Any]]:
         """The extensions of the world that declare state, and their names."""

@@ -67,7 +67,7 @@ __all__ = [
 C = TypeVar("C", bound=Callable[..., Any])
 
 FORMAT = (
-    b"libgz state 5\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
+    b"libgz state 6\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
 )
 LARGE = 4096  # [byte]
 _COUNT = struct.Struct("<q")

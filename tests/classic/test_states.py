@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import logging
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import pytest
@@ -381,6 +383,25 @@ def test_a_damaged_state_leaves_the_world_unchanged(run, old, new):
     assert run.world.get_state() == state
 
 
+def whole(value):
+    """A block as `encode` takes it."""
+    return large(bytes(value)) if isinstance(value, memoryview) else value
+
+
+def test_a_joint_of_a_body_with_itself_is_refused(run):
+    state = decode(run.world.get_state())
+    engine = [*state[8]]
+    objects = json.loads(zlib.decompress(engine[4]))
+    one, two = next(pair for _, pair, _ in objects["joints"])
+    for _, pair, _ in objects["joints"]:
+        pair[:] = [max(one, two)] * 2
+    engine[4] = zlib.compress(json.dumps(objects).encode(), 1)
+    now = run.world.get_state()
+    with pytest.raises(StateError, match="with itself"):
+        run.world.set_state(encode((*state[:8], tuple(map(whole, engine)), (state[9][0], [*map(whole, state[9][1])]))))
+    assert run.world.get_state() == now
+
+
 # Plugins --------------------------------------------------------------------------------------------------------------
 
 COUNTER = """
@@ -439,6 +460,45 @@ def test_a_plugin_without_a_declared_state_is_named_once(with_plugin, caplog):
     for _ in range(2):
         run.world.get_state()
     assert caplog.text.count("class Counter does not declare its state") == 1
+
+
+PUSHED = """
+    def Load(self, model, sdf):
+        self.count, self.resets, self.model = 0, 0, model
+        self.c = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        model.GetJointController().SetPositionPID("a::hinge", PID(1, 2, 3))
+        model.SetGravityMode(False)
+        model.SetAutoDisable(False)
+        model.GetWorld().InsertModelString(NEW)
+    STATE = ("count",)
+    def OnUpdate(self):
+        self.count += 1
+"""
+
+
+def test_what_a_plugin_does_that_a_state_loads_again_is_undone(tmp_path, monkeypatch):
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    text = COUNTER.format(declares="").split("    def Load")[0] + PUSHED + "GZ_REGISTER_MODEL_PLUGIN(Counter)\n"
+    (tmp_path / "counter.py").write_text(f"from libgz.classic.math import PID\nNEW = {NEW!r}\n{text}")
+    model = box("a", "0 0 1 0 0 0", inside=ARM, plugin=PLUGIN)
+    with World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{model}</world></sdf>") as world:
+        run = Run(world)
+        view, server = run.view.ModelByName("a"), attach(world)
+        controller = view.GetJointController()
+        controller.SetPositionTarget("a::hinge", 0.5)
+        controller.SetPositionPID("a::hinge", PID(5, 4, 3))
+        view.SetGravityMode(True)
+        run.steps(20)
+        state = world.get_state()
+        (loaded,) = server.model_plugins(view)
+        loaded.drop()
+        run.steps(20)
+        run.view.RemoveModel("new")
+        world.set_state(state)
+        assert world.get_state() == state
+        (again,) = server.model_plugins(run.view.ModelByName("a"))
+        assert (again.plugin.count, world.model("a").GetId()) == (20, "a")
+        assert len(world.models) == 3
 
 
 def test_a_reset_calls_reset_and_loads_the_plugins_of_models_that_return(with_plugin):

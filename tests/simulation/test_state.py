@@ -601,6 +601,22 @@ def test_a_truncated_state_is_refused_wherever_it_ends(world):
     assert world.get_state() == before
 
 
+def test_states_that_were_set_before_need_no_state_to_return_to(world, monkeypatch):
+    states = [world.get_state()]
+    for _ in range(2):
+        world.step()
+        states.append(world.get_state())
+    saved = []
+    save = world.snapshots.save
+    monkeypatch.setattr(world.snapshots, "save", lambda: saved.append(1) or save())
+    for state in (*states, *map(bytearray, states), *states):
+        world.set_state(state)
+    assert len(saved) == len(states)
+    with pytest.raises(GazeboError):
+        world.set_state(states[0][:-8])
+    assert save() == states[-1]
+
+
 def test_a_state_of_an_older_version_is_refused(world):
     with pytest.raises(ParameterError, match="no state of this version"):
         world.set_state(b"libgz state 2\n" + world.get_state()[14:])

@@ -183,6 +183,6 @@ def test_damaged_states_are_refused_as_a_whole():
             row.count = len(paths) * max(20, round(400 * SHARE)) // BATCH * BATCH or BATCH
             failures = list(run_trials(one, range(row.count), 2))
             row.result = f"{len(failures)} differ"
-            assert not failures
+            assert not failures, "\n".join(map(str, failures))
     finally:
         logging.disable(logging.NOTSET)

@@ -210,8 +210,9 @@ class LogRecord:
         """Nothing: a log is no part of the world."""
         return None
 
-    def set_state(self, state: object) -> None:
+    def set_state(self, state: object) -> bool:
         """Nothing to do: the log continues."""
+        return False
 
     def close(self) -> None:
         """End the log."""

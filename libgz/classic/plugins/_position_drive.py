@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import weakref
 from typing import TYPE_CHECKING, ClassVar
 
 from libgz.classic.event import Events
@@ -12,6 +11,7 @@ from libgz.classic.plugins._wheels import Wheel, separation
 from libgz.errors import ParameterError
 from libgz.geometry import NORMALIZE
 from libgz.interfaces.position import Position
+from libgz.simulation.event import AtEnd
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard
 
@@ -77,7 +77,7 @@ class PositionDrive(ModelPlugin):
         self.enabled = True
         self.position.create(core.world.gz_server, name, model.GetName(), core.GetIntId(), core.GetParentIntId())
         self.position.data.cmd_enable_motors = 1
-        weakref.finalize(self, self.position.destroy)  # when the plugin is dropped
+        self.ending = AtEnd(self.position.destroy)
         self.step_size = model.GetWorld().Physics().GetMaxStepSize
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import TYPE_CHECKING
 
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_battery, named_link
+from libgz.simulation.event import AtEnd
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
@@ -28,7 +28,7 @@ class LinearBatteryConsumerPlugin(ModelPlugin):
         battery = named_battery(named_link(model, sdf), sdf)
         number = battery.AddConsumer()
         battery.SetPowerLoad(number, sdf.Get(float, "power_load"))
-        weakref.finalize(self, battery.RemoveConsumer, number)
+        self.ending = AtEnd(lambda: battery.RemoveConsumer(number))
 
 
 GZ_REGISTER_MODEL_PLUGIN(LinearBatteryConsumerPlugin)

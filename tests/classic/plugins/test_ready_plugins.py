@@ -14,7 +14,9 @@ from plugin_worlds import GROUND, HINGE, body, collision, command, plugin, wheel
 from libgz.classic import gui, msgs, transport
 from libgz.classic.loading import new_plugin
 from libgz.classic.math import Quaterniond
+from libgz.classic.server import attach
 from libgz.sdf.element import Element
+from libgz.simulation.state import changes
 
 # Wheels --------------------------------------------------------------------------------------------------------------
 
@@ -112,6 +114,37 @@ def test_position_begins_again_after_a_reset_and_doubts_wild_numbers(run, caplog
     core.run(1.0)
     assert position.pose[0] == pytest.approx(0.4, abs=0.02)
     assert "is nan, and is ignored" in caplog.text
+
+
+@pytest.fixture
+def no_collection():
+    """Python collects nothing meanwhile, so that objects that refer to each other stay."""
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.mark.usefixtures("no_collection")
+def test_position_is_served_by_a_plugin_that_took_the_place_of_another(run, caplog):
+    core, world = run(pioneer(plugin("libgz_position", **POSITION)))
+    core.run(0.1)
+    state = core.get_state()
+    for name in ("other", "libgz_position"):  # as in the state of a world that was changed so
+        (loaded,) = attach(core).model_plugins(world.ModelByName("pioneer2dx"))
+        loaded.name = name
+        changes.count()
+        core.set_state(state)
+        assert core.get_state() == state
+    (loaded,) = attach(core).model_plugins(world.ModelByName("pioneer2dx"))
+    loaded.drop()
+    assert "robot1" not in {name for _, name in core.gz_server.interfaces}
+    core.set_state(state)
+    assert core.get_state() == state
+    core.reload_plugin("libgz_position")
+    core.interface("position", "robot1").command(vx=0.3)
+    core.run(0.5)
+    assert core.interface("position", "robot1").vel_pos[0] == pytest.approx(0.3, abs=0.02)
+    assert "second" not in caplog.text
 
 
 CLIENT = """

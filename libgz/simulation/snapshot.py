@@ -130,14 +130,14 @@ class Snapshots:
             del self._sound[next(iter(self._sound))]
 
     def _undo(self, before: dict[str, Any]) -> None:
+        _count_changes()  # an error may have come before that of a change
         try:
             self._set(before, False)
         except (GazeboError, *USER_ERRORS) as error:  # something was destroyed that only building anew brings back
             pass_interrupt(error)
             self._set(before, True)
         finally:
-            state.changes.count()  # an error may have come before the count of a change
-            edits.count()
+            _count_changes()
 
     def _saved_before(self) -> bytes | None:
         try:
@@ -291,6 +291,12 @@ class Snapshots:
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
+
+
+def _count_changes() -> None:
+    """Have all be read again that is kept while nothing changes."""
+    state.changes.count()
+    edits.count()
 
 
 def _saved_companion(companion: Companion) -> tuple[str, object]:

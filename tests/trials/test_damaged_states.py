@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import os
@@ -156,9 +157,10 @@ class Subject:
             if self.world.get_state() != self.late:
                 return f"{self.name}: {what}: refused, but the world has changed: {error}"
             return ""
-        self.world.Step()
-        self.world.get_state()
-        self.world.Step()
+        with contextlib.suppress(Exception):  # an attribute may hold anything, also what its class cannot use
+            self.world.Step()
+            self.world.get_state()
+            self.world.Step()
         self.world.set_state(self.late)
         if self.world.get_state() != self.late:
             return f"{self.name}: {what}: taken, and a sound state that follows is not the same"

@@ -150,6 +150,7 @@ class LinkRecord(ctypes.Structure):
         ("size", c_int64),
         ("descriptor", c_int64),
         ("blocked", c_int64),
+        ("attempts", c_int64),
         ("keeps", c_int64),
         ("next_check", c_double),
         ("counts", c_void_p),
@@ -160,6 +161,8 @@ class LinkRecord(ctypes.Structure):
         ("found", c_void_p),
         ("kept_any", c_int64),
         ("exchanges", c_int64),
+        ("restored", c_int64),
+        ("most_restored", c_int64),
         ("head_size", c_int64),
         ("head", c_char * HEAD_SIZE),
     ]
@@ -346,9 +349,9 @@ class TransferRecord(ctypes.Structure):
 
 
 class ShareRecord(ctypes.Structure):
-    """An exchange with an interface under its lock; an optional one is left out while a client keeps the lock."""
+    """An exchange with an interface under its lock; it is left out while a client keeps the lock."""
 
-    _fields_ = [("link", c_void_p), ("transfers", c_void_p), ("count", c_int64), ("optional", c_int64)]
+    _fields_ = [("link", c_void_p), ("transfers", c_void_p), ("count", c_int64)]
 
 
 class BeginRecord(ctypes.Structure):

@@ -60,6 +60,7 @@ typedef struct {
     int64_t size;
     int64_t descriptor; /* -1: memory of this process */
     int64_t blocked;    /* 1: a client held the lock at the last attempt */
+    int64_t attempts;   /* how often to try next time, while it is blocked */
     int64_t keeps;      /* 1: commands are kept at the next release of the lock */
     double next_check;  /* of the length, on the monotonic clock */
     const int64_t *counts;
@@ -69,6 +70,7 @@ typedef struct {
     char *kept, *found; /* commands when the file was last found whole; space for a copy */
     int64_t kept_any;
     int64_t exchanges; /* grows with each release of the lock, of a server */
+    int64_t restored, most_restored; /* heads restored here since Python counted them; more are for Python to report */
     int64_t head_size;
     char head[HEAD]; /* as the server wrote it */
 } link_record;
@@ -84,23 +86,53 @@ static double now_monotonic(void)
 
 static int is_long_enough(const link_record *l) { return lseek((int)l->descriptor, 0, SEEK_END) >= l->size; }
 
+static int is_intact(const link_record *l) { return !memcmp(l->memory, l->head, (size_t)l->head_size); }
+
+/* Restore the head, and the commands beside it, where a client overwrote them; 0 if Python has to: the file was
+ * truncated, or the log is due. */
+static int restore(link_record *l)
+{
+    static const char no_head[HEAD];
+    int64_t i, at = 0;
+    if (is_intact(l))
+        return 1;
+    if (l->restored >= l->most_restored || !memcmp(l->memory, no_head, (size_t)l->head_size))
+        return 0;
+    l->restored++;
+    memcpy(l->memory, l->head, (size_t)l->head_size);
+    for (i = 0; l->kept_any && i < l->command_count; at += l->commands[i++].size)
+        memcpy(l->memory + l->commands[i].offset, l->kept + at, (size_t)l->commands[i].size);
+    return 1;
+}
+
 static int is_whole(link_record *l)
 {
-    int due;
-    double now;
-    if (memcmp(l->memory, l->head, (size_t)l->head_size))
-        return 0;
-    now = now_monotonic();
-    due = now >= l->next_check;
+    double now = now_monotonic();
+    int due = now >= l->next_check;
     if ((due || !l->counts) && !is_long_enough(l))
         return 0;
+    if (due && l->counts && (l->counts[0] != l->seen[0] || l->counts[1] != l->seen[1]))
+        return 0;
+    if (!restore(l))
+        return 0;
     if (due) {
-        if (l->counts && (l->counts[0] != l->seen[0] || l->counts[1] != l->seen[1]))
-            return 0;
         l->next_check = now + CHECK_PERIOD;
         l->keeps = 1;
     }
     return 1;
+}
+
+static const int ATTEMPTS = 32; /* some 20 us: clients mostly hold a lock for less */
+
+/* Try the lock at most so often. */
+static int seize(link_record *l, int64_t attempts)
+{
+    while (attempts-- > 0)
+        if (!flock((int)l->descriptor, LOCK_EX | LOCK_NB)) {
+            l->attempts = ATTEMPTS;
+            return 1;
+        }
+    return 0;
 }
 
 /* Take the lock; 0, and it is not held, if Python has to wait for it, or to repair the file. */
@@ -110,27 +142,13 @@ static int take(link_record *l)
         return 0;
     if (l->descriptor < 0)
         return 1;
-    if (flock((int)l->descriptor, LOCK_EX | LOCK_NB))
+    if (!seize(l, l->blocked ? 1 : ATTEMPTS))
         return 0;
     if (!is_whole(l)) {
         flock((int)l->descriptor, LOCK_UN);
         return 0;
     }
     l->blocked = 0;
-    return 1;
-}
-
-static const int ATTEMPTS = 32; /* some 20 us: clients mostly hold a lock for less */
-
-/* Whether a client holds a lock that Python has waited for in vain. */
-static int is_still_blocked(const link_record *l)
-{
-    int i;
-    if (!l->memory || l->descriptor < 0 || !l->blocked)
-        return 0;
-    for (i = 0; i < ATTEMPTS; i++)
-        if (!flock((int)l->descriptor, LOCK_EX | LOCK_NB))
-            return 0;
     return 1;
 }
 
@@ -147,7 +165,7 @@ static void keep_commands(link_record *l)
             memcpy(l->found + at, l->memory + s->offset, (size_t)s->size);
         at += s->size;
     }
-    if (memcmp(l->memory, l->head, (size_t)l->head_size))
+    if (!is_intact(l))
         return;
     memcpy(l->kept, l->found, (size_t)at);
     l->kept_any = 1;
@@ -534,7 +552,6 @@ typedef struct {
     link_record *link;
     const transfer *transfers;
     int64_t count;
-    int64_t optional; /* 1: nothing has to be done where the lock is not to be had */
 } share;
 
 /* Numbers of any type as doubles. */
@@ -636,25 +653,48 @@ static void move(const tables *t, const clock_record *clock, const transfer *x, 
     }
 }
 
-/* Whether the exchange is left out: a client still holds the lock that Python has waited for in vain. */
+/* Whether a client still holds a lock that Python has waited for in vain; each time it is tried half as often. */
+static int is_still_blocked(link_record *l)
+{
+    if (!l->memory || l->descriptor < 0 || !l->blocked)
+        return 0;
+    if (seize(l, l->attempts > 1 ? l->attempts : 1))
+        return 0;
+    l->attempts /= 2;
+    return 1;
+}
+
+/* Whether the exchange is left out, for as long as a client holds the lock. */
 static int is_left_out(const share *s)
 {
     int64_t i;
     for (i = 0; i < s->count; i++)
         if (s->transfers[i].what == REQUIRE && !*(const int64_t *)s->transfers[i].source)
             return 0;
-    return s->optional && is_still_blocked(s->link);
+    return is_still_blocked(s->link);
 }
+
+static int are_met(const tables *t, const share *s)
+{
+    int64_t i;
+    for (i = 0; i < s->count; i++)
+        if (!is_met(t, s->transfers + i, s->link->memory))
+            return 0;
+    return 1;
+}
+
+static const int RESTORATIONS = 8; /* in one exchange: a client may overwrite commands while they are compared */
 
 static int exchange(const tables *t, const clock_record *clock, const share *s)
 {
     int64_t i;
+    int left = RESTORATIONS;
     if (is_left_out(s))
         return 1;
     if (!take(s->link))
         return 0;
-    for (i = 0; i < s->count; i++)
-        if (!is_met(t, s->transfers + i, s->link->memory)) {
+    while (!are_met(t, s))
+        if (s->link->descriptor < 0 || is_intact(s->link) || !left-- || !restore(s->link)) {
             give_back(s->link);
             return 0;
         }

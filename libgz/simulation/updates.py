@@ -473,17 +473,18 @@ class UpdateRows:
             self._add(Kind.CAST, part, twin, bundle)
         return part
 
-    def share(self, twin: Twin, exchange: Exchange, *, optional: bool = True) -> None:
+    def share(self, twin: Twin, exchange: Exchange) -> None:
         """Exchange numbers with an interface under its lock.
 
+        While a client keeps the lock, and what the exchange requires is there, it is left out.
+
         Args:
-            twin: does the row in Python.
+            twin: does the row in Python; without the lock, it does nothing then.
             exchange: what it does.
-            optional: whether the twin does nothing without the lock, if what the exchange requires is there.
         """
         transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
         link = exchange.interface.link
-        part = ShareRecord(address_of(link), address_of(transfers), len(transfers), optional)
+        part = ShareRecord(address_of(link), address_of(transfers), len(transfers))
         memory = exchange.interface.memory if link.memory else None  # stays mapped as long as the row is used
         if memory is not None and not any(transfer.what in OF_CLIENTS for transfer in transfers):
             twin = partial(self._share_again, len(self._rows), exchange.interface, twin)

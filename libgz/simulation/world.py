@@ -191,7 +191,8 @@ class World(Closing):
         self.snapshots = Snapshots(self)
         self._checked: list[Entity] = []  # whose classes declare state, or were named in a warning
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
-        self._paused = self._closed = False
+        self._going = ctypes.c_int64(1)  # 0: paused; for native code
+        self._closed = False
         self._inside = False  # whether Step runs
         self._publication: Publication | None = None  # while a server runs
         self._begin, self._contact, self._end = (
@@ -783,13 +784,14 @@ class World(Closing):
         """Describe a step as rows, and find out which entities have something to do in it."""
         buttons, times = Exchange(self.sim), Exchange(self.sim)
         if self.sim.link.memory:
+            buttons.require(self._going)  # a paused world stays so while a client keeps the lock
             for name in ("pause", "reset", "save"):
                 buttons.expect(name, ctypes.c_int64(0))
             times.doubles("sim_time", (self.clock, "sim_time"))
             times.doubles("pause_time", (self.clock, "pause_time"))
             times.real_time("real_time")
         with self.rows.building() as rows:
-            rows.share(lambda _: None, buttons, optional=False)  # a paused world stays so
+            rows.share(lambda _: None, buttons)
             rows.begin_step(FALL_PERIOD, self.era.counts_at_start)
             rows.entities()
             rows.advance(lambda _: self.engine.finish())
@@ -1245,6 +1247,14 @@ class World(Closing):
     def hold(self) -> AbstractContextManager[None]:
         """Hold changes back until the end; inside another hold or a step, until the end of that."""
         return self.agenda.hold()
+
+    @property
+    def _paused(self) -> bool:
+        return not self._going.value
+
+    @_paused.setter
+    def _paused(self, value: bool) -> None:
+        self._going.value = not value
 
     @property
     def paused(self) -> bool:

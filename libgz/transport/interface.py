@@ -45,6 +45,7 @@ DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
 SERVER_TIMEOUT = 0.02  # [s] that a server waits for a lock
 _POLL = 0.0002  # [s]
 _SPINS = 10  # attempts before the first pause: most clients hold a lock for microseconds
+_OVERWRITTEN = "a client overwrote the head of"
 _CHECK_PERIOD = 0.05  # [s] between checks of a file's length where its truncation is survived, and copies of commands
 
 
@@ -502,7 +503,8 @@ class Interface(Generic[D]):
                 memory[span.offset : span.offset + span.size] = self._kept[begin : begin + span.size]
                 begin += span.size
             if not truncated:
-                self._warn("a client overwrote the head of", "it was restored")
+                self._warn(_OVERWRITTEN, "it was restored", 1 + link.restored)
+                link.restored, link.most_restored = 0, self._tally.unlogged(_OVERWRITTEN)
 
     def intact(self) -> bool:
         """Whether no client has overwritten the head since the server took the lock.

@@ -34,6 +34,11 @@ class Tally:
             entry[1] *= 10
         return True
 
+    def unlogged(self, cause: Hashable) -> int:
+        """How many more times of `cause` are counted without being logged."""
+        count, next_ = self._counts.get(self._key(cause), (0, 1))
+        return next_ - count - 1
+
     def _key(self, cause: Hashable) -> Hashable:
         """The cause that counts: itself, or that of all further ones."""
         return cause if cause in self._counts or len(self._counts) < self._most else None

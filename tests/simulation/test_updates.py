@@ -2,6 +2,7 @@
 
 import fcntl
 import math
+import os
 import random
 import re
 import time
@@ -379,7 +380,7 @@ def test_served_worlds_are_equal_while_clients_lock_overwrite_and_truncate(wire)
         assert worlds[0].model("at").position.command == (0.2, 0.0)
 
 
-def test_locks_that_clients_keep_and_heads_that_they_overwrite_cost_little_python(wire, monkeypatch):
+def test_locks_that_clients_keep_and_heads_that_they_overwrite_cost_little_python(wire, monkeypatch, caplog):
     text = f"{HEAD}<model:GroundPlane/><model:SickLMS200><id>l</id></model:SickLMS200>{ROBOTS[13]}</gz:world>"
     with libgz.World.from_string(text, server_id=wire) as world:
         world.step(20)
@@ -413,6 +414,36 @@ def test_locks_that_clients_keep_and_heads_that_they_overwrite_cost_little_pytho
         assert set(called) == {"bandit", "l"}, "it does not repair heads"
         assert bandit.data.head.version == laser.data.head.version == 0x60
         assert min(bandit.data.time, laser.data.time) > before
+        called.clear()
+        caplog.clear()
+        with served["joint.bandit"].open("r+b", buffering=0) as file:
+            for number in range(2, 105):
+                os.pwrite(file.fileno(), b"\xff" * 152, 0)
+                world.step(10)
+                assert bandit.data.head.version == 0x60, number
+        assert called == ["bandit"], "native code repairs heads, but for those that are logged"
+        assert [record.message for record in caplog.records] == [
+            "a client overwrote the head of joint.bandit; it was restored (100 times so far)"
+        ]
+
+
+def test_a_world_that_is_paused_stays_so_while_a_client_keeps_the_lock(wire, monkeypatch):
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/></gz:world>", server_id=wire) as world:
+        buttons, own = [], world.sim.lock
+        monkeypatch.setattr(world.sim, "lock", lambda: buttons.append(1) or own())
+        with Path(f"{world.gz_server.path}/sim.default").open("rb") as file:
+            for paused in (True, False):
+                world.paused = paused
+                world.step(2)
+                fcntl.flock(file, fcntl.LOCK_EX)
+                world.step(5)
+                buttons.clear()
+                before = world.GetSimTime(), world.GetPauseTime()
+                world.step(20)
+                after = world.GetSimTime(), world.GetPauseTime()
+                assert (after[0] > before[0], after[1] > before[1]) == (not paused, paused)
+                assert bool(buttons) == paused, "a world that is not paused needs no Python while it waits for the lock"
+                fcntl.flock(file, fcntl.LOCK_UN)
 
 
 def test_other_processes_see_every_step_of_a_native_world(wire):

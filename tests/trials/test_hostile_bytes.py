@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import logging
 import re
 import statistics
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -156,18 +158,38 @@ def build(server_id: int, path: Path, kind: str, seed: int) -> libgz.World:
     return world
 
 
+@contextlib.contextmanager
+def twins_of(kind: str, wire: int, tmp_path: Path, seed: int) -> Iterator[tuple[Twins, list[Path]]]:
+    """Two servers of a world for a kind, and the files of the kind that the first one serves."""
+    path = tmp_path / "attacked.world"
+    path.write_text(HEAD + (world_of_all() if kind == "all" else WORLDS[kind]) + "</gz:world>")
+    with contextlib.ExitStack() as stack:
+        worlds = [stack.enter_context(build(number, path, kind, seed)) for number in (wire, wire + 1)]
+        served = [file for file in Path(worlds[0].gz_server.path).iterdir() if file.name != "gazebo.pid"]
+        files = [file for file in served if kind in ("all", file.name.split(".")[0])]
+        assert files
+        yield Twins(worlds), files
+
+
+@pytest.mark.parametrize("kind", [*WORLDS, "all"])
+def test_kept_locks(wire, tmp_path, monkeypatch, kind):
+    monkeypatch.chdir(tmp_path)
+    with trial(f"kept locks of {kind}") as row, twins_of(kind, wire, tmp_path, row.seed) as (twins, files):
+        with contextlib.ExitStack() as stack:
+            for path in files:
+                fcntl.flock(stack.enter_context(path.open("rb")), fcntl.LOCK_EX)
+            twins.ratio(SLICE)
+            under = statistics.median(twins.ratio(SLICE / 2) for _ in range(ROUNDS))
+        afterwards = statistics.median(twins.ratio(SLICE / 2) for _ in range(ROUNDS))
+        row.count, row.result = len(files), f"{under:.2f}, then {afterwards:.2f}"
+        assert min(under, afterwards) >= LEAST, row.result
+
+
 @pytest.mark.parametrize("mode", ["bytes", "locked", "pieces"])
 @pytest.mark.parametrize("kind", [*WORLDS, "all"])
 def test_random_bytes(wire, tmp_path, monkeypatch, caplog, kind, mode):
     monkeypatch.chdir(tmp_path)
-    path = tmp_path / "attacked.world"
-    path.write_text(HEAD + (world_of_all() if kind == "all" else WORLDS[kind]) + "</gz:world>")
-    with trial(f"random bytes in {kind} ({mode})") as row, contextlib.ExitStack() as stack:
-        worlds = [stack.enter_context(build(number, path, kind, row.seed)) for number in (wire, wire + 1)]
-        served = [file for file in Path(worlds[0].gz_server.path).iterdir() if file.name != "gazebo.pid"]
-        files = [file for file in served if kind in ("all", file.name.split(".")[0])]
-        assert files
-        twins = Twins(worlds)
+    with trial(f"random bytes in {kind} ({mode})") as row, twins_of(kind, wire, tmp_path, row.seed) as (twins, files):
         caplog.clear()
         attacker = Attacker(mode, row.seed)
         attacker.order(files)
@@ -182,4 +204,4 @@ def test_random_bytes(wire, tmp_path, monkeypatch, caplog, kind, mode):
         assert max(lines.values(), default=0) <= MOST_LINES, lines
         assert saved <= 1000
         assert min(under, afterwards) >= LEAST, row.result
-        assert not worlds[0].paused
+        assert not twins.worlds[0].paused

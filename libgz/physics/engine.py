@@ -465,13 +465,14 @@ class Engine:
             LibraryError: the loaded ODE keeps its state in a way that is not known.
             ClosedError: the world was closed.
         """
-        return self.read_state()
+        _ = self.world  # raises if it is closed
+        return self._state.get()
 
-    def read_state(self) -> dict[str, Any]:
-        """`get_state`, for a caller that holds the lock."""
+    def read_state(self) -> tuple[Any, ...]:
+        """The values of `get_state`, in the order of PARTS, for a caller that holds the lock."""
         if not self._destroy.alive:
             _ = self.world  # raises
-        return self._state.get()
+        return self._state.values()
 
     @exclusive
     def set_state(self, state: dict[str, Any]) -> None:

@@ -152,26 +152,31 @@ class EngineState:
 
     def get(self) -> dict[str, Any]:
         """The state; see `Engine.get_state`."""
-        engine, tables = self._engine, self._engine.tables
-        turning = self._context.count_turns
+        return dict(zip(PARTS, self.values(), strict=True))
+
+    def values(self) -> tuple[Any, ...]:
+        """The parts of the state, in the order of PARTS."""
+        engine: Any = self._owner()
+        context, tables = self._context, engine.tables
+        turning = context.count_turns
         _refresh(tables.bodies)
         if not turning:  # else reading would count turns
             _refresh(tables.joints)
         present = self._present(engine)
         objects = self._objects(engine, present)
-        joints, dummies, couplings = present.joints, engine.dummies, engine.couplings
-        return {
-            "ode": layout().digest,
-            "settings": self._settings.tobytes(),
-            "numbers": _numbers(engine),
-            "quirks": sorted(engine.quirks),
-            "objects": objects,
-            "memory": engine.step_form.get_state(self._present_parts(engine, present)),
-            "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
-            "dummies": self._dummy_poses(dummies) if dummies else b"",
-            "couplings": _couplings(couplings, joints) if couplings else [],
-            "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
-        }
+        joints, dummies, couplings, quirks = present.joints, engine.dummies, engine.couplings, engine.quirks
+        return (
+            layout().digest,
+            self._settings.tobytes(),
+            _numbers(engine),
+            sorted(quirks) if quirks else [],
+            objects,
+            engine.step_form.get_state(self._present_parts(engine, present)),
+            bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
+            self._dummy_poses(dummies) if dummies else b"",
+            _couplings(couplings, joints) if couplings else [],
+            engine.contacts.tobytes() if context.record_contacts else b"",
+        )
 
     def _dummy_poses(self, dummies: Iterable[Any]) -> bytes:
         """The poses of dummies, read again only after one was set, or one came or went."""

@@ -19,7 +19,6 @@ from libgz.simulation.plugins import own_traceback
 from libgz.simulation.state import Reader
 
 if TYPE_CHECKING:
-    from libgz.simulation.companion import Companion
     from libgz.simulation.entity import Entity
     from libgz.simulation.world import World
     from libgz.transport.interface import Interface
@@ -32,6 +31,7 @@ log = logging.getLogger("libgz.simulation")
 PARTS = (
     *("file", "list", "seldom", "world", "random", "entities", "companions", "extensions", "engine", "interfaces"),
 )
+MEMORY = ENGINE_PARTS.index("memory")
 
 MOST_SOUND = 1024  # states whose hashes are kept
 
@@ -74,8 +74,8 @@ class Snapshots:
             ParameterError: an object declares something as its state that is not plain data, or cannot be read.
         """
         world = self._world
-        engine = world.engine.read_state()
-        engine["memory"] = state.large(engine["memory"])
+        engine = [*world.engine.read_state()]
+        engine[MEMORY] = state.large(engine[MEMORY])
         plain = (
             world.era.digest,
             self._list(),
@@ -85,7 +85,7 @@ class Snapshots:
             [_own_states(reader, entities) for reader, entities in self._often],
             {_name(companion): kept for companion in world.companions if (kept := companion.get_state()) is not None},
             {name: state.get_values(extension) for name, extension in self._extensions()},
-            (*engine.values(),),
+            (*engine,),
             self._contents(),
         )
         try:
@@ -297,10 +297,6 @@ def _count_changes() -> None:
     """Have all be read again that is kept while nothing changes."""
     state.changes.count()
     edits.count()
-
-
-def _saved_companion(companion: Companion) -> tuple[str, object]:
-    return _name(companion), companion.get_state()
 
 
 def _name(thing: Any) -> str:

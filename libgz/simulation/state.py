@@ -581,7 +581,8 @@ class Encoder:
     """Encodes states one after another, in less time than as many calls of `encode`."""
 
     def __init__(self) -> None:
-        self._buffer = io.BytesIO()
+        self._buffer = io.BytesIO(_NO_BLOCKS)
+        self._buffer.seek(len(_NO_BLOCKS))
         self._blocks: list[pickle.PickleBuffer] = []
         self._pickler = _Writer(self._buffer, 5, buffer_callback=self._blocks.append)
         self._pickler.fast = True  # no references within the data, which would depend on which objects are identical
@@ -589,7 +590,6 @@ class Encoder:
     def encode(self, state: Any) -> bytes:
         """As the function `encode`."""
         buffer, blocks = self._buffer, self._blocks
-        buffer.write(_NO_BLOCKS)
         try:
             self._pickler.dump(state)
             if not blocks:
@@ -601,8 +601,7 @@ class Encoder:
             raise ParameterError(f"a state must be plain data: {error}") from error
         finally:
             blocks.clear()
-            buffer.seek(0)
-            buffer.truncate()
+            buffer.truncate(buffer.seek(len(_NO_BLOCKS)))
 
 
 class Kept:

@@ -269,9 +269,9 @@ class Interface(Generic[D]):
         ctypes.memmove(ctypes.addressof(self.link) + LinkRecord.head.offset, head, len(head))
 
     @property
-    def gap(self) -> tuple[int, int]:
-        """Where bytes without a meaning begin and end now, such as the unused end of an image."""
-        return self.size, self.size
+    def gap(self) -> tuple[int, int] | None:
+        """Where bytes without a meaning begin and end now, such as the unused end of an image; None without any."""
+        return None
 
     def get_bytes(self) -> bytes:
         """The bytes that have a meaning, head included; under the lock, if a client does not hold it for long.
@@ -282,10 +282,12 @@ class Interface(Generic[D]):
         taken = self.lock()
         try:
             memory: Any = self._memory
-            size = self.size
-            begin, end = self.gap
+            gap = self.gap
+            if gap is None:
+                return bytes(memory)
+            begin, end = gap
             with memoryview(memory) as view:
-                return bytes(view[:begin]) if end == size else b"".join((view[:begin], view[end:size]))
+                return b"".join((view[:begin], view[end : self.size]))
         finally:
             if taken:
                 self.unlock()
@@ -305,17 +307,24 @@ class Interface(Generic[D]):
         """Write bytes that `get_bytes` returned, head included, and zeros between them.
 
         Raises:
+            InterfaceError: they are too few or too many, as of another wire version.
             ClosedError: the interface is not open.
         """
         taken = self.lock()
         try:
             memory: Any = self._memory
-            before, end = self.gap
-            begin = len(state) - (self.size - end)
-            content = memoryview(state)
-            memory[:begin], memory[end : self.size] = content[:begin], content[begin:]
-            if before > begin:
-                memory[begin:before] = bytes(before - begin)
+            gap = self.gap
+            if gap is None:
+                if len(state) != self.size:
+                    raise InterfaceError(f"{self.type}.{self.id} has {self.size} bytes, and not {len(state)}")
+                memory[:] = state
+            else:
+                before, end = gap
+                begin = len(state) - (self.size - end)
+                content = memoryview(state)
+                memory[:begin], memory[end : self.size] = content[:begin], content[begin:]
+                if before > begin:
+                    memory[begin:before] = bytes(before - begin)
             if state[: len(self._head)] != self._head:
                 self._set_head(bytes(state[: len(self._head)]))
                 head = self.data.head

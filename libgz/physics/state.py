@@ -567,6 +567,7 @@ def _check_objects(saved: Any) -> None:
             and all(-len(dummies) <= body < len(bodies) for body in held)
             and len(set(attached)) == len(attached)
             and all(0 <= joint < len(joints) for joint in attached)
+            and all(any(body is not None and body >= 0 for body in joints[joint][1]) for joint in attached)
             and all(0 <= parent <= len(spaces) for parent in spaces)
             and all(place is None or 0 <= place <= len(spaces) for place in inside)
         )

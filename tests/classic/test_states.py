@@ -388,16 +388,20 @@ def whole(value):
     return large(bytes(value)) if isinstance(value, memoryview) else value
 
 
-def test_a_joint_of_a_body_with_itself_is_refused(run):
+@pytest.mark.parametrize(
+    ("joined", "message"),
+    [(lambda pair: [max(pair)] * 2, "with itself"), (lambda _: [None, None], "fit each other")],
+    ids=["itself", "nothing"],
+)
+def test_a_joint_of_a_body_with_itself_or_of_none_is_refused(run, joined, message):
     state = decode(run.world.get_state())
     engine = [*state[8]]
     objects = json.loads(zlib.decompress(engine[4]))
-    one, two = next(pair for _, pair, _ in objects["joints"])
     for _, pair, _ in objects["joints"]:
-        pair[:] = [max(one, two)] * 2
+        pair[:] = joined(pair)
     engine[4] = zlib.compress(json.dumps(objects).encode(), 1)
     now = run.world.get_state()
-    with pytest.raises(StateError, match="with itself"):
+    with pytest.raises(StateError, match=message):
         run.world.set_state(encode((*state[:8], tuple(map(whole, engine)), (state[9][0], [*map(whole, state[9][1])]))))
     assert run.world.get_state() == now
 

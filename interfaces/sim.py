@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import struct
 from typing import Any
 
 from libgz.transport.interface import Interface
@@ -22,9 +21,6 @@ __all__ = [
     "gz_sim_open",
     "gz_sim_unlock",
 ]
-
-
-_SECONDS = struct.Struct("d")
 
 
 @layout
@@ -71,17 +67,10 @@ class Sim(Interface[SimData]):
         with self.locked() as data:
             data.pause = int(value)
 
-    def get_bytes(self) -> bytes:
-        """All bytes of the struct, with zeros for real time, which is no state of a world."""
-        content = super().get_bytes()
-        first, end = _place_of_real_time(self.layout)
-        return content[:first] + bytes(end - first) + content[end:]
-
-    def set_bytes(self, state: bytes) -> None:
-        """Write bytes that `get_bytes` returned; real time stays."""
-        first, end = _place_of_real_time(self.layout)
-        now = _SECONDS.pack(self.data.real_time)
-        super().set_bytes(state[:first] + now + state[end:])
+    @property
+    def gap(self) -> tuple[int, int]:
+        """The bytes of real time, which is no state of a world."""
+        return _place_of_real_time(self.layout)
 
     def reset(self) -> None:
         """Request that the server resets all models to their initial poses."""

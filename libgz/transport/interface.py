@@ -270,11 +270,11 @@ class Interface(Generic[D]):
 
     @property
     def gap(self) -> tuple[int, int] | None:
-        """Where bytes without a meaning begin and end now, such as the unused end of an image; None without any."""
+        """Where bytes that are no state begin and end now, such as the unused end of an image; None without any."""
         return None
 
     def get_bytes(self) -> bytes:
-        """The bytes that have a meaning, head included; under the lock, if a client does not hold it for long.
+        """The bytes that are state, head included; under the lock, if a client does not hold it for long.
 
         Raises:
             ClosedError: the interface is not open.

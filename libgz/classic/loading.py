@@ -13,13 +13,13 @@ from weakref import WeakSet
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
-from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
+from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import carry_state, declares, fields, get_state, seldom, set_state
+from libgz.simulation.state import carry_state, check, declares, fields, get_state, seldom, set_state
 
 __all__ = [
     "LoadedPlugin",
@@ -199,6 +199,18 @@ class LoadedPlugin:
             return None
         return self._guarded("saved", get_state, self.plugin)
 
+    def check_state(self) -> None:
+        """Find out which attribute keeps the plugin's state from being encoded.
+
+        Raises:
+            ParameterError: there is one, which is named.
+        """
+        if self.plugin is not None and self.keeps:
+            try:
+                check(self.plugin)
+            except ParameterError as error:
+                raise ParameterError(f"{self}: {error}") from error
+
     def load_state(self, state: Any) -> None:
         """Give the plugin a state that `save` returned.
 
@@ -214,7 +226,8 @@ class LoadedPlugin:
             return function(*values)
         except USER_ERRORS as error:
             pass_interrupt(error)
-            raise PluginError(f"the state of {self} cannot be {what}:\n{own_traceback(error)}") from error
+            reason = f" {error}" if isinstance(error, (ParameterError, StateError)) else f"\n{own_traceback(error)}"
+            raise PluginError(f"the state of {self} cannot be {what}:{reason}") from error
         finally:
             owner.reset(token)
 

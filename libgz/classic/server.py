@@ -453,6 +453,11 @@ class WorldServer:
             self._saved_plugins() if not starting else None,
         )
 
+    def check_state(self) -> None:
+        """Find out which plugin keeps the state from being encoded."""
+        for plugin in self.plugins():
+            plugin.check_state()
+
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None

@@ -92,10 +92,9 @@ class Snapshots:
             return self._encoder.encode(plain)
         except ParameterError as error:
             for entity in world.entities:
-                try:
-                    state.encode(_own_state(_reader(entity, True), entity))
-                except ParameterError as own:
-                    raise ParameterError(f"{_described(entity)}: {own}") from error
+                _check(entity, error)
+            for companion in world.companions:
+                companion.check_state()
             raise
 
     def restore(self, data: bytes, *, anew: bool = False) -> None:
@@ -121,7 +120,11 @@ class Snapshots:
         except USER_ERRORS as error:
             pass_interrupt(error)
             if before is not None:
-                self._undo(self._decoded(before))
+                try:
+                    self._undo(self._decoded(before))
+                except (GazeboError, *USER_ERRORS) as second:
+                    pass_interrupt(second)
+                    raise StateError(f"{error}; and what was set of it could not be undone: {second}") from error
             if isinstance(error, GazeboError):
                 raise
             raise StateError(f"the state is damaged: {type(error).__name__}: {error}") from error
@@ -164,8 +167,11 @@ class Snapshots:
 
     def _set(self, saved: dict[str, Any], anew: bool) -> None:
         """Set a state: twice if plugins came or went, for their Load may have changed what was set already."""
-        if self._set_once(saved, anew):
-            self._set_once(saved, False)
+        with state.restoring():
+            again = self._set_once(saved, anew)
+        if again:
+            with state.restoring():
+                self._set_once(saved, False)
 
     def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
         """Set a state; whether a companion asks for setting it once more."""
@@ -362,11 +368,22 @@ def _own_states(reader: Reader, entities: Sequence[Entity]) -> Sequence[Any]:
         return [_own_state(reader, entity) for entity in entities]  # reports whose it is
 
 
+def _check(entity: Entity, cause: Exception) -> None:
+    """Raise an error that names an attribute of an entity, if that is what cannot be encoded."""
+    try:
+        state.check(entity)
+    except ParameterError as error:
+        raise ParameterError(f"{_described(entity)}: {error}") from cause
+
+
 def _own_state(reader: Reader, entity: Entity) -> Sequence[Any]:
     try:
         return reader.get(entity)
     except GazeboError:
         raise
+    except RecursionError as error:
+        _check(entity, error)
+        raise ParameterError(f"{_described(entity)}: its state cannot be saved: {state.TOO_DEEP}") from error
     except USER_ERRORS as error:
         pass_interrupt(error)
         raise ParameterError(f"{_described(entity)}: its state cannot be saved:\n{own_traceback(error)}") from error
@@ -389,6 +406,8 @@ def _load_relatives(world: World, entity: Entity, kept: dict[str, Any]) -> None:
 def _load_own_state(reader: Reader, entity: Entity, own: Sequence[Any]) -> None:
     try:
         reader.set(entity, own)
+    except StateError as error:
+        raise StateError(f"{_described(entity)}: {error}") from error
     except GazeboError:
         raise
     except USER_ERRORS as error:

@@ -691,7 +691,8 @@ class World(Closing):
         if self.problems.failure is not None:
             self.problems.check()
         if self._rewind is not None and self._rewind.due(self.clock.sim_time):
-            self._rewind.keep(self.clock.sim_time, self.snapshots.save())
+            with self.agenda.hold():
+                self._rewind.keep(self.clock.sim_time, self.snapshots.save())
         return made
 
     @property
@@ -990,7 +991,8 @@ class World(Closing):
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("saved")
         self._warn_of_models()
-        return self.snapshots.save()
+        with self.agenda.hold():  # what a SaveState asks for comes after it
+            return self.snapshots.save()
 
     @exclusive
     def set_state(self, state: bytes) -> None:

@@ -231,6 +231,9 @@ class LogPlay:
         """Nothing: a log is no part of the world."""
         return None
 
+    def check_state(self) -> None:
+        """It has none."""
+
     def set_state(self, state: object) -> bool:
         """Nothing to do: the log continues."""
         return False

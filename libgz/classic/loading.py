@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -15,7 +16,7 @@ from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.simulation.entity import Entity
-from libgz.simulation.event import Ends, WorldEvents, owner
+from libgz.simulation.event import Connection, Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
@@ -37,6 +38,8 @@ log = logging.getLogger("libgz.classic")
 # The folder of the ready plugins.
 READY = Path(__file__).parent / "plugins"
 
+_numbers = itertools.count()
+
 
 class LoadedPlugin:
     """A loaded plugin. An exception that it raises is logged, and stops this plugin only.
@@ -53,10 +56,12 @@ class LoadedPlugin:
         plugin: the instance; None once it has failed or was dropped.
         source: the text of its element, if that is not in the world's file.
         prepare: what is done with a new instance before its Load.
+        number: of the order in which plugins were loaded, which is that of their callbacks.
     """
 
     plugin: PluginT | None = seldom()
     source: str = seldom()
+    number: int = seldom()
 
     def __init__(
         self,
@@ -72,6 +77,7 @@ class LoadedPlugin:
         self.filename, self.name, self.path, self.events = filename, name, path, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.source = ""
+        self.number = next(_numbers)
         self.plugin = None
         self.prepare: Callable[[PluginT], object] = lambda _plugin: None
         self._values: tuple[Any, ...] | None = None  # of its Load
@@ -210,6 +216,12 @@ class LoadedPlugin:
                 check(self.plugin)
             except ParameterError as error:
                 raise ParameterError(f"{self}: {error}") from error
+
+    def precede(self, others: Collection[LoadedPlugin]) -> None:
+        """Have its callbacks of events called before those of others."""
+        for connection in list(self.connections):
+            if isinstance(connection, Connection):
+                connection.precede(others)
 
     def load_state(self, state: Any) -> None:
         """Give the plugin a state that `save` returned.

@@ -47,6 +47,9 @@ class Companion(Protocol):
             ParameterError: there is one, which is named.
         """
 
+    def calls_users(self, state: Any) -> bool:
+        """Whether `set_state` calls code of users, which may raise."""
+
     def set_state(self, state: Any) -> bool:
         """Take a state that `get_state` returned, or None. Entities may have been built again just before.
 

@@ -62,6 +62,7 @@ __all__ = [
     "plain",
     "readers",
     "restoring",
+    "runs_code",
     "seldom",
     "set_state",
     "set_values",
@@ -384,13 +385,28 @@ class _Class:
         seldom, often: read those of them that are in the class's SELDOM, and all others.
         declares: whether the class, or one of its bases, declares state.
         shared: whether users may have one object of it in two places, and it can be changed in place.
+        runs_code: whether it is a class of users whose LoadState, or a setter, runs when its state is set.
         undeclared: whether neither it nor a base declares any, those of libgz left aside; never of a class of libgz.
         ours: whether it is one of libgz's, whose states need no names.
         save: makes plain data of an object.
         load: puts plain data into an object; returns it, or what takes its place.
     """
 
-    __slots__ = (*("_alive", "declares", "load", "often", "ours", "save", "seldom", "shared", "undeclared", "whole"),)
+    __slots__ = (
+        *(
+            "_alive",
+            "declares",
+            "load",
+            "often",
+            "ours",
+            "runs_code",
+            "save",
+            "seldom",
+            "shared",
+            "undeclared",
+            "whole",
+        ),
+    )
 
     def __init__(self, kind: Any) -> None:
         bases = kind.__mro__
@@ -405,6 +421,8 @@ class _Class:
         self.declares = any(map(_declares_itself, bases))
         self.undeclared = bool(own) and not any(map(_declares_itself, own))
         self.ours = ours
+        setters = (getattr(kind, name.partition(".")[0], None) for name in names)
+        self.runs_code = not ours and (saves or any(isinstance(one, property) for one in setters))
         self.shared = kind in _CHANGED or (self.declares and not self.ours)
         self.save, self.load = _forms(kind, self)
         identity = id(kind)
@@ -435,6 +453,11 @@ def declares(kind: Any) -> bool:
 def undeclared(kind: Any) -> bool:
     """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
     return _class(kind).undeclared
+
+
+def runs_code(kind: Any) -> bool:
+    """Whether a class is one of users whose LoadState, or a setter, runs when its state is set."""
+    return _class(kind).runs_code
 
 
 def readers(kind: Any) -> tuple[Reader, Reader]:

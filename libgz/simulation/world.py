@@ -187,6 +187,7 @@ class World(Closing):
         self._numbers = 0
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._start_is_old = False  # since a model's class was edited
+        self._resetting = self._resetting_again = False  # again: a reset that was asked for in a reset
         self._rewind: Rewind | None = None
         self.snapshots = Snapshots(self)
         self._checked: list[Entity] = []  # whose classes declare state, or were named in a warning
@@ -1301,8 +1302,23 @@ class World(Closing):
 
         Models that were inserted since are removed, deleted ones are built again. In a world of classic, plugins are
         not returned to an earlier state: their `Reset` is called.
+
+        Raises:
+            GazeboError: a reset that was asked for in a reset, such as by a plugin's `Reset`, asks for another one.
         """
-        self.after_step(lambda: self.era.reset(self))
+        with self.lock:
+            if self._resetting_again:
+                raise GazeboError("a reset that a reset has asked for asks for another one, which would never end")
+            again = self._resetting
+            self.after_step(lambda: self._reset(again))
+
+    def _reset(self, again: bool) -> None:
+        before = self._resetting, self._resetting_again
+        self._resetting, self._resetting_again = True, again
+        try:
+            self.era.reset(self)
+        finally:
+            self._resetting, self._resetting_again = before
 
     reset = Reset
 

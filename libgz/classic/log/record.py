@@ -213,6 +213,10 @@ class LogRecord:
     def check_state(self) -> None:
         """It has none."""
 
+    def calls_users(self, state: object) -> bool:
+        """It calls none."""
+        return False
+
     def set_state(self, state: object) -> bool:
         """Nothing to do: the log continues."""
         return False

@@ -86,7 +86,7 @@ class Snapshots:
             self._list(),
             self._seldom,
             (self._seldom_of_world, self._often_of_world.get(world)),
-            (world.spawned, world.journal.inserted),
+            (world.spawned, world.journal.inserted, world.seed),
             [_own_states(reader, entities) for reader, entities in self._often],
             {_name(companion): kept for companion in world.companions if (kept := companion.get_state()) is not None},
             {name: state.get_values(extension) for name, extension in self._extensions()},
@@ -210,7 +210,9 @@ class Snapshots:
         if seldom != self._seldom_of_world:
             state.readers(_type(world))[0].set(world, state.decode(seldom))
         self._often_of_world.set(world, often)
-        spawned, world.journal.inserted = saved["random"]
+        spawned, world.journal.inserted, seed = saved["random"]
+        if seed != world.seed:
+            world.begin_random(seed)
         world.restart_random(spawned)
         if listed is not None:
             for index, entity in enumerate(world.entities):

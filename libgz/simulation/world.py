@@ -1143,19 +1143,29 @@ class World(Closing):
         """Begin new random numbers, those of a world that was made with this seed: of sensors' noise and of ODE.
 
         A generator that a model of your own made stays as it is; `random.n_children_spawned` counts those that were
-        made from the world's `random`.
+        made from the world's `random`. A state has its world's seed, and so does the state that a reset returns to.
 
         Raises:
-            ParameterError: the seed is negative.
+            ParameterError: the seed is negative, or no integer.
             GazeboError: a step is under way, or plugins load or are reset.
         """
-        not_negative(seed, "seed")
         with self.lock:
             self._check_ready("given a seed")
-            self.seed = self.engine.seed = seed
-            self.restart_random(self.spawned)
-            for companion in self.companions:
-                companion.reseed(seed)
+            self.begin_random(seed)
+
+    def begin_random(self, seed: int) -> None:
+        """Do what `reseed` describes, also while a state is set.
+
+        Raises:
+            ParameterError: the seed is negative, or no integer.
+        """
+        if not isinstance(seed, int):
+            raise ParameterError(f"seed is {seed!r}; it must be an integer")
+        not_negative(seed, "seed")
+        self.seed = self.engine.seed = seed
+        self.restart_random(self.spawned)
+        for companion in self.companions:
+            companion.reseed(seed)
 
     def return_to_start(self) -> None:
         """Bring the world into its state at the end of Initialize.

@@ -24,7 +24,8 @@ CLASSIC = f"""<sdf version='1.6'><world name='default'><model name='ground'><sta
 <x>{NOISE}</x></angular_velocity></imu></sensor><sensor name='bump' type='contact'><always_on>1</always_on>
 <update_rate>30</update_rate><contact><collision>c</collision></contact></sensor></link></model></world></sdf>"""
 NEW = """<sdf version='1.6'><model name='new{1}'><pose>0 0 3 0 0 0</pose><link name='l'>
-<sensor name='s' type='altimeter'><always_on>1</always_on><altimeter><vertical_position>{0}</vertical_position></altimeter></sensor></link></model></sdf>"""
+<sensor name='s' type='altimeter'><always_on>1</always_on><altimeter><vertical_position>{0}</vertical_position>
+</altimeter></sensor></link></model></sdf>"""
 
 
 class Legacy:

@@ -65,7 +65,7 @@ def _read_state(name: str) -> bytes:
         ParameterError: the file cannot be read, or is none of these.
     """
     try:
-        with open(name, "rb") as file:
+        with Path(name).open("rb") as file:
             state = file.read(len(BEGINNING))
             if state != BEGINNING:
                 raise ParameterError(f"{name!r} is no state: it was not written by `libgz snapshot save`")

@@ -111,7 +111,7 @@ def test_what_cannot_be_done_is_one_sentence(wire, serve, tmp_path):
     (tmp_path / "text").write_text("text")
     (tmp_path / "old").write_bytes(b"libgz state 1\nand more")
     (tmp_path / "truncated").write_bytes((tmp_path / "other").read_bytes()[:-9])
-    with open(tmp_path / "huge", "wb") as huge:
+    with (tmp_path / "huge").open("wb") as huge:
         huge.write(FORMAT)
         huge.truncate(3 << 30)  # with holes, which take no space
     for words, message in (

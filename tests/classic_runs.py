@@ -32,7 +32,7 @@ class Run:
         self.view = attach(world).world
         self.messages: list[bytes] = []
         self._node = Node()
-        self._node.Init(self.view.Name())
+        self._node.Init(world.topic_space)
         self._subscribers: list[Any] = []
         self._publishers: dict[str, Any] = {}
 
@@ -44,7 +44,7 @@ class Run:
     def listen(self) -> None:
         """Subscribe to the topics of sensors and plugins that there are now."""
         self._subscribers.clear()
-        prefix = f"/gazebo/{self.view.Name()}/"
+        prefix = f"/gazebo/{self.world.topic_space}/"
         for topic in list(TopicManager.Instance().AdvertisedTopics()):
             if topic.startswith(prefix) and not topic.endswith(LEFT_OUT):
                 self._subscribers.append(self._node.Subscribe(topic, self._keep))

@@ -29,15 +29,15 @@ def own_logging():
 @pytest.fixture(autouse=True)
 def whole_states(monkeypatch):
     """Each state that a test takes is compared with one that is read anew: a change that nobody counted is an error."""
-    save = Snapshots.save
+    read = Snapshots.read
 
     def audited(snapshots):
-        found = save(snapshots)
+        found = read(snapshots)
         forget_kept(snapshots._world)
-        assert save(snapshots) == found, "something changed since the last state, and was not counted"
+        assert read(snapshots) == found, "something changed since the last state, and was not counted"
         return found
 
-    monkeypatch.setattr(Snapshots, "save", audited)
+    monkeypatch.setattr(Snapshots, "read", audited)
 
 
 @pytest.fixture

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 from libgz.apps.console import number_from_zero
 from libgz.apps.target import add_server
 from libgz.errors import ParameterError
 from libgz.files import write_whole
-from libgz.transport.control import ask
+from libgz.transport.control import MOST, ask
 
 __all__ = ["configure", "run"]
+
+BEGINNING = b"libgz state "  # of all versions; the server knows which one it takes
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -48,12 +51,26 @@ def run(options: argparse.Namespace) -> int:
         print(f"saved {len(state)} bytes to {options.file}")
         return 0
     if options.action == "restore":
-        try:
-            state = Path(options.file).read_bytes()
-        except OSError as error:
-            raise ParameterError(f"cannot read {options.file!r}: {error.strerror}") from None
-        now = ask(options.server_id, "restore", content=state)
+        now = ask(options.server_id, "restore", content=_read_state(options.file))
     else:
         now = ask(options.server_id, "rewind", repr(options.seconds))
     print(f"sim time is {now.decode()} s")
     return 0
+
+
+def _read_state(name: str) -> bytes:
+    """The bytes of a file that `save` wrote; of others only the first ones are read.
+
+    Raises:
+        ParameterError: the file cannot be read, or is none of these.
+    """
+    try:
+        with Path(name).open("rb") as file:
+            state = file.read(len(BEGINNING))
+            if state != BEGINNING:
+                raise ParameterError(f"{name!r} is no state: it was not written by `libgz snapshot save`")
+            if os.fstat(file.fileno()).st_size > MOST:
+                raise ParameterError(f"{name!r} is larger than {MOST >> 30} GiB, which a server takes")
+            return state + file.read()
+    except OSError as error:
+        raise ParameterError(f"cannot read {name!r}: {error.strerror}") from None

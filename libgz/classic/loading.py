@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -13,13 +14,13 @@ from weakref import WeakSet
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
-from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
+from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.simulation.entity import Entity
-from libgz.simulation.event import Ends, WorldEvents, owner
+from libgz.simulation.event import Connection, Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import carry_state, declares, fields, get_state, seldom, set_state
+from libgz.simulation.state import carry_state, check, declares, fields, get_state, seldom, set_state
 
 __all__ = [
     "LoadedPlugin",
@@ -37,6 +38,8 @@ log = logging.getLogger("libgz.classic")
 # The folder of the ready plugins.
 READY = Path(__file__).parent / "plugins"
 
+_numbers = itertools.count()
+
 
 class LoadedPlugin:
     """A loaded plugin. An exception that it raises is logged, and stops this plugin only.
@@ -53,10 +56,12 @@ class LoadedPlugin:
         plugin: the instance; None once it has failed or was dropped.
         source: the text of its element, if that is not in the world's file.
         prepare: what is done with a new instance before its Load.
+        number: of the order in which plugins were loaded, which is that of their callbacks.
     """
 
     plugin: PluginT | None = seldom()
     source: str = seldom()
+    number: int = seldom()
 
     def __init__(
         self,
@@ -72,6 +77,7 @@ class LoadedPlugin:
         self.filename, self.name, self.path, self.events = filename, name, path, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.source = ""
+        self.number = next(_numbers)
         self.plugin = None
         self.prepare: Callable[[PluginT], object] = lambda _plugin: None
         self._values: tuple[Any, ...] | None = None  # of its Load
@@ -199,6 +205,24 @@ class LoadedPlugin:
             return None
         return self._guarded("saved", get_state, self.plugin)
 
+    def check_state(self) -> None:
+        """Find out which attribute keeps the plugin's state from being encoded.
+
+        Raises:
+            ParameterError: there is one, which is named.
+        """
+        if self.plugin is not None and self.keeps:
+            try:
+                check(self.plugin)
+            except ParameterError as error:
+                raise ParameterError(f"{self}: {error}") from error
+
+    def precede(self, others: Collection[LoadedPlugin]) -> None:
+        """Have its callbacks of events called before those of others."""
+        for connection in list(self.connections):
+            if isinstance(connection, Connection):
+                connection.precede(others)
+
     def load_state(self, state: Any) -> None:
         """Give the plugin a state that `save` returned.
 
@@ -214,7 +238,8 @@ class LoadedPlugin:
             return function(*values)
         except USER_ERRORS as error:
             pass_interrupt(error)
-            raise PluginError(f"the state of {self} cannot be {what}:\n{own_traceback(error)}") from error
+            reason = f" {error}" if isinstance(error, (ParameterError, StateError)) else f"\n{own_traceback(error)}"
+            raise PluginError(f"the state of {self} cannot be {what}:{reason}") from error
         finally:
             owner.reset(token)
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import logging
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +28,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Kept, changes, decode, encode, get_values, set_values, undeclared
+from libgz.simulation.state import Kept, changes, decode, encode, get_values, runs_code, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -114,6 +116,8 @@ class WorldServer:
         self._listed = b""  # the plugins, encoded
         self._listed_at = -1  # the count of changes then
         self._keeping: list[LoadedPlugin] = []  # those that keep a state
+        self._runs_code = False  # whether one of them has code that runs when its state is set
+        self._not_loaded: dict[tuple[str, str, str, str], str] = {}  # plugins that failed for this state, and why
         self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
     @property
@@ -217,7 +221,9 @@ class WorldServer:
     def _load_model_plugins(self, added: list[CoreModel]) -> None:
         for model in self._models(added):
             for element in self._plugins_of(model.GetSDF()):
-                self.load_model_plugin(model, *_names(element), element)
+                errors = len(self.core.problems.errors)
+                if not self.load_model_plugin(model, *_names(element), element):
+                    self._note_failure(("Model", model.GetScopedName(), *_names(element)), errors)
 
     # Plugins -----------------------------------------------------------------------------------------------------
 
@@ -345,6 +351,8 @@ class WorldServer:
         try:
             with server.hand_over(server.interfaces.values()):
                 reload_all([plugin for *_, plugin in found])
+            for *_, plugin in found:
+                plugin.precede({other for *_, other in self._all_plugins() if other.number > plugin.number})
         except PluginError:
             if before is not None:
                 self.core.snapshots.restore(before)
@@ -453,6 +461,18 @@ class WorldServer:
             self._saved_plugins() if not starting else None,
         )
 
+    def check_state(self) -> None:
+        """Find out which plugin keeps the state from being encoded."""
+        for plugin in self.plugins():
+            plugin.check_state()
+
+    def calls_users(self, state: Sequence[Any] | None) -> bool:
+        """Whether plugins are loaded for a state, or have a LoadState."""
+        plugins = dict(zip(PARTS, state, strict=True))["plugins"] if state is not None else None
+        if plugins is None:
+            return False
+        return bool(plugins[0] != self._list_plugins() or self._runs_code)
+
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None
@@ -513,6 +533,7 @@ class WorldServer:
 
     def entities_rebuilt(self) -> None:
         """Entities were built again: make their sensors, and load their plugins."""
+        self._not_loaded.clear()
         if self._new and self.scene is not None:
             self.scene.shape_again()
         with self._discarded():
@@ -545,20 +566,24 @@ class WorldServer:
         return listed, [plugin.save() for plugin in self._keeping]
 
     def _list_plugins(self) -> bytes:
-        """By kind and holder: file, name and text of each plugin, and whether it keeps a state; encoded."""
+        """By kind and holder: file, name and text of each plugin, when it was loaded, and whether it keeps a state."""
         count = changes.last
         if count == self._listed_at:
             return self._listed
         self._keeping = []
         rows = []
-        for kind, holder, plugins in self._plugins_by_holder():
+        holders = sorted(self._plugins_by_holder(), key=itemgetter(0, 1))
+        numbers = sorted(one.number for *_, plugins in holders for one in plugins if one.plugin is not None)
+        for kind, holder, plugins in holders:
             running = [plugin for plugin in plugins if plugin.plugin is not None]
             for plugin in plugins:
                 if plugin.plugin_class not in self._seen and not self._reloading:
                     self._warn_of_undeclared(plugin)
             self._keeping += [plugin for plugin in running if plugin.keeps]
             if running:
-                rows.append((kind, holder, [(p.filename, p.name, p.source, p.keeps) for p in running]))
+                kept = [(p.filename, p.name, p.source, bisect_left(numbers, p.number), p.keeps) for p in running]
+                rows.append((kind, holder, kept))
+        self._runs_code = any(runs_code(plugin.plugin_class) for plugin in self._keeping)
         self._listed, self._listed_at = encode(rows), count
         return self._listed
 
@@ -566,7 +591,7 @@ class WorldServer:
         """Make the plugins those of a state, and set their states; whether they were others."""
         if listed == self._list_plugins():
             for plugin, saved in zip(self._keeping, states, strict=True):
-                plugin.load_state(saved)
+                self._load_state(plugin, saved)
             return False
         left = iter(states)
         wanted = {
@@ -576,15 +601,32 @@ class WorldServer:
         for kind, _ in wanted:
             if kind not in KINDS:
                 raise StateError(f"the state is damaged: plugins are of the kinds {', '.join(KINDS)}, not {kind!r}")
+        order: list[tuple[int, LoadedPlugin]] = []
         with self._discarded():
             for kind, holder, plugins in list(self._plugins_by_holder()):
-                self._match(kind, holder, plugins, wanted.pop((kind, holder), ()))
+                order += self._match(kind, holder, plugins, wanted.pop((kind, holder), ()))
             for (kind, holder), rows in wanted.items():
-                self._match(kind, holder, [], rows)
+                order += self._match(kind, holder, [], rows)
+        self._arrange([plugin for _, plugin in sorted(order, key=itemgetter(0))])
         return True
 
-    def _match(self, kind: str, holder: str, present: list[LoadedPlugin], rows: Sequence[Any]) -> None:
-        """Drop plugins that came since a state, load again those that ended, and set their states."""
+    @staticmethod
+    def _arrange(order: Sequence[LoadedPlugin]) -> None:
+        """Have the callbacks of plugins called in the order in which a state has them loaded."""
+        numbers = sorted(plugin.number for plugin in order)
+        for place, (plugin, number) in enumerate(zip(order, numbers, strict=True)):
+            if any(other.number < plugin.number for other in order[place + 1 :]):
+                plugin.precede(set(order[place + 1 :]))
+            plugin.number = number
+
+    def _match(
+        self, kind: str, holder: str, present: list[LoadedPlugin], rows: Sequence[Any]
+    ) -> list[tuple[int, LoadedPlugin]]:
+        """Drop plugins that came since a state, load again those that ended, and set their states.
+
+        Returns:
+            The plugins, and their numbers in the order in which they were loaded.
+        """
         left = [plugin for plugin in present if plugin.plugin is not None]
         kept: list[LoadedPlugin | None] = []
         for filename, name, *_ in rows:
@@ -594,28 +636,53 @@ class WorldServer:
         for plugin in left:  # before others are loaded, which may serve what these do
             plugin.drop()
         found = []
-        for same, (filename, name, source, saved) in zip(kept, rows, strict=True):
+        for same, (filename, name, source, number, saved) in zip(kept, rows, strict=True):
             one = same or self._load_again(kind, holder, filename, name, source)
             if one is not None:
-                found.append((one, saved))
-        present[:] = [plugin for plugin, _ in found]
-        for plugin, saved in found:
-            plugin.load_state(saved)
+                found.append((one, number, saved))
+            else:
+                reason = self._not_loaded.get((kind, holder, filename, name)) or "the log says why"
+                place = f" of {holder}" if holder else ""
+                self.core.snapshots.failures.append(
+                    StateError(f"{kind} plugin {name!r}{place} of the state cannot be loaded again: {reason}")
+                )
+        present[:] = [plugin for plugin, *_ in found]
+        for plugin, _, saved in found:
+            self._load_state(plugin, saved)
         changes.count()
+        return [(number, plugin) for plugin, number, _ in found]
+
+    def _load_state(self, plugin: LoadedPlugin, saved: Any) -> None:
+        """Set the state of a plugin; what fails is kept, and the other plugins are set all the same."""
+        try:
+            plugin.load_state(saved)
+        except PluginError as error:
+            self.core.snapshots.failures.append(error)
 
     def _load_again(self, kind: str, holder: str, filename: str, name: str, source: str) -> LoadedPlugin | None:
         """A plugin of a state that ended since, or was loaded at run time in another process."""
+        key = kind, holder, filename, name
+        if key in self._not_loaded:  # it failed when what holds it was built again
+            return None
         owner, load = self._holder(kind, holder)
         if owner is None:
-            log.error("%s plugin %r cannot be loaded again: there is no %s", kind, name, holder)
+            self._not_loaded[key] = f"there is no {holder}"
             return None
         sdf = self.element if kind == "World" else owner.GetSDF()
         own = next((e for e in self._plugins_of(sdf) if _names(e) == (filename, name)), None)
         element = SdfFile.from_string(PLUGIN % source).root.children[0].child("plugin") if source else own
         before = {id(plugin) for *_, plugins in self._plugins_by_holder() for plugin in plugins}
+        errors = len(self.core.problems.errors)
         load(filename, name, element)
+        self._note_failure(key, errors)
         plugins = [plugin for *_, plugins in self._plugins_by_holder() for plugin in plugins]
         return next((plugin for plugin in plugins if id(plugin) not in before), None)
+
+    def _note_failure(self, plugin: tuple[str, str, str, str], errors: int) -> None:
+        """Keep why a plugin was not loaded: the first error that was added to so many."""
+        added = self.core.problems.errors[errors:]
+        if added:
+            self._not_loaded[plugin] = added[0].message
 
     def _holder(self, kind: str, name: str) -> tuple[Any, Callable[[str, str, Element | None], object]]:
         """What holds plugins, and a function that loads one more for it."""

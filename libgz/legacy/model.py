@@ -32,6 +32,7 @@ def _named(bodies: list[Body]) -> str:
     return f"body {names[0]}" if len(bodies) == 1 and bodies[0].bodyName else ", ".join(names)
 
 
+WELD = "weld"
 TRAIL_SPACING = 1.0  # [m] between logged poses
 
 
@@ -73,7 +74,6 @@ class Model(Entity):
     def __init__(self, world: World) -> None:
         super().__init__(world)
         self.node: WorldFileNode | None = None
-        self._weld: HingeJoint | None = None
         self._own_joint: Any = None  # what a subclass keeps under the name of the weld
         self._log_poses = False
         self.poses: list[GzPose] = []
@@ -271,31 +271,38 @@ class Model(Entity):
         """
         if self.parentBody is None:
             return
-        if self._weld is not None:
-            self._weld.close()
-            self._weld = None
+        if (weld := self._weld) is not None:
+            weld.close()
         body = self.GetBody()
         self.relPose = GzCoordPoseSub(body.GetPose(), self.parentBody.GetPose())
         if body.dummy or self.parentBody.dummy:
             self.world.add_follower(self)
             return
-        self._weld = HingeJoint(self.world, name="weld")
-        self._weld.Attach(body, self.parentBody)
+        weld = HingeJoint(self.world, name=WELD)
+        weld.Attach(body, self.parentBody)
         self.weld()
-        self._weld.SetParam(dParamHiStop, 0.0)
-        self._weld.SetParam(dParamLoStop, 0.0)
+        weld.SetParam(dParamHiStop, 0.0)
+        weld.SetParam(dParamLoStop, 0.0)
+
+    @property
+    def _weld(self) -> HingeJoint | None:
+        """The joint of `Attach`, found at its body: which of the engine's joints it is, a state decides."""
+        body = self._canonical
+        if self.parentBody is None or body is None:
+            return None
+        found = (joint for joint in body.joints if joint.bodies[0] is body and joint.name == WELD)
+        return next((joint for joint in found if isinstance(joint, HingeJoint)), None)
 
     def weld(self) -> None:
         """Make the present place on the parent the one that the weld keeps."""
-        if self._weld is not None:
-            self._weld.SetAnchor(self.GetBody().GetPosition())
-            self._weld.SetAxis((0.0, 0.0, 1.0))
+        if (weld := self._weld) is not None:
+            weld.SetAnchor(self.GetBody().GetPosition())
+            weld.SetAxis((0.0, 0.0, 1.0))
 
     def Detach(self) -> None:
         """Take it off its parent."""
-        if self._weld is not None:
-            self._weld.close()
-            self._weld = None
+        if (weld := self._weld) is not None:
+            weld.close()
         super().Detach()
 
     def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
@@ -334,8 +341,8 @@ class Model(Entity):
 
     def close(self) -> None:
         """Destroy bodies, joints and space."""
-        if self._weld is not None:
-            self._weld.close()
+        if (weld := self._weld) is not None:
+            weld.close()
         for body in (*self.bodies, *self._unregistered):
             body.close()
         self.modelSpaceId.close()

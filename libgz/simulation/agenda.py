@@ -30,9 +30,7 @@ class Hold:
     def __exit__(self, *_error: object) -> None:
         agenda = self._agenda
         try:
-            agenda.holding = self._before
-            if agenda.deferred and not (self._before or agenda.stepping):
-                agenda.act()
+            agenda.end_hold(self._before)
         finally:
             agenda.lock.release()
 
@@ -69,6 +67,12 @@ class Agenda:
     def hold(self) -> Hold:
         """Hold changes back until the end; inside another hold or a step, until the end of that."""
         return Hold(self)
+
+    def end_hold(self, before: bool) -> None:
+        """Set `holding` to what it was before a hold, and do what was deferred; for a caller that holds the lock."""
+        self.holding = before
+        if self.deferred and not (before or self.stepping):
+            self.act()
 
     def act(self) -> None:
         """Run the deferred actions, and those that they defer in turn."""

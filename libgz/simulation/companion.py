@@ -40,6 +40,16 @@ class Companion(Protocol):
     def get_state(self) -> object:
         """Its own state as plain data, for `World.get_state`; None if it has none."""
 
+    def check_state(self) -> None:
+        """Find out which of its parts keeps its state from being encoded.
+
+        Raises:
+            ParameterError: there is one, which is named.
+        """
+
+    def calls_users(self, state: Any) -> bool:
+        """Whether `set_state` calls code of users, which may raise."""
+
     def set_state(self, state: Any) -> bool:
         """Take a state that `get_state` returned, or None. Entities may have been built again just before.
 

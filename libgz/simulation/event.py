@@ -6,7 +6,7 @@ import contextlib
 import inspect
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextvars import ContextVar
 from typing import Any, ClassVar, NamedTuple, Protocol
 from weakref import WeakSet
@@ -176,6 +176,10 @@ class Connection:
 
     disconnect = Disconnect
 
+    def precede(self, others: Collection[Owner]) -> None:
+        """Have the callbacks of this one's plugin called before those of others, in this event."""
+        self._event.move(self._entry.owner, others)
+
     @property
     def connected(self) -> bool:
         """Whether the callback is still called."""
@@ -244,6 +248,13 @@ class Event:
         entry.connected = False
         self.own = tuple(kept for kept in self.own if kept is not entry)
         self._all = None
+
+    def move(self, by: Owner | None, others: Collection[Owner]) -> None:
+        """Call the callbacks of one plugin before those of others."""
+        moved = [entry for entry in self.own if entry.owner is by]
+        rest = [entry for entry in self.own if entry.owner is not by]
+        at = next((i for i, entry in enumerate(rest) if entry.owner is not None and entry.owner in others), len(rest))
+        self.own, self._all = (*rest[:at], *moved, *rest[at:]), None
 
     def clear(self) -> None:
         """Remove all callbacks."""

@@ -48,6 +48,9 @@ class Snapshots:
 
     Args:
         world: the World.
+
+    Attributes:
+        failures: what code of users raised while a state was set, such as a LoadState; all else of the state was set.
     """
 
     def __init__(self, world: World) -> None:
@@ -65,14 +68,25 @@ class Snapshots:
         self._sorted: list[Interface[Any]] = []  # in order of their types and ids
         self._names = b""  # the encoding of those
         self._encoder = state.Encoder()
+        self._runs_code = False  # whether a class of users has code that runs when its state is set
         self._sound: dict[int, None] = {}  # hashes of the last states that were set without an error
+        self.failures: list[GazeboError] = []
 
     def save(self) -> bytes:
-        """The state between two steps.
+        """The state between two steps; the caller holds the world's lock.
 
         Raises:
             ParameterError: an object declares something as its state that is not plain data, or cannot be read.
         """
+        agenda = self._world.agenda
+        before, agenda.holding = agenda.holding, True  # what a SaveState asks for comes after it
+        try:
+            return self.read()
+        finally:
+            agenda.end_hold(before)
+
+    def read(self) -> bytes:
+        """`save`, for a caller that holds changes back."""
         world = self._world
         engine = [*world.engine.read_state()]
         engine[MEMORY] = state.large(engine[MEMORY])
@@ -81,7 +95,7 @@ class Snapshots:
             self._list(),
             self._seldom,
             (self._seldom_of_world, self._often_of_world.get(world)),
-            (world.spawned, world.journal.inserted),
+            (world.spawned, world.journal.inserted, world.seed),
             [_own_states(reader, entities) for reader, entities in self._often],
             {_name(companion): kept for companion in world.companions if (kept := companion.get_state()) is not None},
             {name: state.get_values(extension) for name, extension in self._extensions()},
@@ -92,10 +106,9 @@ class Snapshots:
             return self._encoder.encode(plain)
         except ParameterError as error:
             for entity in world.entities:
-                try:
-                    state.encode(_own_state(_reader(entity, True), entity))
-                except ParameterError as own:
-                    raise ParameterError(f"{_described(entity)}: {own}") from error
+                _check(entity, error)
+            for companion in world.companions:
+                companion.check_state()
             raise
 
     def restore(self, data: bytes, *, anew: bool = False) -> None:
@@ -114,30 +127,47 @@ class Snapshots:
         data = bytes(data)  # the same object, if it is that already
         saved = self._decoded(data)
         number = hash(data)
-        before = None if number in self._sound else self._saved_before()
+        before = None if number in self._sound and not self._calls_users(saved) else self._saved_before()
         self._sound.pop(number, None)
         try:
             self._set(saved, anew)
-        except USER_ERRORS as error:
-            pass_interrupt(error)
-            if before is not None:
-                self._undo(self._decoded(before))
-            if isinstance(error, GazeboError):
+            if self.failures:
+                raise self.failures[0]
+        except BaseException as error:
+            cause = self.failures[0] if self.failures else error
+            left = self._undo(self._decoded(before)) if before is not None else ""
+            if not isinstance(error, USER_ERRORS):
                 raise
-            raise StateError(f"the state is damaged: {type(error).__name__}: {error}") from error
+            pass_interrupt(error)
+            kind = type(cause) if isinstance(cause, GazeboError) else StateError
+            text = str(cause) if kind is type(cause) else f"the state is damaged: {type(cause).__name__}: {cause}"
+            raise kind(text + left) from cause
         self._sound[number] = None
         if len(self._sound) > MOST_SOUND:
             del self._sound[next(iter(self._sound))]
 
-    def _undo(self, before: dict[str, Any]) -> None:
+    def _undo(self, before: dict[str, Any]) -> str:
+        """Set the state from before; the end of a message about what that could not undo, which is mostly empty."""
         _count_changes()  # an error may have come before that of a change
         try:
-            self._set(before, False)
-        except (GazeboError, *USER_ERRORS) as error:  # something was destroyed that only building anew brings back
+            try:
+                self._set(before, False, undoing=True)
+            except USER_ERRORS as error:  # something was destroyed that only building anew brings back
+                pass_interrupt(error)
+                self._set(before, True, undoing=True)
+        except USER_ERRORS as error:
             pass_interrupt(error)
-            self._set(before, True)
+            return f"\nwhat was set of it could not be undone: {error}"
         finally:
             _count_changes()
+        return "".join(f"\nthis could not be undone: {error}" for error in self.failures)
+
+    def _calls_users(self, saved: dict[str, Any]) -> bool:
+        """Whether code of users runs when this state is set, which may raise in a state that could be set before."""
+        if saved["list"] != self._list() or self._runs_code:
+            return True
+        kept = saved["companions"]
+        return any(companion.calls_users(kept.get(_name(companion))) for companion in self._world.companions)
 
     def _saved_before(self) -> bytes | None:
         try:
@@ -162,10 +192,15 @@ class Snapshots:
                 raise StateError(f"this state has a part that this world has not: {name}")
         return saved
 
-    def _set(self, saved: dict[str, Any], anew: bool) -> None:
+    def _set(self, saved: dict[str, Any], anew: bool, *, undoing: bool = False) -> None:
         """Set a state: twice if plugins came or went, for their Load may have changed what was set already."""
-        if self._set_once(saved, anew):
-            self._set_once(saved, False)
+        self.failures.clear()
+        with state.restoring():
+            again = self._set_once(saved, anew)
+        if again and (undoing or not self.failures):
+            self.failures.clear()
+            with state.restoring():
+                self._set_once(saved, False)
 
     def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
         """Set a state; whether a companion asks for setting it once more."""
@@ -184,7 +219,9 @@ class Snapshots:
         if seldom != self._seldom_of_world:
             state.readers(_type(world))[0].set(world, state.decode(seldom))
         self._often_of_world.set(world, often)
-        spawned, world.journal.inserted = saved["random"]
+        spawned, world.journal.inserted, seed = saved["random"]
+        if seed != world.seed:
+            world.begin_random(seed)
         world.restart_random(spawned)
         if listed is not None:
             for index, entity in enumerate(world.entities):
@@ -271,6 +308,7 @@ class Snapshots:
         self._seldom = state.encode((still, rows))
         self._seldom_of_world = state.encode([*state.readers(_type(self._world))[0].get(self._world)])
         self._often = _changing(entities, still)
+        self._runs_code = any(map(state.runs_code, {type(entity) for entity in entities}))
 
     def _load_entities(self, seldom: bytes, often: Sequence[Sequence[Sequence[Any]]]) -> None:
         """Set the states of all entities."""
@@ -281,13 +319,25 @@ class Snapshots:
             given = entities = self._world.entities
             still, rows = state.decode(seldom)
             for entity, whole, row in zip(entities, still, rows, strict=True):
-                _load_own_state(_reader(entity, whole), entity, row)
+                self._load_own_state(_reader(entity, whole), entity, row)
             groups = _changing(entities, still)
         for (reader, members), rows in zip(groups, often, strict=True):
             for entity, row in zip(members, rows, strict=True):
-                _load_own_state(reader, entity, row)
+                self._load_own_state(reader, entity, row)
         for entity in given:
             entity.MasterStatesSet()
+
+    def _load_own_state(self, reader: Reader, entity: Entity, own: Sequence[Any]) -> None:
+        """Set the state of an entity; what fails is kept, and the other entities are set all the same."""
+        try:
+            reader.set(entity, own)
+        except GazeboError as error:
+            named = error if _described(entity) in str(error) else type(error)(f"{_described(entity)}: {error}")
+            self.failures.append(named)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            text = f"{_described(entity)}: its state cannot be set:\n{own_traceback(error)}"
+            self.failures.append(StateError(text))
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
@@ -358,11 +408,22 @@ def _own_states(reader: Reader, entities: Sequence[Entity]) -> Sequence[Any]:
         return [_own_state(reader, entity) for entity in entities]  # reports whose it is
 
 
+def _check(entity: Entity, cause: Exception) -> None:
+    """Raise an error that names an attribute of an entity, if that is what cannot be encoded."""
+    try:
+        state.check(entity)
+    except ParameterError as error:
+        raise ParameterError(f"{_described(entity)}: {error}") from cause
+
+
 def _own_state(reader: Reader, entity: Entity) -> Sequence[Any]:
     try:
         return reader.get(entity)
     except GazeboError:
         raise
+    except RecursionError as error:
+        _check(entity, error)
+        raise ParameterError(f"{_described(entity)}: its state cannot be saved: {state.TOO_DEEP}") from error
     except USER_ERRORS as error:
         pass_interrupt(error)
         raise ParameterError(f"{_described(entity)}: its state cannot be saved:\n{own_traceback(error)}") from error
@@ -380,16 +441,6 @@ def _load_relatives(world: World, entity: Entity, kept: dict[str, Any]) -> None:
     for name in ("failed", "plugin_error"):
         if _text_of(getattr(entity, name)) != kept[name]:
             setattr(entity, name, StoppedError(kept[name]) if kept[name] is not None else None)
-
-
-def _load_own_state(reader: Reader, entity: Entity, own: Sequence[Any]) -> None:
-    try:
-        reader.set(entity, own)
-    except GazeboError:
-        raise
-    except USER_ERRORS as error:
-        pass_interrupt(error)
-        raise StateError(f"{_described(entity)}: its state cannot be set:\n{own_traceback(error)}") from error
 
 
 def _text_of(error: object) -> str | None:

@@ -12,12 +12,13 @@ or by two methods, where names do not suffice; a class may have both::
 
 A name with a dot, such as "clock.sim_time", is that of an attribute of a part that always is there.
 An attribute holds plain data (numbers, strings, bytes, None, vectors, poses, numpy and ctypes arrays, and tuples,
-lists, dicts and deques of them), a random generator, or an object that declares its own state, alone or in a tuple,
-list or dict. What a class inherits is added. `STATE = ()` says that there is nothing to keep.
+lists, dicts, sets and deques of them), a random generator, or an object that declares its own state, alone or in one
+of these. What a class inherits is added. `STATE = ()` says that there is nothing to keep.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import io
@@ -26,17 +27,19 @@ import pickle
 import random
 import struct
 import sys
+import threading
 import weakref
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from operator import attrgetter
+from types import BuiltinFunctionType, FunctionType
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
+from libgz.errors import GazeboError, ParameterError, StateError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.edits import Edits
 
@@ -47,6 +50,7 @@ __all__ = [
     "Reader",
     "carry_state",
     "changes",
+    "check",
     "declares",
     "decode",
     "encode",
@@ -57,6 +61,8 @@ __all__ = [
     "large",
     "plain",
     "readers",
+    "restoring",
+    "runs_code",
     "seldom",
     "set_state",
     "set_values",
@@ -65,9 +71,10 @@ __all__ = [
 ]
 
 C = TypeVar("C", bound=Callable[..., Any])
+E = TypeVar("E", bound=GazeboError)
 
 FORMAT = (
-    b"libgz state 6\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
+    b"libgz state 7\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
 )
 LARGE = 4096  # [byte]
 _COUNT = struct.Struct("<q")
@@ -75,6 +82,8 @@ _NO_BLOCKS = FORMAT + _COUNT.pack(0)
 _DAMAGES = (
     *(pickle.UnpicklingError, struct.error, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError),
 )
+
+TOO_DEEP = "it is nested too deeply, or contains itself"
 
 # What an encoded state may consist of besides the builtin types: decoding one never runs other code.
 _ALLOWED = {
@@ -90,7 +99,8 @@ _ALLOWED = {
     ("numpy", "ndarray"),
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
-_ARRAYS = "biufc?"  # kinds of arrays that are written as their bytes
+_ARRAYS = "biufc?SUmM"  # kinds of arrays that are written as their bytes
+_WITHOUT_BUFFER = "mM"  # of them those of which Python can see the bytes only as those of integers
 _NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
 _WRITTEN: set[type] = set()  # classes of values that were found to be plain
 _MADE: list[type] = []  # base classes of what allowed functions make
@@ -98,6 +108,7 @@ _PCG_PARTS = 4  # of what numpy returns as the state of its usual generator
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
 _EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values are the same in every respect
 _COMPARED = _EXACT | {float}
+_ORDERED = frozenset({int, str, bytes})  # whose values can be put in order
 
 
 def _array(data: Any, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
@@ -110,7 +121,9 @@ def _save_array(value: NDArray[Any]) -> Any:
         return value
     if value.nbytes < LARGE:
         return _ARRAY, value.tobytes(), value.dtype.str, value.shape
-    return _ARRAY, pickle.PickleBuffer(np.ascontiguousarray(value).data), value.dtype.str, value.shape
+    whole = np.ascontiguousarray(value)
+    whole = whole.view("i8") if value.dtype.kind in _WITHOUT_BUFFER else whole
+    return _ARRAY, pickle.PickleBuffer(whole.data), value.dtype.str, value.shape
 
 
 def large(data: bytes) -> Any:
@@ -123,7 +136,66 @@ def large(data: bytes) -> Any:
 _MARK = "\0"
 _TUPLE = "\0tuple"
 _ARRAY = "\0array"
-_makers: dict[str, Callable[..., Any]] = {_ARRAY: _array}  # by those marks
+_SET = "\0set"
+_FROZEN = "\0frozenset"
+_DICT = "\0dict"  # whose keys are more than numbers and texts
+_ITEMS = "\0items"  # of a ctypes array
+_GENERATOR = "\0generator"  # of numpy
+_RANDOM = "\0random"
+_OBJECT = "\0object"  # the name of its class follows, and what it declares
+
+
+def _new_set(*items: Any) -> set[Any]:
+    return set(map(_made, items))
+
+
+def _new_frozen_set(*items: Any) -> frozenset[Any]:
+    return frozenset(map(_made, items))
+
+
+def _new_dict(*items: Any) -> dict[Any, Any]:
+    return {_made(key): _made(item) for key, item in zip(items[::2], items[1::2], strict=True)}
+
+
+def _new_generator(state: Any) -> np.random.Generator:
+    if isinstance(state, tuple):
+        return _load_pcg(np.random.Generator(np.random.PCG64()), state)
+    name = state["bit_generator"]
+    if name not in _BIT_GENERATORS:
+        raise StateError(f"the state is damaged: there is no random generator {name!r}")
+    generator = np.random.Generator(getattr(np.random, name)())
+    generator.bit_generator.state = state
+    return generator
+
+
+def _new_random(*state: Any) -> random.Random:
+    generator = random.Random()
+    generator.setstate(state)
+    return generator
+
+
+def _absent_object(name: str, *_values: Any) -> Any:
+    raise StateError(
+        f"there is no object of class {name} now, which the state has there; objects that declare a state are "
+        "made in Load"
+    )
+
+
+def _absent_items(*items: Any) -> Any:
+    raise StateError(f"there is no ctypes array of {len(items)} numbers now, which the state has there")
+
+
+_BIT_GENERATORS = ("MT19937", "PCG64", "PCG64DXSM", "Philox", "SFC64")
+_makers: dict[str, Callable[..., Any]] = {  # by those marks
+    _ARRAY: _array,
+    _SET: _new_set,
+    _FROZEN: _new_frozen_set,
+    _DICT: _new_dict,
+    _ITEMS: _absent_items,
+    _GENERATOR: _new_generator,
+    _RANDOM: _new_random,
+    _OBJECT: _absent_object,
+}
 _NUMBERS_OF_POSE = 7
 
 
@@ -217,17 +289,27 @@ class Noted:
         Noted.noted.count()
 
 
+def _saved_by_ours(thing: Any) -> Any:
+    return thing.SaveState()
+
+
+def _saved_by_users(thing: Any) -> Any:
+    return _in_order(thing.SaveState())
+
+
 class Reader:
     """Reads and sets some of what a class declares.
 
     Args:
         names: of attributes.
         saves: whether SaveState and LoadState belong to it.
+        ours: whether the class is one of libgz's.
     """
 
-    __slots__ = ("_read", "fields", "places", "saves")
+    __slots__ = ("_read", "_save", "fields", "places", "saves")
 
-    def __init__(self, names: Sequence[str], saves: bool) -> None:
+    def __init__(self, names: Sequence[str], saves: bool, ours: bool) -> None:
+        self._save = _saved_by_ours if ours else _saved_by_users
         read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
         self._read: Callable[[Any], tuple[Any, ...]] = (lambda thing: (read(thing),)) if len(names) == 1 else read
         self.saves = saves
@@ -240,7 +322,7 @@ class Reader:
         values: Sequence[Any] = self._read(thing)
         if not _PLAIN.issuperset(map(type, values)):
             values = [value if type(value) in _PLAIN else _saved(value) for value in values]
-        return (*values, thing.SaveState()) if self.saves else values
+        return (*values, self._save(thing)) if self.saves else values
 
     def rows(self, things: Sequence[Any]) -> list[Sequence[Any]]:
         """What `get` returns of each of these objects."""
@@ -265,7 +347,34 @@ class Reader:
                 break
             same += 1
         for place, value in zip(self.places[same:], values[same:], strict=True):
-            _set(thing, place, value)
+            try:
+                _set(thing, place, value)
+            except StateError as error:
+                raise _of_attribute(StateError, place[1], error) from error
+            except RecursionError as error:
+                raise _of_attribute(StateError, place[1], TOO_DEEP) from error
+
+
+def _of_attribute(kind: type[E], name: str, error: object) -> E:
+    """An error about an attribute, or about what SaveState returned."""
+    return kind(f"{f'its attribute {name!r}' if name else 'what SaveState returned'}: {error}")
+
+
+def check(thing: Any) -> None:
+    """Find out which attribute of an object keeps its state from being encoded.
+
+    Raises:
+        ParameterError: there is one, which is named.
+    """
+    whole = _class(type(thing)).whole
+    for name in whole.fields:
+        reader = Reader([name] if name else [], not name, False)
+        try:
+            encode(reader.get(thing))
+        except (ParameterError, RecursionError) as error:
+            raise _of_attribute(
+                ParameterError, name, TOO_DEEP if isinstance(error, RecursionError) else error
+            ) from error
 
 
 class _Class:
@@ -275,13 +384,29 @@ class _Class:
         whole: reads all attributes that the class and its bases declare, and what SaveState returns.
         seldom, often: read those of them that are in the class's SELDOM, and all others.
         declares: whether the class, or one of its bases, declares state.
+        shared: whether users may have one object of it in two places, and it can be changed in place.
+        runs_code: whether it is a class of users whose LoadState, or a setter, runs when its state is set.
         undeclared: whether neither it nor a base declares any, those of libgz left aside; never of a class of libgz.
         ours: whether it is one of libgz's, whose states need no names.
         save: makes plain data of an object.
         load: puts plain data into an object; returns it, or what takes its place.
     """
 
-    __slots__ = (*("_alive", "declares", "load", "often", "ours", "save", "seldom", "undeclared", "whole"),)
+    __slots__ = (
+        *(
+            "_alive",
+            "declares",
+            "load",
+            "often",
+            "ours",
+            "runs_code",
+            "save",
+            "seldom",
+            "shared",
+            "undeclared",
+            "whole",
+        ),
+    )
 
     def __init__(self, kind: Any) -> None:
         bases = kind.__mro__
@@ -289,12 +414,16 @@ class _Class:
         names = tuple(dict.fromkeys(name for base in reversed(bases) for name in vars(base).get("STATE", ())))
         saves = hasattr(kind, "SaveState")
         seldom = getattr(kind, "SELDOM", names if issubclass(kind, Noted) else ())
-        self.whole = Reader(names, saves)
-        self.seldom = Reader([name for name in names if name in seldom], False)
-        self.often = Reader([name for name in names if name not in seldom], saves)
+        ours = kind.__module__.startswith("libgz.")
+        self.whole = Reader(names, saves, ours)
+        self.seldom = Reader([name for name in names if name in seldom], False, ours)
+        self.often = Reader([name for name in names if name not in seldom], saves, ours)
         self.declares = any(map(_declares_itself, bases))
         self.undeclared = bool(own) and not any(map(_declares_itself, own))
-        self.ours = kind.__module__.startswith("libgz.")
+        self.ours = ours
+        setters = (getattr(kind, name.partition(".")[0], None) for name in names)
+        self.runs_code = not ours and (saves or any(isinstance(one, property) for one in setters))
+        self.shared = kind in _CHANGED or (self.declares and not self.ours)
         self.save, self.load = _forms(kind, self)
         identity = id(kind)
         self._alive = weakref.ref(kind, lambda _: _classes.pop(identity, None))  # those of plugins come and end
@@ -324,6 +453,11 @@ def declares(kind: Any) -> bool:
 def undeclared(kind: Any) -> bool:
     """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
     return _class(kind).undeclared
+
+
+def runs_code(kind: Any) -> bool:
+    """Whether a class is one of users whose LoadState, or a setter, runs when its state is set."""
+    return _class(kind).runs_code
 
 
 def readers(kind: Any) -> tuple[Reader, Reader]:
@@ -356,7 +490,7 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
     """Give an object one of its values."""
     part, name = place
     if not name:
-        thing.LoadState(value)
+        thing.LoadState(value if _class(type(thing)).ours else _made(value))
         return
     holder = thing if part is None else part(thing)
     before = getattr(holder, name, None)
@@ -394,10 +528,51 @@ def _saved(value: Any) -> Any:
     return value if kind in _PLAIN else (_classes.get(id(kind)) or _class(kind)).save(value)
 
 
+def _in_order(value: Any) -> Any:
+    """What a SaveState of users returned, with sets as their items in order."""
+    kind = type(value)
+    if kind is list:
+        return [*map(_in_order, value)]
+    if kind is tuple:
+        return _marked((*map(_in_order, value),))
+    if kind is dict:
+        return (_DICT, *map(_in_order, chain.from_iterable(value.items())))
+    if kind in (set, frozenset):
+        return _save_set(_SET if kind is set else _FROZEN, value)
+    return value
+
+
 def _loaded(before: Any, value: Any) -> Any:
     """`value`, put into the object that was there where that can be changed."""
     kind: Any = type(before)
-    return _made(value) if kind in _PLAIN else (_classes.get(id(kind)) or _class(kind)).load(before, value)
+    if kind in _PLAIN:
+        return _made(value)
+    declared = _classes.get(id(kind)) or _class(kind)
+    if declared.shared and _is_taken(before, value):
+        return _made(value)
+    return declared.load(before, value)
+
+
+_restoring = threading.local()
+
+
+@contextlib.contextmanager
+def restoring() -> Iterator[None]:
+    """What is set in the `with` is of one state: an object that is in two places takes no two values."""
+    _restoring.loaded = {}
+    try:
+        yield
+    finally:
+        _restoring.loaded = None
+
+
+def _is_taken(before: Any, value: Any) -> bool:
+    """Whether an object has taken another value of the state already."""
+    loaded: dict[int, tuple[Any, Any]] | None = getattr(_restoring, "loaded", None)
+    if loaded is None:
+        return False
+    _, first = loaded.setdefault(id(before), (before, value))
+    return first is not value and encode(first) != encode(value)
 
 
 def made(mark: str, *parts: Any) -> Any:
@@ -427,24 +602,48 @@ def _forms(kind: Any, declared: _Class) -> tuple[Callable[[Any], Any], Callable[
     if kind in _CONTAINERS:
         return _CONTAINERS[kind]
     if issubclass(kind, ctypes.Array):
-        return (lambda value: value[:]), _load_items
+        return (lambda value: (_ITEMS, *value[:])), _load_items
     if "numpy.random" in sys.modules and issubclass(kind, np.random.Generator):
-        return _generator_state, _load_generator
+        return (lambda value: (_GENERATOR, _generator_state(value))), _load_generator
     if issubclass(kind, random.Random):
-        return (lambda value: value.getstate()), _load_random
+        return (lambda value: (_RANDOM, *value.getstate())), _load_random
     if kind in _STRUCTS:
         return _STRUCTS[kind], (lambda _before, value: _made(value))
     if not declared.declares:
         return (lambda value: value), (lambda _before, value: _made(value))
+    head = _OBJECT, kind.__qualname__
     if declared.ours:
-        return (lambda value: [*get_values(value)]), _load_ours
-    return get_state, _load_users
+        return (lambda value: (*head, *get_values(value))), functools.partial(_load_ours, head)
+    return (lambda value: (*head, get_state(value))), functools.partial(_load_users, head)
 
 
-def _save_dict(value: dict[Any, Any]) -> dict[Any, Any]:
+def _save_dict(value: dict[Any, Any]) -> Any:
+    if not _PLAIN.issuperset(map(type, value)):
+        return (_DICT, *chain.from_iterable((_saved(key), _saved(item)) for key, item in value.items()))
     if _PLAIN.issuperset(map(type, value.values())):
         return value.copy()
     return {key: _saved(item) for key, item in value.items()}
+
+
+def _save_set(mark: str, value: Any) -> tuple[Any, ...]:
+    """The mark, and what is in a set, in an order that depends on nothing else."""
+    if len(kinds := {*map(type, value)}) == 1 and kinds <= _ORDERED:
+        return (mark, *sorted(value))
+    return (mark, *sorted(map(_saved, value), key=encode))
+
+
+def _is(mark: str, value: Any) -> bool:
+    """Whether a value of a state begins with a mark."""
+    return type(value) is tuple and len(value) > 0 and type(value[0]) is str and value[0] == mark
+
+
+def _load_set(before: set[Any], value: Any) -> Any:
+    if not _is(_SET, value):
+        return _made(value)
+    items = _made(value)
+    before.clear()
+    before.update(items)
+    return before
 
 
 def _generator_state(generator: np.random.Generator) -> Any:
@@ -456,56 +655,79 @@ def _generator_state(generator: np.random.Generator) -> Any:
 
 
 def _load_generator(before: np.random.Generator, value: Any) -> Any:
-    if isinstance(value, tuple):
-        if value == _generator_state(before):
-            return before
-        state, inc, has, integer = value
-        numbers = {"state": state, "inc": inc}
-        value = {"bit_generator": "PCG64", "state": numbers, "has_uint32": has, "uinteger": integer}
-    before.bit_generator.state = value
+    if not _is(_GENERATOR, value):
+        return _made(value)
+    state, present = value[1], _generator_state(before)
+    if isinstance(state, tuple) and isinstance(present, tuple):
+        return before if state == present else _load_pcg(before, state)
+    if type(state) is not type(present) or state["bit_generator"] != present["bit_generator"]:
+        return _made(value)
+    before.bit_generator.state = state
     return before
+
+
+def _load_pcg(generator: np.random.Generator, state: Sequence[int]) -> np.random.Generator:
+    number, inc, has, integer = state
+    numbers = {"state": number, "inc": inc}
+    generator.bit_generator.state = {
+        **{"bit_generator": "PCG64", "state": numbers, "has_uint32": has, "uinteger": integer}
+    }
+    return generator
 
 
 def _load_random(before: random.Random, value: Any) -> Any:
-    before.setstate(value)
+    if not _is(_RANDOM, value):
+        return _made(value)
+    before.setstate(value[1:])
     return before
 
 
-def _load_ours(before: Any, value: Any) -> Any:
-    if value is None:
-        return None
-    set_values(before, value)
+def _load_ours(head: tuple[str, str], before: Any, value: Any) -> Any:
+    if type(value) is not tuple or value[:2] != head:
+        return _made(value)
+    set_values(before, value[2:])
     return before
 
 
-def _load_users(before: Any, value: Any) -> Any:
-    if value is None:
-        return None
-    set_state(before, value)
+def _load_users(head: tuple[str, str], before: Any, value: Any) -> Any:
+    if type(value) is not tuple or value[:2] != head:
+        return _made(value)
+    set_state(before, value[2])
     return before
 
 
 def _load_items(before: Any, value: Any) -> Any:
-    before[:] = value
+    if not _is(_ITEMS, value):
+        return _made(value)
+    before[:] = value[1:]
     return before
 
 
 def _load_list(before: list[Any], value: Any) -> Any:
     if type(value) is not list:
         return _made(value)
-    before[:] = _matched(before, value)
+    before[:] = _made(value) if _PLAIN.issuperset(map(type, before)) else map(_loaded, _as_long(before, value), value)
     return before
 
 
 def _load_tuple(before: tuple[Any, ...], value: Any) -> Any:
     if type(value) is not tuple or (value and type(value[0]) is str and value[0][:1] == _MARK):
         return _made(value)
-    return _matched(before, value)
+    if _PLAIN.issuperset(map(type, before)):
+        return _made(value)
+    return (*map(_loaded, _as_long(before, value), value),)
+
+
+def _as_long(before: Sequence[Any], value: Sequence[Any]) -> list[Any]:
+    """What was there, with None where there is nothing yet."""
+    return [*before, *[None] * (len(value) - len(before))]
 
 
 def _load_dict(before: dict[Any, Any], value: Any) -> Any:
     if type(value) is not dict:
-        return _made(value)
+        if not _is(_DICT, value):
+            return _made(value)
+        value = dict(zip(map(_made, value[1::2]), value[2::2], strict=True))
     if _PLAIN.issuperset(map(type, (*before.values(), *value.values()))):
         before.clear()
         before.update(value)
@@ -517,26 +739,21 @@ def _load_dict(before: dict[Any, Any], value: Any) -> Any:
 
 
 def _load_deque(before: deque[Any], value: Any) -> Any:
-    kept = tuple(map(_made, value))
+    if type(value) is not deque or value.maxlen != before.maxlen:
+        return _made(value)
+    kept = (*map(_loaded, _as_long(before, value), value),)
     before.clear()
     before.extend(kept)
     return before
 
 
 def _load_array(before: NDArray[Any], value: Any) -> Any:
-    if type(value) is tuple and value and value[0] == _ARRAY:
+    if _is(_ARRAY, value):
         _, data, kind, shape = value
-        if before.shape == shape and before.flags.writeable:
+        if (before.shape, before.dtype.str) == (shape, kind) and before.flags.writeable:
             before[...] = np.frombuffer(data, kind).reshape(shape)
             return before
     return _made(value)
-
-
-def _matched(before: Any, value: Any) -> Any:
-    if _PLAIN.issuperset(map(type, before)):
-        return _made(value)
-    rest = [None] * (len(value) - len(before))
-    return type(value)(_loaded(old, new) for old, new in zip([*before, *rest], value, strict=False))
 
 
 def _save_list(value: list[Any]) -> list[Any]:
@@ -544,8 +761,15 @@ def _save_list(value: list[Any]) -> list[Any]:
 
 
 def _save_tuple(value: tuple[Any, ...]) -> tuple[Any, ...]:
-    saved = value if _PLAIN.issuperset(map(type, value)) else (*map(_saved, value),)
-    return (_TUPLE, *saved) if value and type(value[0]) is str and value[0][:1] == _MARK else saved
+    if _PLAIN.issuperset(map(type, value)):
+        return _marked(value)
+    saved = (*map(_saved, value),)
+    return (_TUPLE, *saved) if type(value[0]) is str and value[0][:1] == _MARK else saved
+
+
+def _marked(value: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A tuple of users, which may begin with a mark."""
+    return (_TUPLE, *value) if value and type(value[0]) is str and value[0][:1] == _MARK else value
 
 
 def _save_deque(value: deque[Any]) -> deque[Any]:
@@ -557,9 +781,13 @@ _CONTAINERS: dict[Any, tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]] =
     tuple: (_save_tuple, _load_tuple),
     dict: (_save_dict, _load_dict),
     deque: (_save_deque, _load_deque),
+    set: (functools.partial(_save_set, _SET), _load_set),
+    frozenset: (functools.partial(_save_set, _FROZEN), (lambda _before, value: _made(value))),
     np.ndarray: (_save_array, _load_array),
 }
 
+
+_CHANGED = frozenset({list, dict, deque, set, np.ndarray})  # in place
 
 for _kind in (GzVector, GzQuatern, GzColor, GzPose):
     _add_struct(_kind)
@@ -581,6 +809,9 @@ class Encoder:
     """Encodes states one after another, in less time than as many calls of `encode`."""
 
     def __init__(self) -> None:
+        self._begin()
+
+    def _begin(self) -> None:
         self._buffer = io.BytesIO(_NO_BLOCKS)
         self._buffer.seek(len(_NO_BLOCKS))
         self._blocks: list[pickle.PickleBuffer] = []
@@ -589,19 +820,39 @@ class Encoder:
 
     def encode(self, state: Any) -> bytes:
         """As the function `encode`."""
+        try:
+            return self._encoded(state)
+        except ParameterError:
+            self._begin()
+            raise
+        except (KeyError, ValueError):  # of a pickler's count of how deep it is, which frozensets and errors upset
+            self._begin()
+        except BaseException:
+            self._begin()
+            raise
+        try:
+            return self._encoded(state)
+        except (KeyError, ValueError) as error:
+            self._begin()
+            raise ParameterError(f"a state must be plain data, and {TOO_DEEP}") from error
+
+    def _encoded(self, state: Any) -> bytes:
         buffer, blocks = self._buffer, self._blocks
         try:
             self._pickler.dump(state)
-            if not blocks:
-                return buffer.getvalue()
+        except (pickle.PicklingError, TypeError, AttributeError) as error:
+            raise ParameterError(f"a state must be plain data, and {error}") from error
+        except RecursionError as error:
+            raise ParameterError(f"a state must be plain data, and {TOO_DEEP}") from error
+        if blocks:
             contents = [block.raw() for block in blocks]
             head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
-            return b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
-        except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
-            raise ParameterError(f"a state must be plain data: {error}") from error
-        finally:
+            encoded = b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
             blocks.clear()
-            buffer.truncate(buffer.seek(len(_NO_BLOCKS)))
+        else:
+            encoded = buffer.getvalue()
+        buffer.truncate(buffer.seek(len(_NO_BLOCKS)))
+        return encoded
 
 
 class Kept:
@@ -640,12 +891,14 @@ class _Writer(pickle.Pickler):
             return made, _STRUCTS[kind](thing)
         if kind is np.ndarray and thing.dtype.kind in _ARRAYS:
             return made, _save_array(thing)
+        if isinstance(thing, np.ndarray) and (kind is not np.ndarray or thing.dtype.kind == "V"):
+            raise pickle.PicklingError(f"a numpy {kind.__name__} of {thing.dtype} is not")
         if kind in _WRITTEN or isinstance(thing, (*_NUMBERS, *_MADE)):
             return NotImplemented
-        itself = hasattr(thing, "__qualname__")  # classes and functions stand for themselves
+        itself = isinstance(thing, (type, FunctionType, BuiltinFunctionType))  # they stand for themselves
         named = thing if itself else kind
         if (named.__module__, named.__qualname__) not in _ALLOWED:
-            raise pickle.PicklingError(f"{thing!r} is none")
+            raise pickle.PicklingError(f"an object of class {kind.__module__}.{kind.__qualname__} is not")
         if not itself:
             _WRITTEN.add(kind)
         return NotImplemented

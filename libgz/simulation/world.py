@@ -187,6 +187,7 @@ class World(Closing):
         self._numbers = 0
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._start_is_old = False  # since a model's class was edited
+        self._resetting = self._resetting_again = False  # again: a reset that was asked for in a reset
         self._rewind: Rewind | None = None
         self.snapshots = Snapshots(self)
         self._checked: list[Entity] = []  # whose classes declare state, or were named in a warning
@@ -1142,19 +1143,29 @@ class World(Closing):
         """Begin new random numbers, those of a world that was made with this seed: of sensors' noise and of ODE.
 
         A generator that a model of your own made stays as it is; `random.n_children_spawned` counts those that were
-        made from the world's `random`.
+        made from the world's `random`. A state has its world's seed, and so does the state that a reset returns to.
 
         Raises:
-            ParameterError: the seed is negative.
+            ParameterError: the seed is negative, or no integer.
             GazeboError: a step is under way, or plugins load or are reset.
         """
-        not_negative(seed, "seed")
         with self.lock:
             self._check_ready("given a seed")
-            self.seed = self.engine.seed = seed
-            self.restart_random(self.spawned)
-            for companion in self.companions:
-                companion.reseed(seed)
+            self.begin_random(seed)
+
+    def begin_random(self, seed: int) -> None:
+        """Do what `reseed` describes, also while a state is set.
+
+        Raises:
+            ParameterError: the seed is negative, or no integer.
+        """
+        if not isinstance(seed, int):
+            raise ParameterError(f"seed is {seed!r}; it must be an integer")
+        not_negative(seed, "seed")
+        self.seed = self.engine.seed = seed
+        self.restart_random(self.spawned)
+        for companion in self.companions:
+            companion.reseed(seed)
 
     def return_to_start(self) -> None:
         """Bring the world into its state at the end of Initialize.
@@ -1309,8 +1320,23 @@ class World(Closing):
 
         Models that were inserted since are removed, deleted ones are built again. In a world of classic, plugins are
         not returned to an earlier state: their `Reset` is called.
+
+        Raises:
+            GazeboError: a reset that was asked for in a reset, such as by a plugin's `Reset`, asks for another one.
         """
-        self.after_step(lambda: self.era.reset(self))
+        with self.lock:
+            if self._resetting_again:
+                raise GazeboError("a reset that a reset has asked for asks for another one, which would never end")
+            again = self._resetting
+            self.after_step(lambda: self._reset(again))
+
+    def _reset(self, again: bool) -> None:
+        before = self._resetting, self._resetting_again
+        self._resetting, self._resetting_again = True, again
+        try:
+            self.era.reset(self)
+        finally:
+            self._resetting, self._resetting_again = before
 
     reset = Reset
 

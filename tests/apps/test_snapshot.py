@@ -15,6 +15,7 @@ from gzserver_process import SERVER, new_environment
 
 import libgz
 from libgz.files import installed_worlds
+from libgz.simulation.state import FORMAT
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 WORLD = installed_worlds() / "segwayrmp.world"
@@ -108,9 +109,18 @@ def test_what_cannot_be_done_is_one_sentence(wire, serve, tmp_path):
     with libgz.World.from_file(WORLD) as world:
         (tmp_path / "other").write_bytes(world.get_state())
     (tmp_path / "text").write_text("text")
+    (tmp_path / "old").write_bytes(b"libgz state 1\nand more")
+    (tmp_path / "truncated").write_bytes((tmp_path / "other").read_bytes()[:-9])
+    with (tmp_path / "huge").open("wb") as huge:
+        huge.write(FORMAT)
+        huge.truncate(3 << 30)  # with holes, which take no space
     for words, message in (
         (("restore", tmp_path / "other"), "its file has another text"),
-        (("restore", tmp_path / "text"), "are no state of this version"),
+        (("restore", tmp_path / "text"), "is no state: it was not written by `libgz snapshot save`"),
+        (("restore", tmp_path / "old"), "are no state of this version"),
+        (("restore", tmp_path / "truncated"), "the state is damaged"),
+        (("restore", tmp_path / "huge"), "is larger than 2 GiB"),
+        (("restore", "/dev/zero"), "is no state"),
         (("restore", tmp_path / "absent"), "cannot read"),
         (("save", tmp_path), "cannot write"),
         (("rewind", "1"), "--rewind SEC"),

@@ -231,6 +231,13 @@ class LogPlay:
         """Nothing: a log is no part of the world."""
         return None
 
+    def check_state(self) -> None:
+        """It has none."""
+
+    def calls_users(self, state: object) -> bool:
+        """It calls none."""
+        return False
+
     def set_state(self, state: object) -> bool:
         """Nothing to do: the log continues."""
         return False

@@ -29,19 +29,28 @@ __all__ = [
 _numbers = itertools.count(1)
 
 
+def _cores(name: str = "") -> list[CoreWorld]:
+    """The SDF worlds of this name that run in this process, oldest first; without a name, all."""
+    found = (core for core in CoreWorld.all_running() if not name or core.name == name)
+    return [core for core in found if core.engine.contact_rule is ContactRule.CLASSIC]
+
+
+def _view(core: CoreWorld) -> World:
+    """The view on a world. One that is there already needs no lock: its world may be waiting for the caller's."""
+    if core.facade is None:
+        core.attach_era()
+    found: World = core.facade
+    return found
+
+
 def worlds() -> list[World]:
     """All SDF worlds that run in this process, oldest first."""
-    found = []
-    for core in CoreWorld.all_running():
-        if core.engine.contact_rule is ContactRule.CLASSIC:
-            core.attach_era()
-            found.append(core.facade)
-    return found
+    return [*map(_view, _cores())]
 
 
 def has_world(name: str = "") -> bool:
     """Whether there is a world of this name; without a name, whether there is any."""
-    return any(not name or world.Name() == name for world in worlds())
+    return bool(_cores(name))
 
 
 def get_world(name: str = "") -> World:
@@ -50,17 +59,22 @@ def get_world(name: str = "") -> World:
     Raises:
         NotFoundError: there is none.
     """
-    own = own_world()
-    found = [world for world in worlds() if not name or world.Name() == name]
+    found = _cores(name)
     if not found:
         raise NotFoundError(f"Unable to find world by name in physics::get_world({name})")
-    return own if own is not None and own in found else found[0]
+    own = _own_core()
+    return _view(own if own is not None and own in found else found[0])
 
 
 def own_world() -> World | None:
     """The world of the plugin that is running; None outside plugins, and in System plugins."""
+    own = _own_core()
+    return _view(own) if own is not None else None
+
+
+def _own_core() -> CoreWorld | None:
     by = owner.get()
-    return next((world for world in worlds() if by is not None and by.events is world.core.events), None)
+    return next((core for core in _cores() if by is not None and by.events is core.events), None)
 
 
 def pause_world(world: World, pause: bool) -> None:

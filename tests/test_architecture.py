@@ -31,7 +31,7 @@ LAYERS = [
 ]
 # The same inside libgz.classic.
 CLASSIC_LAYERS = [
-    ["math"],
+    ["math", "names"],
     ["common"],
     ["msgs"],
     ["transport"],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError
 from libgz.ode.types import ContactRule
 from libgz.simulation.event import owner
@@ -39,11 +40,13 @@ def worlds() -> list[World]:
     return found
 
 
+@takes_names
 def has_world(name: str = "") -> bool:
     """Whether there is a world of this name; without a name, whether there is any."""
     return any(not name or world.Name() == name for world in worlds())
 
 
+@takes_names
 def get_world(name: str = "") -> World:
     """A world by name; without one, the world of the plugin that is running, or the first world.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from libgz.classic.common import Time
 from libgz.classic.math import Color
+from libgz.classic.names import takes_names
 from libgz.classic.physics import World, get_world
 from libgz.classic.rendering.aids import aids_of
 from libgz.classic.rendering.camera import Camera
@@ -58,6 +59,7 @@ def _new_scene(core: CoreWorld) -> Scene:
     return Scene(core.facade)
 
 
+@takes_names
 def get_scene(name: str = "") -> Scene:
     """The scene of a world by its name; without one, of the running plugin's world, or the first.
 
@@ -72,6 +74,7 @@ def _log_once(what: str) -> None:
     log.info("%s", what)
 
 
+@takes_names
 class Scene:
     """The rendered part of a world: visuals, lights, cameras, background."""
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.rendering.camera import Camera
 from libgz.geometry import GzCoordPositionAdd, GzPose, GzPosePointAt, GzVector, GzVectorAdd, GzVectorMul, VectorLike
 
@@ -14,6 +15,7 @@ __all__ = ["UserCamera"]
 FRAMES = 2.0  # distance from which a visual is viewed, in multiples of its size
 
 
+@takes_names
 class UserCamera(Camera):
     """A camera with a default pose. Arguments as for `Camera`."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.rendering.aids import edges_of
 from libgz.classic.rendering.lines import DynamicLines
 from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
@@ -34,6 +35,7 @@ SMALLEST = 1e-9  # scale in place of 0, which could not be undone
 _ids = itertools.count(1)
 
 
+@takes_names
 class Visual:
     """A view on rendered geoms, or on a group of visuals.
 

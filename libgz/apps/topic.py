@@ -43,6 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "-m",
         "--msg",
+        type=str,
         metavar="TEXT",
         help="the message, such as 'x: 1, y: 2' or '{\"x\": 1}', or the data of a request",
     )

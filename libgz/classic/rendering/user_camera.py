@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.classic.math import Pose3d, Vector3d
@@ -66,6 +66,12 @@ class UserCamera(Camera):
     def Resize(self, w: int, h: int) -> None:
         """Change the image's size [px]."""
         self.SetImageSize(w, h)
+
+    def Visual(self, mousePos: Sequence[int], mod: str = "") -> Any:
+        """The visual of a link at a pixel of the last image; None for none. `mod` is for handles, which it has none."""
+        return self.GetScene().VisualAt(self, mousePos)
+
+    GetVisual = Visual
 
     def MoveToVisual(self, visual: Any, time: float = 0.5, done: Callable[[], object] | None = None) -> bool:
         """Move so that all of a visual is visible; False if there is no such visual, or the camera already moves."""

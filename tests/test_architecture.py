@@ -31,7 +31,8 @@ LAYERS = [
 ]
 # The same inside libgz.classic.
 CLASSIC_LAYERS = [
-    ["math", "names"],
+    ["names", "api"],
+    ["math"],
     ["common"],
     ["msgs"],
     ["transport"],

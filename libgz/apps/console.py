@@ -57,7 +57,7 @@ class Hints(argparse.ArgumentParser):
         named = action.type in (None, Path) and action.choices is None and action.default != ""
         if named and not arg_string.strip():  # as where a variable of a script is not set
             raise argparse.ArgumentError(action, "the name is empty")
-        return super()._get_value(action, arg_string)  # type: ignore[misc]
+        return super()._get_value(action, arg_string)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+from libgz.classic.api import without
 from libgz.classic.names import takes_names
 from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.sdf.description import NEWEST, describe
@@ -12,6 +13,8 @@ from libgz.sdf.element import Element, Param
 from libgz.sdf.reader import SdfFile
 
 __all__ = ["SDF", "Element", "ElementPtr", "Param", "SdfFile", "init", "initFile", "readFile", "readString"]
+
+__getattr__ = without(__name__)
 
 log = logging.getLogger("libgz.classic")
 

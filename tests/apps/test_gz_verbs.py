@@ -4,6 +4,7 @@ import pytest
 from lxml import etree
 
 from libgz.apps.libgz import COMMANDS, WITHOUT, main
+from libgz.classic.log import LogReader, LogWriter, read_states
 from libgz.sdf.description import VERSIONS
 
 GZ = [
@@ -23,6 +24,7 @@ GZ = [
 OPTIONS = {  # of `gz help COMMAND`
     "sdf": "-d --describe -c --convert -o --doc -k --check -v --version -p --print",
     "debug": "-o --option",
+    "log": "-i --info -e --echo -d --record -w --world-name -z --hz -f --file -o --output -n --encoding --filter",
     "stats": "-w --world-name -d --duration -p --plot",
     "topic": "-w --world-name -l --list -i --info -e --echo -v --view -z --hz -b --bw -p --publish -r --request -u "
     "--unformatted -d --duration -m --msg -f --file",
@@ -104,3 +106,29 @@ def test_sdf_converts_a_file_in_place(tmp_path, capsys):
 def test_a_window_of_topics_is_refused_in_one_sentence(capsys):
     assert run("topic", "-v", "~/pose/info") == 1
     assert capsys.readouterr().err.startswith("libgz: there is no window that shows topics: use -e ~/pose/info, ")
+
+
+def test_log_writes_chosen_states_to_another_file(tmp_path, capsys):
+    source = tmp_path / "state.log"
+    document = "<sdf version='1.6'>{}</sdf>\n"
+    pose = "<model name='{}'><link name='l'><pose>0 0 {} 0 0 0</pose></link></model>"
+    with LogWriter(source, "bz2", 7) as log:
+        log.add(document.format("<world name='w'><model name='a'/><model name='b'/></world>"))
+        for i in range(5):
+            inside = f"<sim_time>0 {i}00000000</sim_time>{pose.format('a', i)}{pose.format('b', 2 * i)}"
+            log.add(document.format(f"<state world_name='w'>{inside}</state>"))
+    target = tmp_path / "other.log"
+    assert run("log", "-f", str(source), "-o", str(target), "--filter", "b", "-z", "5") == 0
+    reader = LogReader(target)
+    states = list(read_states(reader))
+    assert [state.sim_time for state in states] == pytest.approx([0.0, 0.2, 0.4])
+    assert all(set(state.poses) == {"b::l"} for state in states)
+    assert (reader.header.rand_seed, next(reader.chunks())[0]) == (7, "bz2")
+    assert next(reader.documents()).find("world").get("name") == "w"
+    assert run("log", "-f", str(source), "-o", str(target), "-n", "txt") == 0
+    assert next(LogReader(target).chunks())[0] == "txt"
+    copied, whole = ([s.text("1.6") for s in read_states(LogReader(path))] for path in (target, source))
+    assert copied == whole
+    capsys.readouterr()
+    assert run("log", "-f", str(source), "-o", str(source)) == 1
+    assert "the log itself; name another file" in capsys.readouterr().err

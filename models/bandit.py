@@ -6,7 +6,6 @@ libgz.
 
 from __future__ import annotations
 
-import ctypes
 from typing import ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
@@ -14,7 +13,7 @@ from libgz.interfaces.joint import JointData, Joints
 from libgz.legacy.model import Model
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import GREY, add_body, fit
-from libgz.models.serving import serve
+from libgz.models.serving import Seen, serve
 from libgz.models.wheels import add_hinge
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
@@ -56,7 +55,7 @@ class JointServo:
 
     def __init__(self, joint: HingeJoint | UniversalJoint) -> None:
         self.joint = joint
-        self._command, self._seen, self._settled = numbers(2)(), numbers(2)(), ctypes.c_int64(0)
+        self._command, self._seen = numbers(2)(), Seen(2)
         axes = (1, 2) if isinstance(joint, UniversalJoint) else (1,)
         self._servos = [Servo(Axis(joint, number), GAIN, TORQUE) for number in axes]
 
@@ -68,32 +67,28 @@ class JointServo:
     @command.setter
     def command(self, angles: tuple[float, float]) -> None:
         self._command[:] = angles
-        self.seen = None
+        self._seen.settled = False
 
     @property
     def seen(self) -> tuple[float, float] | None:  # noqa: D102
-        return (self._seen[0], self._seen[1]) if self._settled.value else None
+        return (self._seen.numbers[0], self._seen.numbers[1]) if self._seen.settled else None
 
     @seen.setter
     def seen(self, angles: tuple[float, float] | None) -> None:
-        self._seen[:] = angles or (0.0, 0.0)
-        self._settled.value = angles is not None
+        self._seen.note(angles or (0.0, 0.0), angles is not None)
 
     def expect(self, exchange: Exchange, place: str) -> None:
         """Make it a condition of an exchange that the client wrote nothing new."""
-        exchange.require(self._settled)
-        for number, field in enumerate(("cmd_angle", "cmd_angle2")):
-            exchange.expect(f"{place}.{field}", (self._seen, number))
+        self._seen.expect(exchange, ((f"{place}.{field}", 0) for field in ("cmd_angle", "cmd_angle2")))
 
     def follow(self, wish: tuple[float, float], guard: Guard, place: tuple[str, str]) -> None:
         """Take what the client wrote, in the fields of these names; what is not finite is ignored."""
         command, seen = self._command, self._seen
-        if self._settled.value and wish == (seen[0], seen[1]):
+        if seen.settled and wish == (seen.numbers[0], seen.numbers[1]):
             return
         command[0] = guard.number(place[0], wish[0], command[0], LARGEST_ANGLE)
         command[1] = guard.number(place[1], wish[1], command[1], LARGEST_ANGLE)
-        seen[0], seen[1] = wish
-        self._settled.value = 1
+        seen.note(wish)
 
     def turn(self) -> None:
         """Turn the axes towards the commanded angles; call it every step."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from libgz.interfaces.position import Position, PositionData
 from libgz.legacy.model import Model
-from libgz.models.serving import serve
+from libgz.models.serving import Seen, serve
 from libgz.simulation.formula import Formula, Term
 from libgz.simulation.updates import Exchange
 from libgz.transport.guard import Guard
@@ -22,12 +22,10 @@ MOST_FIELDS = 6  # of the interface
 
 
 class _Expected(ctypes.Structure):
-    """What the interface holds as long as no client changes the command, and what follows; for native updates."""
+    """The switch as long as no client changes it, and what follows from the command; for native updates."""
 
     _fields_ = [
-        ("seen", ctypes.c_double * MOST_FIELDS),  # what a client wrote, valid or not
-        ("switch", ctypes.c_int64),  # the same of cmd_enable_motors
-        ("settled", ctypes.c_int64),  # whether the next two follow from both
+        ("switch", ctypes.c_int64),  # what a client wrote in cmd_enable_motors, valid or not
         ("enabled", ctypes.c_int64),
         ("wanted", ctypes.c_double * MOST_FIELDS),
     ]
@@ -46,7 +44,7 @@ class PositionServer:
     def __init__(self, model: Model, fields: tuple[tuple[str, int], ...]) -> None:
         self.model, self.fields = model, fields
         self.interface = Position()
-        self._expected = _Expected()
+        self._expected, self._seen = _Expected(), Seen(MOST_FIELDS)
         self._zeros = (0.0,) * len(fields)
         self.enabled = True
         self.wanted = self.command = self._zeros
@@ -59,7 +57,7 @@ class PositionServer:
     @command.setter
     def command(self, value: tuple[float, ...]) -> None:
         self._command = value
-        self._expected.settled = 0
+        self._seen.settled = False
 
     @property
     def enabled(self) -> bool:
@@ -70,7 +68,7 @@ class PositionServer:
     def enabled(self, value: bool) -> None:
         self._enabled = value
         self._expected.enabled = value
-        self._expected.settled = 0
+        self._seen.settled = False
 
     @property
     def wanted(self) -> tuple[float, ...]:
@@ -81,17 +79,17 @@ class PositionServer:
     def wanted(self, value: tuple[float, ...]) -> None:
         self._wanted = value
         self._expected.wanted[: len(value)] = value
-        self._expected.settled = 0
+        self._seen.settled = False
 
     @property
     def seen(self) -> tuple[float, ...]:
         """What a client wrote when the other three followed from it: whether it is known, the switch, the fields."""
-        return (self._expected.settled, self._expected.switch, *self._expected.seen)
+        return (int(self._seen.settled), self._expected.switch, *self._seen.numbers)
 
     @seen.setter
     def seen(self, value: tuple[float, ...]) -> None:
-        self._expected.settled, self._expected.switch = int(value[0]), int(value[1])
-        self._expected.seen[:] = value[2:]
+        self._expected.switch = int(value[1])
+        self._seen.note(value[2:], bool(value[0]))
 
     def read_wanted(self, formula: Formula) -> list[Term]:
         """`wanted` as terms of a formula, for native updates."""
@@ -134,18 +132,15 @@ class PositionServer:
         wanted = self.command if self.enabled else self._zeros
         if wanted is not self._wanted:
             self.wanted = wanted
-        expected = self._expected
-        if new or not expected.settled:
-            expected.seen[: len(wishes)], expected.switch = wishes, enabled
-        expected.settled = intact
+        if new or not self._seen.settled:
+            self._seen.note(wishes, intact)
+            self._expected.switch = enabled
 
     def unchanged(self) -> Exchange:
         """An exchange, for `UpdateRows.share`, as long as the command does not change; what is published is missing."""
         exchange, expected = Exchange(self.interface), self._expected
-        exchange.require((expected, "settled"))
+        self._seen.expect(exchange, self.fields)
         exchange.expect("cmd_enable_motors", (expected, "switch"))
-        for i, (name, index) in enumerate(self.fields):
-            exchange.expect(name, (expected, "seen", i), index)
         exchange.now()
         exchange.integer("stall", 0)
         return exchange

@@ -1,13 +1,48 @@
-"""How models create their interfaces."""
+"""How models create their interfaces, and what they remember of clients' commands."""
 
 from __future__ import annotations
 
+import ctypes
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from libgz.legacy.model import Model
+from libgz.records import numbers
+from libgz.simulation.updates import Exchange
 from libgz.transport.interface import Interface
 
-__all__ = ["serve"]
+__all__ = ["Seen", "serve"]
+
+
+class Seen:
+    """The numbers that a client wrote, valid or not, when a command followed from them; also for native updates.
+
+    They are settled until the command is set otherwise.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.numbers = numbers(count)()
+        self._settled = ctypes.c_int64(0)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the command follows from the numbers."""
+        return bool(self._settled.value)
+
+    @settled.setter
+    def settled(self, value: bool) -> None:
+        self._settled.value = value
+
+    def note(self, wishes: Sequence[float], settled: bool = True) -> None:
+        """Keep what a client wrote."""
+        self.numbers[: len(wishes)] = wishes
+        self._settled.value = settled
+
+    def expect(self, exchange: Exchange, fields: Iterable[tuple[str, int]]) -> None:
+        """Make it a condition of an exchange that the client wrote nothing else in these fields: name and index."""
+        exchange.require(self._settled)
+        for number, (name, index) in enumerate(fields):
+            exchange.expect(name, (self.numbers, number), index)
 
 
 def serve(model: Model, interface: Interface[Any]) -> None:

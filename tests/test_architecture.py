@@ -31,6 +31,7 @@ LAYERS = [
 ]
 # The same inside libgz.classic.
 CLASSIC_LAYERS = [
+    ["names", "api"],
     ["math"],
     ["common"],
     ["msgs"],

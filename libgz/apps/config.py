@@ -8,7 +8,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from libgz.apps.console import file_name, wire_version
+from libgz.apps.console import wire_version
 from libgz.clib import FOLDER
 from libgz.clib.install import install
 from libgz.clib.library import FOR_I386, library_folder
@@ -29,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--m32", action="store_true", help="for 32-bit programs, which `gazebo --abi i386` serves")
     parser.add_argument(
         "--install",
-        type=file_name,
+        type=Path,
         metavar="PREFIX",
         help="write gazebo.h, libgazebo and gazebo.pc below a directory, for pkg-config and configure scripts",
     )

@@ -28,7 +28,6 @@ __all__ = [
     "LogFile",
     "Parser",
     "as_command",
-    "file_name",
     "number_above_zero",
     "number_from_zero",
     "read_text",
@@ -49,7 +48,16 @@ PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.
 
 
 class Hints(argparse.ArgumentParser):
-    """An argument parser that names the nearest choice or option for one that does not exist."""
+    """An argument parser that names the nearest choice or option for one that does not exist.
+
+    An argument without a type, or with Path, is a name: it is not empty, unless that is its default. `str` is any text.
+    """
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        named = action.type in (None, Path) and action.choices is None and action.default != ""
+        if named and not arg_string.strip():  # as where a variable of a script is not set
+            raise argparse.ArgumentError(action, "the name is empty")
+        return super()._get_value(action, arg_string)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
@@ -73,7 +81,8 @@ class Hints(argparse.ArgumentParser):
         """The message about words that the parser does not know, each option with the nearest one."""
         names = self.option_names()
         hints = {word: nearest(word.partition("=")[0], names) if word.startswith("-") else "" for word in words}
-        return f"unrecognized arguments: {' '.join(words)}{next(filter(None, hints.values()), '')}"
+        shown = " ".join(word or "''" for word in words)
+        return f"unrecognized arguments: {shown}{next(filter(None, hints.values()), '')}"
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -129,13 +138,6 @@ def number_from_zero(name: str) -> Callable[[str], float]:
 def number_above_zero(name: str) -> Callable[[str], float]:
     """An argument type: numbers above 0; `name` is its name in error messages."""
     return _number(name, float, lambda number: number > 0.0)
-
-
-def file_name(text: str) -> Path:
-    """A path on the command line, which is empty where a variable of a script is not set."""
-    if not text:
-        raise argparse.ArgumentTypeError("the name is empty")
-    return Path(text)
 
 
 def read_text(path: str, what: str) -> str:

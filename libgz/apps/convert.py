@@ -7,7 +7,7 @@ import logging
 import sys
 from pathlib import Path
 
-from libgz.apps.console import file_name, writing
+from libgz.apps.console import writing
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
 from libgz.files import write_whole
 from libgz.front import World
@@ -20,11 +20,11 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add = parser.add_argument
-    add("worldfile", type=file_name, metavar="WORLDFILE", help="the worldfile to convert")
-    add("-o", dest="output", type=file_name, required=True, metavar="FILE", help="the SDF file to write")
+    add("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile to convert")
+    add("-o", dest="output", type=Path, required=True, metavar="FILE", help="the SDF file to write")
     add(
         "--report",
-        type=file_name,
+        type=Path,
         metavar="FILE",
         help="also write the list of what has no counterpart in SDF to a file",
     )

@@ -6,7 +6,6 @@ import argparse
 import sys
 from pathlib import Path
 
-from libgz.apps.console import file_name
 from libgz.cxx.build import STANDARD, CompileError, build, check
 from libgz.errors import ParameterError
 
@@ -23,9 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         description="Compile only, and explain what is missing.",
     )
     for command in (builder, checker):
-        command.add_argument(
-            "sources", nargs="+", type=file_name, metavar="FILE.cc", help="the C++ sources of one plugin"
-        )
+        command.add_argument("sources", nargs="+", type=Path, metavar="FILE.cc", help="the C++ sources of one plugin")
         command.add_argument(
             "--std", default=STANDARD, metavar="S", help=f"the language's standard (default {STANDARD})"
         )
@@ -34,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             "-D", dest="define", action="append", default=[], metavar="NAME[=V]", help="define a macro"
         )
     builder.add_argument(
-        "-o", dest="output", type=file_name, metavar="FILE.so", help="the plugin (default: beside the first source)"
+        "-o", dest="output", type=Path, metavar="FILE.so", help="the plugin (default: beside the first source)"
     )
     builder.add_argument("--debug", action="store_true", help="without optimization, and with symbols for gdb")
     builder.add_argument("-L", dest="folders", action="append", default=[], metavar="DIR", help="where libraries are")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from libgz._version import __version__
-from libgz.apps.console import Parser, as_command, set_up_messages
+from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
 from libgz.errors import GazeboError
 
 __all__ = ["main"]
@@ -24,6 +24,7 @@ COMMANDS = {
     "config": "print compiler flags for C programs that use libgazebo, and for C++ plugins",
     "convert": "convert a worldfile to SDF 1.6",
     "cxx": "compile C++ plugin models of Gazebo 0.5 to 0.7, and explain errors",
+    "debug": "list the commands, or the options of one, as `gz debug` does for completion",
     "demo": "start a server with a robot, and drive the robot from a second process",
     "doctor": "check what libgz needs on this machine",
     "echo": "print the data of an interface of a running server, live",
@@ -40,7 +41,7 @@ COMMANDS = {
     "plot": "plot fields of a log or of a running server over time",
     "plugin": "load an edited plugin file again while its world runs",
     "schema": "print a RELAX NG grammar of worldfiles for editors",
-    "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",
+    "sdf": "check, print or convert an SDF file of Gazebo classic, or list the elements of SDF",
     "set": "write fields of an interface of a running server",
     "snapshot": "save and restore the state of a running server, or rewind it",
     "sweep": "run a study of many runs, here or on a cluster, and plot what they measure",
@@ -50,6 +51,14 @@ COMMANDS = {
     "upgrade": "convert a worldfile of 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF 1.0 to 1.5 or URDF to SDF 1.6",
     "world": "pause, step and reset a running SDF world",
     "worlds": "list the worlds that are installed with libgz",
+}
+
+# Commands of Gazebo's `gz` that have no counterpart, and what serves instead.
+WITHOUT = {
+    "camera": "it moves the camera of Gazebo's window; the page of `gzclient` and `libgz view` has a button that "
+    "follows a model, and cameras of a world follow one by Camera.AttachToVisual or TrackVisual in a plugin",
+    "marker": "it needs the service of Gazebo's window; a plugin shows boxes, lines and points by "
+    "Scene.CreateVisual, Visual.AttachMesh and CreateDynamicLine",
 }
 
 
@@ -85,6 +94,9 @@ def _terminated(number: int, _frame: object) -> NoReturn:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 failed, 2 the command line is wrong."""
     words = _help_words(list(sys.argv[1:] if arguments is None else arguments))
+    if words and words[0] in WITHOUT:
+        print(f"libgz: there is no {words[0]!r}: {WITHOUT[words[0]]}", file=sys.stderr)
+        return USAGE_ERROR
     options = make_parser(words[0] if words else None).parse_args(words)
     set_up_messages(0, None)
     before = signal.getsignal(signal.SIGTERM)

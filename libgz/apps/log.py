@@ -6,10 +6,13 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator
+from pathlib import Path
+
+from lxml import etree
 
 from libgz.apps.server_link import add_world, publish, world_node
 from libgz.classic import msgs
-from libgz.classic.log import ENCODINGS, LogReader, LogState, NamePattern, read_states
+from libgz.classic.log import ENCODINGS, LogReader, LogState, LogWriter, NamePattern, read_states
 from libgz.errors import ParameterError
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.rate import TIME_SLACK
@@ -25,10 +28,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-i", "--info", action="store_true", help="print a summary of the file (default)")
     add("--json", action="store_true", help="print the summary as a JSON object")
     add("-e", "--echo", action="store_true", help="print the states")
-    add("--filter", default="", metavar="NAMES", help="with -e: names of models to print, a pattern with * or a regex")
-    add("-z", "--hz", type=float, metavar="HZ", help="with -e: largest number of states per second of sim time")
+    add("-o", "--output", type=Path, metavar="LOG", help="write the states to another log file")
+    add("--filter", default="", metavar="NAMES", help="with -e, -o: names of models, a pattern with * or a regex")
+    add("-z", "--hz", type=float, metavar="HZ", help="with -e, -o: largest number of states per second of sim time")
     add("-d", "--record", choices=("0", "1"), help="start (1) or stop (0) recording in the running server")
-    add("--encoding", choices=tuple(ENCODINGS), default="zlib", help="with -d 1: encoding of the states (default zlib)")
+    help_ = "with -d 1, -o: encoding of the states (default zlib, or that of the file)"
+    add("-n", "--encoding", choices=tuple(ENCODINGS), help=help_)
     add("--path", default="", metavar="FOLDER", help="with -d 1: directory of state.log")
 
 
@@ -44,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     if options.record is not None:
         message = msgs.LogControl()
         message.start, message.stop = options.record == "1", options.record == "0"
-        message.encoding, message.base_path = options.encoding, options.path
+        message.encoding, message.base_path = options.encoding or "zlib", options.path
         with world_node(options) as (node, _link):
             publish(node, "~/log/control", message)
         return 0
@@ -53,12 +58,27 @@ def run(options: argparse.Namespace) -> int:
     if options.hz is not None and not options.hz > 0.0:
         raise ParameterError(f"--hz is {options.hz:g}; it must be above 0")
     reader = LogReader(options.file)
-    if options.echo:
-        for state in _thinned(read_states(reader), options.hz):
-            _print_state(state, NamePattern(options.filter))
+    if options.output is not None:
+        _write(reader, options)
+    elif options.echo:
+        for text in _texts(reader, options):
+            sys.stdout.write(text)
     else:
         _print_info(reader, options.json)
     return 0
+
+
+def _write(reader: LogReader, options: argparse.Namespace) -> None:
+    """Write the world of a log, and the states that the options choose, to another one."""
+    if options.output.exists() and options.output.samefile(reader.path):
+        raise ParameterError(f"--output is {options.output}, the log itself; name another file")
+    encoding = options.encoding or next((encoding for encoding, _ in reader.chunks()), "zlib")
+    with LogWriter(options.output, encoding, reader.header.rand_seed) as log:
+        for document in reader.documents():
+            if document.find("state") is None:
+                log.add(etree.tostring(document, encoding="unicode", with_tail=False) + "\n")
+        for text in _texts(reader, options):
+            log.add(text)
 
 
 def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogState]:
@@ -76,10 +96,13 @@ def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogStat
             omitted = LogState(0.0)
 
 
-def _print_state(state: LogState, wanted: NamePattern) -> None:
-    state.poses = {n: pose for n, pose in state.poses.items() if wanted(n.rpartition("::")[0] or n)}
-    if state.poses or state.insertions or state.deletions:
-        sys.stdout.write(state.text(NEWEST))
+def _texts(reader: LogReader, options: argparse.Namespace) -> Iterator[str]:
+    """The states that the options choose, as SDF."""
+    wanted = NamePattern(options.filter)
+    for state in _thinned(read_states(reader), options.hz):
+        state.poses = {n: pose for n, pose in state.poses.items() if wanted(n.rpartition("::")[0] or n)}
+        if state.poses or state.insertions or state.deletions:
+            yield state.text(NEWEST)
 
 
 def _print_info(reader: LogReader, as_json: bool) -> None:

@@ -7,9 +7,10 @@ import dataclasses
 import json
 import textwrap
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
-from libgz.apps.console import file_name, writing
+from libgz.apps.console import writing
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries, entry
 from libgz.reference.pages import write_pages
 
@@ -23,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="?", metavar="MODEL", help="the model to describe (default: list all models)")
     parser.add_argument("--json", action="store_true", help="print JSON: an array of all models, or one model's object")
     parser.add_argument(
-        "--pages", type=file_name, metavar="DIR", help="write the reference pages of all built-in models to a directory"
+        "--pages", type=Path, metavar="DIR", help="write the reference pages of all built-in models to a directory"
     )
 
 

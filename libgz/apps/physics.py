@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from libgz.apps.console import number_above_zero, number_from_zero
 from libgz.apps.server_link import add_world, publish, world_node
 from libgz.classic import msgs
 from libgz.classic.math import Vector3d
@@ -17,9 +18,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add_world(parser)
     add("-g", "--gravity", type=_vector, metavar="X,Y,Z", help="gravity [m/s^2], such as 0,0,-9.8")
-    add("-s", "--step-size", type=float, metavar="S", help="size of a step [s]")
+    add("-s", "--step-size", type=number_above_zero("step size"), metavar="S", help="size of a step [s]")
     add("-i", "--iters", type=int, metavar="N", help="iterations of the solver")
-    add("-u", "--update-rate", type=float, metavar="HZ", help="steps per second of real time; 0: as many as possible")
+    add(
+        "-u",
+        "--update-rate",
+        type=number_from_zero("update rate"),
+        metavar="HZ",
+        help="steps per second of real time; 0: as many as possible",
+    )
     add("-o", "--profile", metavar="NAME", help="name of the <physics> of the world to use")
 
 
@@ -44,16 +51,12 @@ def run(options: argparse.Namespace) -> int:
     if options.gravity is not None:
         msgs.Set(message.gravity, options.gravity)
     if options.step_size is not None:
-        if not options.step_size > 0.0:
-            raise ParameterError(f"--step-size is {options.step_size:g} s; it must be above 0")
         message.max_step_size = options.step_size
     if options.iters is not None:
         if options.iters < 1:
             raise ParameterError(f"--iters is {options.iters}; it must be at least 1")
         message.iters = options.iters
     if options.update_rate is not None:
-        if not options.update_rate >= 0.0:
-            raise ParameterError(f"--update-rate is {options.update_rate:g} Hz; it must be at least 0")
         message.real_time_update_rate = options.update_rate
     if not message.ListFields():
         raise ParameterError("no parameter is given; use -g X,Y,Z, -s S, -i N, -u HZ or -o NAME")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
-from libgz.apps.console import file_name, writing
+from libgz.apps.console import writing
 from libgz.reference.grammar import grammar
 
 __all__ = ["configure", "run"]
@@ -14,7 +15,7 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--rng", action="store_true", required=True, help="RELAX NG in XML syntax, the only format")
-    parser.add_argument("-o", dest="output", type=file_name, metavar="FILE", help="the file to write (default: stdout)")
+    parser.add_argument("-o", dest="output", type=Path, metavar="FILE", help="the file to write (default: stdout)")
 
 
 def run(options: argparse.Namespace) -> int:

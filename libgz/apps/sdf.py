@@ -1,4 +1,4 @@
-"""libgz sdf: check an SDF file, or print it with includes resolved and defaults filled in."""
+"""libgz sdf: check, print or convert an SDF file, or describe the format, with the options of `gz sdf`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ import dataclasses
 import json
 import sys
 from collections.abc import Iterable
+from pathlib import Path
 
-from libgz.errors import Diagnostic, WorldFileError
+from libgz.apps import upgrade
+from libgz.errors import Diagnostic, ParameterError, WorldFileError
 from libgz.reference.check import check_sdf
+from libgz.reference.sdf_format import sdf_page, sdf_text
+from libgz.sdf.description import NEWEST, VERSIONS
 from libgz.sdf.reader import SdfFile
 
 __all__ = ["configure", "run"]
@@ -19,16 +23,38 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument(
+        "-k",
         "--check",
         metavar="FILE",
         help="report all that a run would report of an SDF file; exit code 1 if there are errors",
     )
-    what.add_argument("--print", metavar="FILE", help="print the file with includes resolved and defaults filled in")
+    help_ = "print the file with includes resolved and defaults filled in"
+    what.add_argument("-p", "--print", metavar="FILE", help=help_)
+    what.add_argument("-c", "--convert", type=Path, metavar="FILE", help=f"convert the file to SDF {NEWEST}, in place")
+    what.add_argument("-d", "--describe", action="store_true", help="print all elements with types and defaults")
+    what.add_argument("-o", "--doc", action="store_true", help="print them as a page of HTML")
+    parser.add_argument("-v", "--version", choices=VERSIONS, help=f"with -d and -o: of SDF (default {NEWEST})")
     parser.add_argument("--json", action="store_true", help="with --check: print the errors as a JSON array")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check or print a file; return 1 if it has errors."""
+    """Check, print or convert a file, or describe the format; return 1 if a file has errors.
+
+    Raises:
+        ParameterError: there is a version without what it is for.
+        WorldFileError: the file to convert cannot be read.
+        GazeboError: it cannot be written.
+    """
+    if options.describe or options.doc:
+        version = options.version or NEWEST
+        print(sdf_text(version) if options.describe else sdf_page(version), end="")
+        return 0
+    if options.version is not None:
+        raise ParameterError(f"-v goes with -d and -o; -c FILE converts a file to SDF {NEWEST}")
+    if options.convert is not None:
+        upgrade.run(argparse.Namespace(worldfile=options.convert, output=None, in_place=True))
+        print("Success")
+        return 0
     return _check(options) if options.check else _print(options.print)
 
 

@@ -30,6 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-i", "--info", metavar="TOPIC", help="print the type, the publishers and the subscribers of a topic"
     )
     what.add_argument("-e", "--echo", metavar="TOPIC", help="print the messages of a topic")
+    what.add_argument("-v", "--view", metavar="TOPIC", help="Gazebo's window of a topic, which libgz has not")
     what.add_argument("-z", "--hz", metavar="TOPIC", help="print the messages per second of real time")
     what.add_argument("-b", "--bw", metavar="TOPIC", help="print the bytes per second of real time")
     what.add_argument("-p", "--publish", metavar="TOPIC", help="publish one message, given by -m or -f")
@@ -43,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "-m",
         "--msg",
+        type=str,
         metavar="TEXT",
         help="the message, such as 'x: 1, y: 2' or '{\"x\": 1}', or the data of a request",
     )
@@ -75,6 +77,10 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"--num is {options.num}; it must be at least 1")
     if options.duration is not None and not 0.0 <= options.duration < math.inf:
         raise ParameterError(f"--duration is {options.duration:g}; it must not be negative")
+    if options.view:
+        raise ParameterError(
+            f"there is no window that shows topics: use -e {options.view}, or gzserver --mcap and `libgz plot`"
+        )
     with connect(timeout=PATIENCE) as link, contextlib.suppress(KeyboardInterrupt):
         if options.list:
             topics = getAdvertisedTopics()

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from libgz.apps.console import file_name, writing
+from libgz.apps.console import writing
 from libgz.errors import Remark, WorldFileError
 from libgz.files import read_limited, write_whole
 from libgz.sdf.conversion import upgrade_document
@@ -22,9 +22,9 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     what = "the worldfile, SDF file or robot description (URDF) to convert"
-    parser.add_argument("worldfile", type=file_name, metavar="WORLDFILE", help=what)
+    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help=what)
     target = parser.add_mutually_exclusive_group()
-    target.add_argument("-o", dest="output", type=file_name, metavar="FILE", help="the file to write (default: stdout)")
+    target.add_argument("-o", dest="output", type=Path, metavar="FILE", help="the file to write (default: stdout)")
     target.add_argument("--in-place", action="store_true", help="overwrite the file")
 
 

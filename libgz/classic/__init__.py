@@ -73,9 +73,9 @@ __all__ = [*_MODULES, *_NAMES]
 
 def __getattr__(name: str) -> Any:
     if name not in _NAMES and name not in (*_MODULES, *_ON_REQUEST):
-        from libgz.errors import nearest
+        from libgz.classic.api import without
 
-        raise AttributeError(f"module 'libgz.classic' has no attribute {name!r}{nearest(name, __all__)}")
+        return without(__name__)(name)
     module = importlib.import_module(f"libgz.classic.{_NAMES.get(name, name)}")
     value = getattr(module, name) if name in _NAMES else module
     globals()[name] = value

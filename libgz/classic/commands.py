@@ -84,6 +84,10 @@ class PausedSteps:
         """Request iterations."""
         self._remaining += count
 
+    def replace_one(self) -> None:
+        """A reset takes the place of one iteration, as in Gazebo."""
+        self._remaining = max(self._remaining - 1, 0)
+
     def cancel(self) -> None:
         """Drop all requests: the world is not paused any more."""
         self._remaining, self._lifted = 0, False
@@ -152,24 +156,30 @@ class Commands:
     # The world ---------------------------------------------------------------------------------------------------
 
     def world_control(self, message: Any) -> None:
-        """~/world_control: pause, step, reset, seed. As in Gazebo, several steps pause the world, and `step` is one."""
+        """~/world_control: pause, step, reset, seed.
+
+        As in Gazebo, several steps pause the world, `step` is one, and a reset comes before the steps of its message.
+        """
         if message.HasField("seed"):
             self._world.Physics().SetSeed(message.seed)
         if message.HasField("pause"):
             self._world.SetPaused(message.pause)
             if not message.pause:
                 self._paused_steps.cancel()
-        if message.HasField("step"):
-            self._paused_steps.add(1)
-        if message.HasField("multi_step"):
+        if message.HasField("multi_step"):  # then `step` beside it counts for nothing
             self._world.SetPaused(True)
             self._paused_steps.add(message.multi_step)
+        elif message.HasField("step"):
+            self._paused_steps.add(1)
         if message.HasField("reset"):
             self._reset(message.reset)
 
     def _reset(self, reset: Any) -> None:
         parts = reset.time_only or reset.model_only
-        if not parts or (reset.HasField("all") and reset.all):
+        everything = not parts or (reset.HasField("all") and reset.all)
+        if everything or reset.time_only:
+            self._paused_steps.replace_one()
+        if everything:
             self._world.Reset()
             return
         if reset.time_only:

@@ -18,6 +18,7 @@ from libgz.classic.math import (
     Vector2i,
     Vector3d,
 )
+from libgz.classic.names import takes_names
 from libgz.sdf.element import Element
 from libgz.simulation.state import plain
 
@@ -33,6 +34,7 @@ console = logging.getLogger("libgz.classic.console")
 T = TypeVar("T")
 
 
+@takes_names
 class PluginT:
     """Base of all plugins.
 

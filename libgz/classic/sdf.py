@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+from libgz.classic.api import without
+from libgz.classic.names import takes_names
 from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.sdf.description import NEWEST, describe
 from libgz.sdf.element import Element, Param
@@ -12,11 +14,14 @@ from libgz.sdf.reader import SdfFile
 
 __all__ = ["SDF", "Element", "ElementPtr", "Param", "SdfFile", "init", "initFile", "readFile", "readString"]
 
+__getattr__ = without(__name__)
+
 log = logging.getLogger("libgz.classic")
 
 ElementPtr = Element
 
 
+@takes_names
 class SDF:
     """An SDF document made from text: `SetFromString`, then `Root`."""
 
@@ -107,6 +112,7 @@ def initFile(filename: str, target: SDF | Element) -> bool:
     return True
 
 
+@takes_names
 def readString(text: str, target: SDF | Element) -> bool:
     """Read a document; for an element, the first one of its tag in it. False if it has errors, which are logged."""
     try:

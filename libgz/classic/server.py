@@ -502,8 +502,11 @@ class WorldServer:
         if saved["quiet"] != self._quiet():
             self.ids.load(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"])
         if saved["settings"] != self._settings():
+            requested = get_values(self.paused_steps)
             for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
                 set_values(part, values)
+            if state is None or saved["plugins"] is None:  # a reset leaves the pause as it is, and its iterations
+                set_values(self.paused_steps, requested)
             changes.count()
         contacts = self.physics.GetContactManager()
         contacts.forget()

@@ -343,8 +343,21 @@ class SkinGeom(TriMeshGeom):
         self.weights, self.rest = part.weights, part.vertices
         self.bends = 0  # how often it was bent into another shape
         self._frames: NDArray[np.float64] | None = None
+        self._smooth = Mesh(part.vertices, part.triangles.astype(np.uint32))  # as the file has it
+        self._seams: NDArray[np.int64] | None = None  # the vertex of the file that each one is
         super().__init__(body, None, part.vertices, part.triangles)
+        if part.texture is not None and part.texture.coordinates is not None:
+            self._split(part.triangles, part.texture.coordinates.reshape(-1, 2))
         self.bend()
+
+    def _split(self, triangles: NDArray[np.int64], coordinates: NDArray[np.float64]) -> None:
+        """Make several vertices of one that lies in different places of the image."""
+        rows = np.concatenate([triangles.reshape(-1, 1), coordinates], axis=1)
+        kept, index = np.unique(rows, axis=0, return_inverse=True)
+        seams = kept[:, 0].astype(np.int64)
+        self.rest, self.weights, self.places = self.rest[seams], self.weights[seams], self.places[seams]
+        self.set_mesh(self.rest, index.reshape(-1, 3))
+        self._first_mesh, self._seams, self.texture_coordinates = self._mesh, seams, kept[:, 1:]
 
     def bend(self) -> bool:
         """Take the shape that the bones give it now (linear blend skinning); whether it is another one."""
@@ -357,8 +370,12 @@ class SkinGeom(TriMeshGeom):
         points = np.concatenate([self.rest, np.ones((len(self.rest), 1))], axis=1)
         blend = np.einsum("nj,njab->nab", self.weights, moved[self.places])
         vertices: NDArray[np.float64] = np.einsum("nab,nb->na", blend, points)
-        self.vertices = vertices
-        self.normals = vertex_normals(self.vertices, self.triangles)
+        self.vertices, whole = vertices, vertices
+        if self._seams is not None:  # which are as smooth as the rest
+            whole = np.empty_like(self._smooth.vertices)
+            whole[self._seams] = vertices
+        normals = vertex_normals(whole, self._smooth.triangles)
+        self.normals = normals if self._seams is None else normals[self._seams]
         self.bends += 1
         return True
 

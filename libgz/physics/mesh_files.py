@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 from libgz.files import is_file
+from libgz.physics.meshes import triangle_normals, units
 
 __all__ = [
     "Collada",
@@ -34,6 +35,7 @@ Array = NDArray[np.float64]
 
 MOST_TRIANGLES = 20_000_000
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
+LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says
 LARGEST_COORDINATE = 1e6  # of a texture: how often it repeats
 # Of maps in material libraries: how many values follow at most.
 MAP_OPTIONS = {"-o": 3, "-s": 3, "-t": 3, "-mm": 2} | dict.fromkeys(
@@ -71,7 +73,12 @@ class Texture:
 class MeshPart:
     """A piece of a mesh: vertices [m], shape (n, 3); triangles, shape (m, 3); its colour, if the file gives one.
 
-    Texture coordinates belong to corners, so that an image does not change which vertices triangles share.
+    Texture coordinates and normals belong to corners, so that they do not change which vertices triangles share.
+
+    Attributes:
+        color: diffuse, with an alpha below 1 where the file makes it transparent.
+        normals: of the corners of each triangle, unit vectors, zero where unknown, shape (m, 3, 3); None if the file
+            has none for this part, or damaged ones.
     """
 
     name: str
@@ -79,6 +86,7 @@ class MeshPart:
     triangles: NDArray[np.int64]
     color: tuple[float, ...] | None = None
     texture: Texture | None = None
+    normals: Array | None = None
 
 
 def read_mesh(path: Path) -> list[MeshPart]:
@@ -207,10 +215,12 @@ def _read_stl(path: Path) -> Iterator[MeshPart]:
 
 
 def _soup(name: str, corners: NDArray[Any]) -> MeshPart:
-    """Triangles given by their corners, three rows each; equal corners become one vertex."""
+    """Flat triangles given by their corners, three rows each; equal corners become one vertex."""
     points = np.array(corners, dtype=np.float64).reshape(-1, 3)
     vertices, index = np.unique(points, axis=0, return_inverse=True)
-    return MeshPart(name, vertices, np.array(index, dtype=np.int64).reshape(-1, 3))
+    triangles = np.array(index, dtype=np.int64).reshape(-1, 3)
+    flat = np.repeat(triangle_normals(vertices, triangles)[:, None, :], 3, axis=1)
+    return MeshPart(name, vertices, triangles, normals=flat)
 
 
 def _fans(polygons: Iterable[list[int]]) -> NDArray[np.int64]:
@@ -228,24 +238,44 @@ def _coordinates(table: Array, corners: NDArray[np.int64]) -> Array | None:
     return found
 
 
+def _normals(table: Array, corners: NDArray[np.int64]) -> Array | None:
+    """Unit normals of corners, as rows of a table by number, -1: unknown; None if they are damaged, or all unknown."""
+    if not len(table) or not len(corners) or not -1 <= corners.min() <= corners.max() < len(table):
+        return None
+    if not np.isfinite(table).all() or corners.max() < 0:
+        return None
+    found: Array = np.where(corners[..., None] < 0, 0.0, units(table)[corners])
+    return found
+
+
 # Wavefront OBJ ---------------------------------------------------------------------------------------------------
 
 
 @dataclass
 class _Look:
-    """A material of a library: its colour, and the name of its image, as far as it has them."""
+    """A material of a library: its colour, its opacity, and the name of its image, as far as it has them."""
 
     file: Path
     color: tuple[float, ...] | None = None
+    opacity: float = 1.0
     image: str = ""
+
+    @property
+    def shown(self) -> tuple[float, ...] | None:
+        """The colour with the opacity; white for what is transparent without a colour."""
+        if self.color is None and self.opacity >= 1.0:
+            return None
+        return (*(self.color or (1.0, 1.0, 1.0))[:3], self.opacity)
 
 
 def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
     vertices: list[list[float]] = []
     coordinates: list[list[str]] = []
+    normals: list[list[str]] = []
     looks: dict[str, _Look] = {}
     groups: dict[tuple[str, str], list[list[int]]] = {}
     textured: dict[tuple[str, str], list[list[int]]] = {}  # numbers of texture coordinates, where there is an image
+    lit: dict[tuple[str, str], list[list[int]]] = {}  # numbers of normals
     name = material = ""
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
         key, _, rest = line.strip().partition(" ")
@@ -253,6 +283,8 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
             vertices.append([float(word) for word in rest.split()[:3]])
         elif key == "vt":
             coordinates.append(rest.split())
+        elif key == "vn":
+            normals.append(rest.split())
         elif key in ("o", "g"):
             name = rest.strip()
         elif key == "usemtl":
@@ -267,32 +299,40 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
             face = [corner - 1 if corner > 0 else len(vertices) + corner for corner in corners]
             groups.setdefault((name, material), []).append(face)
             if material in looks and looks[material].image:
-                textured.setdefault((name, material), []).append([_coordinate(w, len(coordinates)) for w in words])
+                textured.setdefault((name, material), []).append([_row(w, 1, len(coordinates)) for w in words])
+            if normals:
+                lit.setdefault((name, material), []).append([_row(w, 2, len(normals)) for w in words])
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    table = _table(coordinates) if textured else np.empty((0, 2))
+    table = _table(coordinates, 2) if textured else np.empty((0, 2))
+    directions = _table(normals, 3)
     for group, faces in groups.items():
         look, texture = looks.get(group[1]), None
         # A library that comes after faces gives them no image.
         if look is not None and look.image and len(textured.get(group, ())) == len(faces):
             texture = Texture(NamedImage(look.image, look.file), _coordinates(table, _fans(textured[group])))
-        yield used(group[0], points, _fans(faces), look.color if look is not None else None, texture)
+        known = len(lit.get(group, ())) == len(faces)
+        shading = _normals(directions, _fans(lit[group])) if known else None
+        yield used(group[0], points, _fans(faces), look.shown if look is not None else None, texture, shading)
 
 
-def _table(rows: list[list[str]]) -> Array:
-    """Texture coordinates as numbers, shape (n, 2); none if one is damaged."""
+def _table(rows: list[list[str]], columns: int) -> Array:
+    """Rows of numbers, such as texture coordinates, shape (n, columns); none if one is damaged."""
     try:
-        return np.array([row[:2] for row in rows], dtype=np.float64).reshape(len(rows), 2)
+        return np.array([row[:columns] for row in rows], dtype=np.float64).reshape(len(rows), columns)
     except ValueError:
-        return np.empty((0, 2))
+        return np.empty((0, columns))
 
 
-def _coordinate(word: str, count: int) -> int:
-    """The row of texture coordinates of a corner, such as `7/3/1`; -1 if it has none, -2 if it has damaged ones."""
-    middle = word.split("/", 2)[1] if "/" in word else ""
-    if not middle:
+def _row(word: str, place: int, count: int) -> int:
+    """The row of the texture coordinates (place 1) or the normal (2) of a corner, such as `7/3/1`, of so many rows.
+
+    It is -1 if the corner has none, -2 if the number is damaged.
+    """
+    words = word.split("/", 2)
+    if len(words) <= place or not words[place]:
         return -1
     try:
-        number = int(middle)
+        number = int(words[place])
     except ValueError:
         return -2
     row = number - 1 if number > 0 else count + number
@@ -306,7 +346,7 @@ def _libraries(folder: Path, names: str) -> list[Path]:
 
 
 def _read_mtl(path: Path) -> dict[str, _Look]:
-    """Diffuse colours and images by material; none if there is no such file.
+    """Diffuse colours, opacities and images by material; none if there is no such file.
 
     Raises:
         GazeboError: it cannot be read, or a colour has no three finite numbers.
@@ -327,6 +367,9 @@ def _read_mtl(path: Path) -> dict[str, _Look]:
             if color is None:
                 raise GazeboError(f"material library {path}:{number}: {line.strip()[:80]!r} is not Kd RED GREEN BLUE")
             found.setdefault(name, _Look(path)).color = color
+        elif words[:1] in (["d"], ["Tr"]) and _is_number(words[-1]):  # `d -halo 0.5`, too
+            value = min(max(float(words[-1]), 0.0), 1.0)
+            found.setdefault(name, _Look(path)).opacity = value if words[0] == "d" else 1.0 - value
         elif words and words[0].lower() == "map_kd":
             found.setdefault(name, _Look(path)).image = _image_name(line.strip()[len("map_Kd") :].strip())
     return found
@@ -353,10 +396,9 @@ def _image_name(text: str) -> str:
 
 def _is_number(word: str) -> bool:
     try:
-        float(word)
+        return math.isfinite(float(word))
     except ValueError:
         return False
-    return True
 
 
 def used(
@@ -365,15 +407,31 @@ def used(
     triangles: NDArray[np.int64],
     color: tuple[float, ...] | None,
     texture: Texture | None = None,
+    normals: Array | None = None,
 ) -> MeshPart:
     """A part with only the vertices that its triangles name."""
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(points):
         raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
     kept, index = np.unique(triangles, return_inverse=True)
-    return MeshPart(name, points[kept], np.array(index, dtype=np.int64).reshape(-1, 3), color, texture)
+    return MeshPart(name, points[kept], np.array(index, dtype=np.int64).reshape(-1, 3), color, texture, normals)
 
 
 # COLLADA ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Effect:
+    """The look of a COLLADA material.
+
+    Attributes:
+        color: diffuse; None if it has none.
+        image: the file that it shows, as it is written; empty if it has none.
+        coordinates: the symbol of its texture coordinates.
+    """
+
+    color: tuple[float, ...] | None = None
+    image: str = ""
+    coordinates: str | None = None
 
 
 class Collada:
@@ -391,6 +449,7 @@ class Collada:
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
         self.ids = {element.get("id"): element for element in self.root.iter() if element.get("id")}
+        self._looks: dict[str, _Effect] = {}
 
     @staticmethod
     def tag(element: Any) -> str:
@@ -500,9 +559,28 @@ class Collada:
                     points, triangles = self.primitive(group, kind)
                     points = points @ frame[:3, :3].T + frame[:3, 3]
                     material = bound.get(group.get("material"))
-                    color = self.color(material.get("target", "")) if material is not None else None
-                    texture = self.texture(material, group, kind, len(triangles)) if material is not None else None
-                    yield used(name or geometry.get("name", ""), points, triangles, color, texture)
+                    look = self.look(material)
+                    texture = self.texture(material, group, kind, len(triangles))
+                    shading = self.normals(group, kind, len(triangles), frame)
+                    yield used(name or geometry.get("name", ""), points, triangles, look.color, texture, shading)
+
+    def normals(self, group: Any, kind: str, count: int, frame: Array) -> Array | None:
+        """The normals of the corners of a group's triangles in a frame; None if it has none, or damaged ones."""
+        if np.linalg.det(frame[:3, :3]) <= 0.0:
+            return None  # mirrored: they would point against the order of the corners
+        vertex = self.first(self.inputs(group, "VERTEX"), "an <input> of vertices")
+        shared = (i for i in self.inputs(self.target(vertex.get("source")), "NORMAL"))
+        own = next(iter(self.inputs(group, "NORMAL")), None)
+        given = own if own is not None else next(shared, None)
+        if given is None:
+            return None
+        try:
+            corners = self.corners(group, kind, own if own is not None else vertex)
+            table = self.rows(self.target(given.get("source")), 3)
+            found = _normals(table @ np.linalg.inv(frame[:3, :3]), corners)
+        except (ValueError, OverflowError):
+            return None
+        return found if found is not None and len(found) == count else None
 
     def primitive(self, group: Any, kind: str) -> tuple[Array, NDArray[np.int64]]:
         """(positions, triangles) of one group of faces."""
@@ -533,19 +611,18 @@ class Collada:
 
     def texture(self, material: Any, group: Any, kind: str, count: int) -> Texture | None:
         """The image of a group of so many triangles, whose `<instance_material>` is given; None if it has none."""
-        found = self.sampler(material.get("target", ""))
-        name = self.image(*found) if found is not None else ""
-        if found is None or not name:
+        look = self.look(material)
+        if not look.image:
             return None
         try:
-            chosen = self.coordinate_input(material, group, found[1].get("texcoord"))
+            chosen = self.coordinate_input(material, group, look.coordinates)
             corners = self.corners(group, kind, chosen)
             coordinates = _coordinates(self.rows(self.target(chosen.get("source"))), corners)
         except (ValueError, OverflowError):
             coordinates = None
         if coordinates is not None and len(coordinates) != count:
             coordinates = None
-        return Texture(NamedImage(name, self.path), coordinates)
+        return Texture(NamedImage(look.image, self.path), coordinates)
 
     def coordinate_input(self, material: Any, group: Any, symbol: str | None) -> Any:
         """The texture coordinates of a group that an `<instance_material>` binds to a symbol; else its first ones.
@@ -562,8 +639,8 @@ class Collada:
         chosen = [i for i in inputs if i.get("set", "0") in bound] or inputs
         return self.first(chosen, "an <input> of texture coordinates")
 
-    def rows(self, source: Any) -> Array:
-        """The first two numbers of each row of a source.
+    def rows(self, source: Any, columns: int = 2) -> Array:
+        """The first numbers of each row of a source.
 
         Raises:
             ValueError: they are damaged.
@@ -571,21 +648,55 @@ class Collada:
         array = self.first(self.deep(source, "float_array"), "<float_array>")
         numbers = np.array((array.text or "").split(), dtype=np.float64)
         accessor = next(self.deep(source, "accessor"), None)
-        stride = int(accessor.get("stride", "1")) if accessor is not None else 2
-        if stride < 2:
-            raise ValueError(f"texture coordinates have a stride of {stride}")
-        return numbers[: len(numbers) // stride * stride].reshape(-1, stride)[:, :2]
+        stride = int(accessor.get("stride", "1")) if accessor is not None else columns
+        if stride < columns:
+            raise ValueError(f"rows of {columns} numbers have a stride of {stride}")
+        return numbers[: len(numbers) // stride * stride].reshape(-1, stride)[:, :columns]
 
-    def sampler(self, material: str) -> tuple[Any, Any] | None:
-        """(effect, `<texture>`) of the diffuse image of a material; None if it has none."""
-        if not material:
-            return None
+    def look(self, material: Any) -> _Effect:
+        """What the material of an `<instance_material>` looks like; nothing is set without one."""
+        name = material.get("target", "") if material is not None else ""
+        if name not in self._looks:
+            self._looks[name] = self._effect(name) if name else _Effect()
+        return self._looks[name]
+
+    def _effect(self, material: str) -> _Effect:
+        found = _Effect()
         for instance in self.all(self.target(material), "instance_effect"):
             effect = self.target(instance.get("url"))
             for diffuse in self.deep(effect, "diffuse"):
-                for texture in self.all(diffuse, "texture"):
-                    return effect, texture
-        return None
+                for color in self.all(diffuse, "color"):
+                    values = tuple(float(word) for word in (color.text or "").split())
+                    usable = len(values) == 4 and all(map(math.isfinite, values))
+                    found.color = found.color or (values if usable else None)
+                for texture in self.all(diffuse, "texture") if not found.image else ():
+                    found.image, found.coordinates = self.image(effect, texture), texture.get("texcoord")
+            opacity = self.opacity(effect)
+            if opacity < 1.0:
+                r, g, b, alpha = found.color or (1.0, 1.0, 1.0, 1.0)
+                found.color = (r, g, b, alpha * opacity)
+        return found
+
+    def opacity(self, effect: Any) -> float:
+        """How opaque an effect is, 0 to 1: by `<transparent>` times `<transparency>`.
+
+        As in Gazebo, an effect is opaque that does not say how its numbers are meant, by `opaque`: some programs write
+        the opposite of what others do.
+        """
+        transparent = next(self.deep(effect, "transparent"), None)
+        mode = transparent.get("opaque", "") if transparent is not None else ""
+        color = next(iter(self.all(transparent, "color")), None) if mode else None
+        if mode not in ("A_ONE", "A_ZERO", "RGB_ONE", "RGB_ZERO") or color is None:
+            return 1.0
+        factor = next((f for t in self.deep(effect, "transparency") for f in self.all(t, "float")), None)
+        values = [float(word) for word in (color.text or "").split()]
+        if not 3 <= len(values) <= 4:
+            return 1.0
+        by_alpha = mode.startswith("A")
+        share = [*values, 1.0][3] if by_alpha else float(np.dot(LUMINANCE, values[:3]))
+        share *= float(factor.text or "1") if factor is not None else 1.0
+        share = min(max(share, 0.0), 1.0) if math.isfinite(share) else float(mode.endswith("ONE"))
+        return share if mode.endswith("ONE") else 1.0 - share
 
     def image(self, effect: Any, texture: Any) -> str:
         """The file that a `<texture>` names, by sampler and surface or directly; empty if there is none."""
@@ -605,18 +716,6 @@ class Collada:
         if written is None:
             return ""
         return next((e.text or "" for e in self.deep(written, "ref")), written.text or "").strip()
-
-    def color(self, material: str) -> tuple[float, ...] | None:
-        """The diffuse colour of a material."""
-        if not material:
-            return None
-        effects = self.all(self.target(material), "instance_effect")
-        for effect in effects:
-            for diffuse in self.deep(self.target(effect.get("url")), "diffuse"):
-                for color in self.all(diffuse, "color"):
-                    values = tuple(float(word) for word in (color.text or "").split())
-                    return values if len(values) == 4 and all(map(math.isfinite, values)) else None
-        return None
 
 
 def step_matrix(kind: str, numbers: Array) -> Array:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 from libgz.files import is_file
-from libgz.physics.mesh_files import Collada, reading, step_matrix
+from libgz.physics.mesh_files import Collada, Texture, reading, step_matrix
 
 __all__ = ["Figure", "SkeletonAnimation", "SkinPart", "matrix_turns", "read_figure", "turn_matrices"]
 
@@ -34,6 +34,7 @@ class SkinPart:
     Attributes:
         bones, weights: of each vertex, shape (n, 4); weights add up to 1.
         inverse_binds: from the skin into the frame of each bone of the skeleton, shape (k, 4, 4).
+        texture: the image that it shows, if the file names one.
     """
 
     vertices: Array
@@ -42,6 +43,7 @@ class SkinPart:
     weights: Array
     inverse_binds: Array
     color: tuple[float, ...] | None = None
+    texture: Texture | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -370,11 +372,11 @@ class _Reader:
     def _skin(self) -> Iterator[SkinPart]:
         document = self.document
         for instance in document.deep(document.root, "instance_controller"):
-            bound = {m.get("symbol"): m.get("target", "") for m in document.deep(instance, "instance_material")}
+            bound = {m.get("symbol"): m for m in document.deep(instance, "instance_material")}
             for skin in document.all(document.target(instance.get("url")), "skin"):
                 yield from self._skin_parts(skin, bound)
 
-    def _skin_parts(self, skin: Any, bound: dict[str, str]) -> Iterator[SkinPart]:
+    def _skin_parts(self, skin: Any, bound: dict[str, Any]) -> Iterator[SkinPart]:
         document = self.document
         joints = document.first(document.all(skin, "joints"), "<joints>")
         sources = {i.get("semantic"): document.target(i.get("source")) for i in document.all(joints, "input")}
@@ -401,6 +403,7 @@ class _Reader:
                         continue
                     if not 0 <= triangles.min() <= triangles.max() < min(len(points), len(weights)):
                         raise ValueError("a triangle names a vertex that does not exist, or has no weights")
+                    material = bound.get(group.get("material"))
                     kept, index = np.unique(triangles, return_inverse=True)
                     yield SkinPart(
                         points[kept] @ shape[:3, :3].T + shape[:3, 3],
@@ -408,7 +411,8 @@ class _Reader:
                         bones[kept],
                         weights[kept],
                         binds,
-                        document.color(bound.get(group.get("material"), "")),
+                        document.look(material).color,
+                        document.texture(material, group, kind, len(triangles)),
                     )
 
     def _place(self, name: str) -> int:

@@ -1,50 +1,18 @@
-"""The public API of Gazebo classic as a table, and what of it libgz has.
-
-`classic_api.tsv` has a row for each method, field, function and constant of the headers of Gazebo 11 and its libraries
-that plugins can use, and of older names: class, name, state, note. A state is `present`; `old`, present under a name of
-Gazebo 7 and before; `absent`, with the reason or what serves instead; or `added`, libgz's own, with the reason.
-"""
+"""What of the public API of Gazebo classic, the table in `libgz.classic.api`, libgz has."""
 
 from __future__ import annotations
 
-import csv
-import functools
 import importlib
 import inspect
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
-from pathlib import Path
+from dataclasses import fields, is_dataclass
 from typing import Any
+
+from libgz.classic.api import ApiName, classic_api
 
 __all__ = ["ApiName", "bases_of", "classic_api", "has", "public_names"]
 
-TABLE = Path(__file__).with_name("classic_api.tsv")
 MODULES = ("physics", "sensors", "rendering", "common", "event", "transport", "math", "gui")
-
-
-@dataclass(frozen=True)
-class ApiName:
-    """A row of the table.
-
-    Attributes:
-        holder: ``module.Class``; ``module.(functions)`` and the like for what is in no class.
-        name: of the method, field, function or constant.
-        state: present, old, absent or added.
-        note: the reason, or what serves instead.
-    """
-
-    holder: str
-    name: str
-    state: str
-    note: str
-
-
-@functools.cache
-def classic_api() -> tuple[ApiName, ...]:
-    """All rows."""
-    with TABLE.open(encoding="utf-8", newline="") as file:
-        rows = csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)
-        return tuple(ApiName(row["class"], row["name"], row["state"], row["note"]) for row in rows)
 
 
 def _module(holder: str) -> Any:

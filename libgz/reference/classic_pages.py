@@ -110,7 +110,7 @@ def _front(classes: dict[str, list[_Class]]) -> str:
             "[plugins.md](../plugins.md).\n",
             f"Of {whole} names of the headers of Gazebo 11 and its libraries that plugins can use, libgz has {have}, "
             f"and {states['old']} older ones. Each page lists those that libgz has not, with what serves instead; the "
-            "whole table is `libgz/reference/classic_api.tsv`.\n",
+            "whole table is `libgz/classic/api.tsv`.\n",
             "| module | content | classes |",
             "|---|---|---|",
             *rows,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,8 +29,10 @@ from libgz.physics.geoms import SkinGeom, SphereGeom
 from libgz.physics.skeletons import Figure, SkeletonAnimation, matrix_turns, read_figure, turn_matrices
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
+from libgz.sdfworld.mesh_images import found_images
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.trajectory import Trajectory
+from libgz.sdfworld.visual import set_transparency, show_image
 from libgz.simulation.world import World
 
 __all__ = ["SdfActor"]
@@ -200,9 +203,15 @@ class SdfActor(SdfModel):
             self.geom_names[ball] = f"{unique}_collision"
             self._bones.append(body)
         main = self.bodies[0]
+        textures = [part.texture for part in figure.skin if part.texture is not None]
+        images = found_images(textures, functools.partial(self.diagnostics.warn, self.sdf.child("skin")))
         for part in figure.skin:
             geom = SkinGeom(main, part, self._bones)
-            geom.SetColor(SKIN_COLOR if part.color is None else GzColor(*part.color))
+            if part.texture is not None and part.texture.image in images and geom.texture_coordinates is not None:
+                show_image(geom.appearance, images[part.texture.image], part.color)
+            else:
+                geom.SetColor(SKIN_COLOR if part.color is None else GzColor(*part.color))
+                set_transparency(geom.appearance, geom.appearance.transparency)
             self.geom_names[geom] = f"{self.name}_visual"
             self.skins.append(geom)
 

@@ -2,15 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from urllib.parse import unquote
 
 from libgz.errors import NotFoundError
 from libgz.files import is_file
-from libgz.physics.mesh_files import NamedImage
+from libgz.physics.mesh_files import NamedImage, Texture
 from libgz.sdf.paths import find_uri
 
-__all__ = ["find_image"]
+__all__ = ["find_image", "found_images"]
+
+
+def found_images(textures: Iterable[Texture], note: Callable[[str], object]) -> dict[NamedImage, Path]:
+    """The files of images of a mesh.
+
+    Args:
+        textures: of its parts.
+        note: called once with what is wrong with each image that is missing, or has no place on a part.
+    """
+    given, found = list(textures), dict[NamedImage, Path]()
+    for image in dict.fromkeys(texture.image for texture in given):
+        try:
+            found[image] = find_image(image)
+        except NotFoundError as error:
+            note(f"{error}; rendered without a texture")
+    for image in dict.fromkeys(texture.image for texture in given if texture.coordinates is None):
+        if image in found:
+            why = f"a part of the mesh has no usable texture coordinates for image {image.name} of {image.file}"
+            note(f"{why}; rendered without a texture")
+    return found
 
 
 def find_image(image: NamedImage) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -17,18 +17,17 @@ from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.physics.mesh_files import MeshPart, NamedImage, read_mesh
-from libgz.physics.meshes import corner_normals, grid_triangles, vertex_normals
+from libgz.physics.meshes import corner_normals, grid_triangles, units, vertex_normals
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
 from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
-from libgz.sdf.materials import Material
 from libgz.sdf.paths import find_uri
-from libgz.sdfworld.mesh_images import find_image
+from libgz.sdfworld.mesh_images import found_images
 from libgz.sdfworld.terrain import read_cover, terrain_mesh
-from libgz.sdfworld.visual import put_on, replaces_look
+from libgz.sdfworld.visual import replaces_look, show_image
 
-__all__ = ["KNOWN", "make_collision", "make_visual"]
+__all__ = ["KNOWN", "make_collision", "make_visual", "show_part"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -85,13 +84,10 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
     found = [geom] if geom is not None else []
     if geom is None:
         parts = [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note)
-        images = {} if replaces_look(element) else _images(parts, shape, note)
+        textures = [] if replaces_look(element) else [part.texture for part in parts if part.texture is not None]
+        images = found_images(textures, lambda why: note(shape, why))
         for part in parts:
-            texture = part.texture
-            if texture is not None and texture.coordinates is not None and texture.image in images:
-                found.append(_textured(body, part, texture.coordinates, images[texture.image]))
-                continue
-            geom = TriMeshGeom(body, None, part.vertices, part.triangles)
+            geom = show_part(body, part, images)
             if shape.name == "plane":
                 geom.texture_coordinates, geom.columns = _across(), PATCHES + 1
             if shape.name == "heightmap":
@@ -99,39 +95,39 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
                 cover = read_cover(_find(shape), shape, note)
                 if cover is not None:
                     geom.texture_coordinates, geom.image = cover.texture_coordinates, cover.image
-            if part.color is not None:
-                geom.SetColor(GzColor(*part.color))
             found.append(geom)
     for geom in found:
         geom.SetRelativePose(pose)
     return found
 
 
-def _images(parts: list[MeshPart], shape: Element, note: Note) -> dict[NamedImage, Path]:
-    """The files of the images of a mesh; one warning for each that is missing or has no place on a part."""
-    textures = [part.texture for part in parts if part.texture is not None]
-    found: dict[NamedImage, Path] = {}
-    for image in dict.fromkeys(texture.image for texture in textures):
-        try:
-            found[image] = find_image(image)
-        except NotFoundError as error:
-            note(shape, f"{error}; rendered without a texture")
-    for image in dict.fromkeys(texture.image for texture in textures if texture.coordinates is None):
-        if image in found:
-            why = f"a part of the mesh has no usable texture coordinates for image {image.name} of {image.file}"
-            note(shape, f"{why}; rendered without a texture")
-    return found
+def show_part(body: Body, part: MeshPart, images: Mapping[NamedImage, Path]) -> TriMeshGeom:
+    """A geom that is only rendered: a part of a mesh with the colour, normals and image that its file has for it.
 
-
-def _textured(body: Body, part: MeshPart, coordinates: NDArray[np.float64], image: Path) -> Geom:
-    """A part of a mesh that shows an image; texture coordinates of the corners of each triangle."""
-    # Corners that share a vertex may lie in different places of the image, so each is a vertex of its own.
+    Args:
+        body: that it belongs to.
+        part: of a mesh.
+        images: the file of each image that was found.
+    """
+    if part.normals is None and part.texture is None:
+        geom = TriMeshGeom(body, None, part.vertices, part.triangles)
+        if part.color is not None:
+            geom.SetColor(GzColor(*part.color))
+        return geom
+    # Corners that share a vertex may have different normals and places in the image, so each is a vertex of its own.
     corners = part.vertices[part.triangles].reshape(-1, 3)
     geom = TriMeshGeom(body, None, corners, np.arange(len(corners)).reshape(-1, 3))
-    geom.normals = corner_normals(part.vertices, part.triangles).reshape(-1, 3).astype(np.float64)
-    geom.texture_coordinates = coordinates.reshape(-1, 2)
-    r, g, b, *_ = part.color or (1.0, 1.0, 1.0)
-    put_on(geom.appearance, Material((r, g, b, 1.0), (r, g, b, 1.0), texture=image))
+    normals = corner_normals(part.vertices, part.triangles).astype(np.float64)
+    if part.normals is not None:
+        known = part.normals.any(axis=-1, keepdims=True)
+        normals = np.where(known, part.normals, normals)
+    geom.normals = normals.reshape(-1, 3)
+    texture = part.texture
+    if texture is not None and texture.coordinates is not None and texture.image in images:
+        geom.texture_coordinates = texture.coordinates.reshape(-1, 2)
+        show_image(geom.appearance, images[texture.image], part.color)
+    elif part.color is not None:
+        geom.SetColor(GzColor(*part.color))
     return geom
 
 
@@ -242,9 +238,20 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
             part.triangles[:, ::-1] if turned else part.triangles,
             part.color,
             part.texture.mirrored() if turned and part.texture is not None else part.texture,
+            _scaled_normals(part.normals, scale, turned),
         )
         for part in parts
     ]
+
+
+def _scaled_normals(
+    normals: NDArray[np.float64] | None, scale: NDArray[np.float64], turned: bool
+) -> NDArray[np.float64] | None:
+    """The normals of a stretched mesh, whose triangles have their corners in the opposite order if it is mirrored."""
+    if normals is None or not scale.all():
+        return None
+    stretched: NDArray[np.float64] = units(normals / scale).astype(np.float64)
+    return stretched[:, ::-1] if turned else stretched
 
 
 def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:

@@ -7,11 +7,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError, NotFoundError
+from libgz.files import is_file
 from libgz.geometry import GzVector
 from libgz.physics.check import positive
 from libgz.physics.image_files import open_image
@@ -51,16 +53,25 @@ def _heights(path: Path, shape: Element) -> Array:
     size = shape.Get(GzVector, "size")
     for value, what in ((size.x, "heightmap size x [m]"), (size.y, "heightmap size y [m]")):
         positive(value, what)
-    with open_image(path, MOST_PIXELS) as image:
-        if min(image.size) < 2:
-            raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
-        grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
-        pixels = np.array(grey, dtype=np.float64)
+    pixels = _grey(path, path.stat().st_mtime_ns if is_file(path) else 0).astype(np.float64)
     if not np.isfinite(pixels).all():
         raise GazeboError(f"{path} has pixels that are not finite numbers")
     brightest = float(pixels.max())
     heights = pixels * (size.z / brightest) if brightest > 0.0 else pixels
     return heights[::-1]
+
+
+@functools.lru_cache(maxsize=1)  # one ground collides, is shown, and has textures by its heights
+def _grey(path: Path, _changed: int) -> NDArray[Any]:
+    """The pixels of an image, top row first, in the type in which it has them.
+
+    Raises:
+        GazeboError: it cannot be read, or has too few.
+    """
+    with open_image(path, MOST_PIXELS) as image:
+        if min(image.size) < 2:
+            raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
+        return np.array(image if image.mode in ("I", "I;16", "F", "L") else image.convert("L"))
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,7 @@ __all__ = [
     "set_light",
     "set_sky",
     "set_transparency",
+    "show_image",
 ]
 
 log = logging.getLogger("libgz.simulation")
@@ -51,7 +52,7 @@ COLORS = {"ambient": "ambient", "diffuse": "diffuse", "specular": "specular", "e
 def dress(geom: Geom, element: Element, note: Note) -> None:
     """Apply the material and transparency of a `<visual>` to its geom. Without a material it is white."""
     look = geom.appearance
-    if not element.child("geometry").HasElement("mesh"):
+    if not element.child("geometry").HasElement("mesh") or replaces_look(element):
         put_on(look, Material())
     if element.HasElement("material"):
         dress_material(look, element.child("material"), note)
@@ -112,6 +113,12 @@ def put_on(look: Appearance, material: Material) -> None:
     if not material.lit:
         _unlight(look)
     set_transparency(look, look.transparency)
+
+
+def show_image(look: Appearance, image: Path, color: Sequence[float] | None) -> None:
+    """Show an image on a part of a mesh, times the colour that the part has in its file."""
+    r, g, b, a = color or (1.0, 1.0, 1.0, 1.0)
+    put_on(look, Material((r, g, b, a), (r, g, b, a), texture=image))
 
 
 def _unlight(look: Appearance) -> None:

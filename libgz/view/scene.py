@@ -159,7 +159,7 @@ class SceneView:
 
     def _skin(self, entity: dict[str, Any], shape: dict[str, Any]) -> _Skin:
         bones = [self.rows.get(body, -1) for body in shape["bones"]["bodies"]]
-        signature = shape["id"], shape["material"], len(bones), self.look
+        signature = shape["id"], shape["material"], shape["texture"], len(bones), self.look
         return _Skin(entity["number"], shape, bones, signature)
 
     def _make_skin(self, skin: _Skin) -> None:
@@ -170,7 +170,8 @@ class SceneView:
         dense = np.zeros((len(weights), len(skin.bones)))
         np.add.at(dense, (np.arange(len(weights))[:, None], places), weights)
         binds = np.linalg.inv(np.asarray(arrays["inverse_binds"], dtype=float).reshape(-1, 4, 4))
-        red, green, blue = (round(255 * min(max(float(c), 0.0), 1.0)) for c in shape["material"]["diffuse"][:3])
+        tone, own = self.shapes.tone(shape["texture"]), shape["material"]["diffuse"][:3]  # it shows no images on skins
+        red, green, blue = (round(255 * min(max(float(c) * t, 0.0), 1.0)) for c, t in zip(own, tone, strict=True))
         self._made += 1
         skin.handle = self.page.scene.add_mesh_skinned(
             f"/world/{self._made}",

@@ -260,6 +260,13 @@ class Shapes:
         pixels = self._source.data(shape["data"]).get("image") if shape["kind"] == "mesh" else None
         return None if pixels is None else Image.fromarray(np.ascontiguousarray(pixels, dtype=np.uint8))
 
+    def tone(self, texture: dict[str, Any] | None) -> tuple[float, ...]:
+        """The mean colour of a shape's texture, 0 to 1; white without one."""
+        image = self._image(texture["file"]) if texture is not None else None
+        if image is None:
+            return 1.0, 1.0, 1.0
+        return tuple(float(c) / 255.0 for c in np.asarray(image.convert("RGB")).reshape(-1, 3).mean(axis=0))
+
     def _image(self, file: str) -> Image.Image | None:
         """A texture, reduced to what a page needs; None, and one warning, if it cannot be read."""
         if file not in self._images:

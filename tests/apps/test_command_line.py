@@ -1,5 +1,6 @@
 """What is made from the commands' parsers: shell completion, man pages, the table of exit codes; and `libgz worlds`."""
 
+import argparse
 import json
 import os
 import re
@@ -12,8 +13,9 @@ import pytest
 from commands import run_libgz
 from master_uri import free_master_uri
 
-from libgz.apps.command_line import EXIT_CODES
+from libgz.apps.command_line import EXIT_CODES, command_parsers
 from libgz.apps.completion import SHELLS, script
+from libgz.apps.libgz import main as libgz_main
 from libgz.files import installed_worlds
 
 ROOT = Path(__file__).parents[2]
@@ -151,3 +153,39 @@ def test_errors_of_sdf_are_json(tmp_path):
     done = run_libgz("sdf", "--check", file, "--json")
     assert done.returncode == 1
     assert {"file", "line", "element", "message", "severity"} <= set(json.loads(done.stdout)[0])
+
+
+def every_parser(parser):
+    yield parser
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for below in action.choices.values():
+                yield from every_parser(below)
+
+
+NAMES = [
+    pytest.param(parser, action, id=f"{parser.prog} {'|'.join(action.option_strings) or action.dest}")
+    for main in command_parsers().values()
+    for parser in every_parser(main)
+    for action in parser._actions
+    if action.nargs != 0 and action.type in (None, Path) and not action.choices and action.default != ""
+]
+
+
+@pytest.mark.parametrize(("parser", "action"), NAMES)
+@pytest.mark.parametrize("empty", ["", " "])
+def test_an_empty_name_is_one_sentence_everywhere(parser, action, empty):
+    with pytest.raises(argparse.ArgumentError, match=r"the name is empty$"):
+        parser._get_values(action, [empty])
+
+
+def test_texts_may_be_empty_and_the_default_too():
+    topic = next(p for p in every_parser(command_parsers()["libgz"]) if p.prog == "libgz topic")
+    options = topic.parse_args(["-p", "~/x", "-m", "", "-w", ""])
+    assert (options.msg, options.world_name) == ("", "")
+
+
+def test_empty_words_that_nobody_wants_are_shown(capsys):
+    with pytest.raises(SystemExit):
+        libgz_main(["stats", ""])
+    assert "unrecognized arguments: ''; " in capsys.readouterr().err

@@ -148,7 +148,7 @@ def test_a_free_id_is_taken_and_printed(wire):
         (["--wire-version", "0.4", "x.world"], "'0.4' is not a wire version; allowed are 0x050, 0.5, 0x060"),
         (["/no/such.world"], "worldfile '/no/such.world' does not exist"),
         (["/tmp"], "worldfile '/tmp' is a directory"),
-        ([""], "no worldfile is named: the name is empty"),
+        ([""], "argument worldfile: the name is empty; gazebo -h"),
         (["/dev/null"], "worldfile '/dev/null' is not a plain file"),
         (["-l", "/no/such/dir/log", str(WORLD)], "cannot write log file"),
     ],

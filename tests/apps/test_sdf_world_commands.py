@@ -169,7 +169,8 @@ def test_commands_for_worlds_without_an_action_or_with_wrong_numbers_are_errors(
         (["world"], 1, "no action is given; use -p 0, -p 1, -s, -m N, -r, -t or -o"),
         (["world", "-m", "0"], 1, "--multi-step is 0; it must be at least 1"),
         (["physics"], 1, "no parameter is given"),
-        (["physics", "--step-size=-1"], 1, "--step-size is -1 s; it must be above 0"),
+        (["physics", "--step-size=-1"], 2, "argument -s/--step-size: invalid step size value: '-1'"),
+        (["physics", "-u", "nan"], 2, "argument -u/--update-rate: invalid update rate value: 'nan'"),
         (["physics", "-i", "0"], 1, "--iters is 0; it must be at least 1"),
         (["physics", "-g", "1,2"], 2, "'1,2' is not three numbers, such as 0,0,-9.8"),
     ):

@@ -1,6 +1,7 @@
 """Shapes of SDF: meshes of files, height maps, outlines, and how many contacts they make."""
 
 import math
+import os
 import struct
 
 import numpy as np
@@ -11,6 +12,7 @@ from sdf_worlds import GROUND, collision, friction, inertial, link, model, place
 
 from libgz.geometry import GzPosePointAt, GzVector
 from libgz.ode.types import Surface
+from libgz.physics.image_files import open_image
 from libgz.rendering.camera import Camera
 
 CUBE = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
@@ -126,6 +128,24 @@ def test_a_height_map_carries(load, tmp_path, caplog):
     assert made.engine.tables.geoms.surface[geom.row, Surface.MAX_VEL] == 0.0
     load(world(model("m", link("l", collision("<heightmap/>")))))
     assert "<heightmap>: it has no <uri>; the shape is left out" in caplog.text
+
+
+def test_a_height_map_is_read_once(load, tmp_path, monkeypatch):
+    Image.fromarray(np.arange(81, dtype=np.uint8).reshape(9, 9)).save(tmp_path / "h.png")
+    Image.new("RGB", (8, 8), (90, 60, 30)).save(tmp_path / "soil.png")
+    read = []
+    noted = lambda path, *more: read.append(path) or open_image(path, *more)  # noqa: E731
+    monkeypatch.setattr("libgz.sdfworld.terrain.open_image", noted)
+    texture = f"<texture><diffuse>file://{tmp_path}/soil.png</diffuse><size>2</size></texture>"
+    shape = f"<heightmap><uri>file://{tmp_path}/h.png</uri><size>8 8 2</size>{texture}</heightmap>"
+    shown = f"<visual name='v'><geometry>{shape}</geometry></visual>"
+    load(world(model("m", "<static>1</static>", link("l", collision(shape), shown))))
+    assert sorted(path.name for path in read) == ["h.png", "soil.png"]
+    Image.fromarray(np.zeros((9, 9), dtype=np.uint8)).save(tmp_path / "h.png")
+    os.utime(tmp_path / "h.png", (1.0, 1.0))
+    read.clear()
+    load(world(model("m", "<static>1</static>", link("l", collision(shape)))))
+    assert [path.name for path in read] == ["h.png"]
 
 
 def test_the_top_of_a_picture_lies_at_plus_y(load, tmp_path):

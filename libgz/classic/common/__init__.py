@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from libgz.classic.api import without
 from libgz.classic.common.animation import Animation, NumericAnimation, PoseAnimation
 from libgz.classic.common.battery import Battery
 from libgz.classic.common.console import (
@@ -76,6 +77,8 @@ __all__ = [
     "isDirectory",
     "isFile",
 ]
+
+__getattr__ = without(__name__)
 
 # What Gazebo throws is what libgz raises. `Exception` is no part of a star import: it would hide Python's own.
 Exception = InternalError = AssertionInternalError = GazeboError  # noqa: A001 - Gazebo's name

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from libgz.classic.common.system_paths import SystemPaths
+from libgz.classic.names import takes_names
 
 __all__ = ["cwd", "exists", "find_file", "find_file_path", "getEnv", "isDirectory", "isFile"]
 
@@ -41,6 +42,7 @@ def cwd() -> str:
     return str(Path.cwd())
 
 
+@takes_names
 def getEnv(name: str) -> str:
     """The value of an environment variable; an empty string for none."""
     return os.environ.get(name, "")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from libgz.classic.common.system_paths import SystemPaths
 from libgz.classic.math.color import Color
+from libgz.classic.names import takes_names
 from libgz.errors import GazeboError, ParameterError
 from libgz.physics.image_files import open_image
 
@@ -52,6 +53,7 @@ CAMERA_FORMATS = {
 CHANNELS = {1: 1, 3: 3, 4: 4, 5: 4, 8: 3}  # of formats of one byte a channel that SetFromData takes
 
 
+@takes_names
 class Image:
     """An image: `Image("file.png")`, or `Image()` and Load or SetFromData."""
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from libgz.classic.common.console import gzerr
 from libgz.classic.common.system_paths import SystemPaths
 from libgz.classic.math.vector3 import Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import VectorLike
 from libgz.physics.mesh_files import read_mesh
@@ -23,6 +24,7 @@ Points = NDArray[np.float64]
 SUFFIXES = ("dae", "stl", "stla", "stlb", "obj", "gltf", "glb")
 
 
+@takes_names
 class SubMesh:
     """A part of a mesh: vertices and triangles, by indices of vertices."""
 
@@ -170,6 +172,7 @@ class SubMesh:
     GetVertex, GetNormal, GetMin, GetMax = Vertex, Normal, Min, Max
 
 
+@takes_names
 class Mesh:
     """A named mesh of submeshes."""
 
@@ -272,6 +275,7 @@ class Mesh:
         return f"<Mesh {self._name!r} of {self.GetSubMeshCount()} submeshes, {self.GetIndexCount() // 3} triangles>"
 
 
+@takes_names
 class MeshManager:
     """All meshes by name: those of files, by the names that were loaded, and made ones."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError
 from libgz.files import is_file
 from libgz.sdf.paths import find_model, find_uri, model_directories
@@ -11,6 +12,7 @@ from libgz.sdf.paths import find_model, find_uri, model_directories
 __all__ = ["ModelDatabase"]
 
 
+@takes_names
 class ModelDatabase:
     """The models of GAZEBO_MODEL_PATH and of libgz. Nothing is downloaded."""
 

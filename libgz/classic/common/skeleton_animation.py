@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.names import takes_names
 from libgz.physics.skeletons import SkeletonAnimation as Motion
 
 __all__ = ["SkeletonAnimation"]
 
 
+@takes_names
 class SkeletonAnimation:
     """An animation of a skeleton.
 

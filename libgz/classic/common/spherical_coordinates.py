@@ -13,6 +13,7 @@ from typing import ClassVar
 
 from libgz.classic.math.angle import Angle
 from libgz.classic.math.vector3 import Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import ParameterError
 from libgz.geometry import VectorLike
 
@@ -37,6 +38,7 @@ class _Frame(IntEnum):
     LOCAL = 4
 
 
+@takes_names
 class SphericalCoordinates:
     """Converts between the frame of a world and latitude, longitude and elevation.
 

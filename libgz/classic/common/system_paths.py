@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from libgz.classic.common.console import gzwarn
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError
 from libgz.files import exists, expand
 from libgz.sdf import paths
@@ -25,6 +26,7 @@ def _texts(folders: list[Path]) -> list[str]:
     return list(dict.fromkeys(map(str, folders)))
 
 
+@takes_names
 class SystemPaths:
     """The search paths of the process; `SystemPaths.Instance()` is the only instance.
 

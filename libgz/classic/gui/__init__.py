@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.classic.api import without
 from libgz.classic.gui.events import Events
 from libgz.classic.gui.window import GUI, MainWindow
 
@@ -20,6 +21,8 @@ __all__ = [
     "set_active_camera",
     "set_main_window",
 ]
+
+__getattr__ = without(__name__)
 
 _window: MainWindow | None = None
 

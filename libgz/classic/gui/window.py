@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.event import Event
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["GUI", "MainWindow"]
 
 
+@takes_names
 class GUI:
     """A plugin's overlay in the client: a rectangle with a text and buttons, shown as a panel of the client's page.
 
@@ -123,6 +125,7 @@ class GUI:
         self._buttons[label]()
 
 
+@takes_names
 class MainWindow:
     """The client's window, as plugins use it.
 

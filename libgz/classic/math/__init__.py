@@ -10,6 +10,7 @@ from __future__ import annotations
 import math as _math
 from typing import Any
 
+from libgz.classic.api import without
 from libgz.classic.math.angle import Angle
 from libgz.classic.math.box import AxisAlignedBox, Box
 from libgz.classic.math.color import Color
@@ -150,7 +151,10 @@ __all__ = [
 ]
 
 
+_missing = without(__name__)
+
+
 def __getattr__(name: str) -> Any:
     if name.startswith("_") or not hasattr(_math, name):
-        raise AttributeError(f"module 'libgz.classic.math' has no attribute {name!r}")
+        return _missing(name)
     return getattr(_math, name)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import typing as _typing
 
+from libgz.classic.api import serves_instead as _serves_instead, without as _without
 from libgz.classic.msgs.convert import Convert, ConvertIgn, CreateRequest, Init, Set, Stamp
 from libgz.classic.msgs.declare import PREFIX as _PREFIX, declare, known_types, message_type
 from libgz.classic.msgs.message import Message
@@ -35,6 +36,8 @@ def __getattr__(name: str) -> _typing.Any:
     try:
         found = message_type(name)
     except _NotFoundError as error:
+        if _serves_instead(__name__, name):
+            return _without(__name__)(name)
         raise AttributeError(str(error)) from None
     globals()[name] = found
     return found

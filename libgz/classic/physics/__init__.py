@@ -6,6 +6,7 @@ and SDF element, a Link whether it is kinematic, and a Collision its bitmask whi
 such as joint controllers, batteries and animations, is kept by its `libgz.classic.server.WorldServer`.
 """
 
+from libgz.classic.api import without
 from libgz.classic.physics.actor import Actor, TrajectoryInfo
 from libgz.classic.physics.atmosphere import Atmosphere
 from libgz.classic.physics.base import Base, Entity
@@ -105,3 +106,5 @@ __all__ = [
     "worlds",
     "worlds_running",
 ]
+
+__getattr__ = without(__name__)

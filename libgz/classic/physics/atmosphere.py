@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.classic.names import takes_names
 from libgz.errors import ParameterError, nearest
 from libgz.physics.check import finite, not_negative
 from libgz.sdfworld.air import GAS_CONSTANT, MOLAR_MASS
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["Atmosphere"]
 
 
+@takes_names
 class Atmosphere:
     """The air of a world: its temperature changes linearly with altitude, pressure and density as gravity asks."""
 

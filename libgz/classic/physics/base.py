@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, place_of
 
@@ -27,6 +28,7 @@ def view_of(core: Any, make: Callable[[], V]) -> V:
     return view
 
 
+@takes_names
 class Base:
     """A named object of a world."""
 
@@ -190,6 +192,7 @@ def find_named(parts: Iterable[Base], name: str) -> Base | None:
     return first
 
 
+@takes_names
 class Entity(Base):
     """An object with a pose."""
 

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.math import AxisAlignedBox, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity
 from libgz.classic.physics.shape import Shape, shape_of
 from libgz.errors import ParameterError
@@ -148,6 +149,7 @@ class SurfaceParams:
     GetFrictionPyramid = FrictionPyramid
 
 
+@takes_names
 class Collision(Entity):
     """A view on a Geom."""
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
+from libgz.classic.names import takes_names
 from libgz.classic.physics.contact import Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["ContactManager"]
 
 
+@takes_names
 class ContactManager:
     """The contacts of the last step. They are recorded from the first request on."""
 

@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.joint import Joint, first_axes
@@ -48,6 +49,7 @@ WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
 ALIASES = {"inertia_ratio_reduction": "use_dynamic_moi_rescaling"}  # other names of parameters
 
 
+@takes_names
 class PhysicsEngine:
     """The physics engine of a world, ODE: step size, rate and parameters."""
 

@@ -40,13 +40,7 @@ def described(sdf: Element | SdfFile | SDF, name: str) -> Element:
 
 
 def insert_text(world: World, text: str) -> None:
-    """Add the models and lights of an SDF text.
-
-    Raises:
-        ParameterError: it is not a string.
-    """
-    if not isinstance(text, str):
-        raise ParameterError(f"InsertModelString takes the text of an SDF document, not {text!r}")
+    """Add the models and lights of an SDF text."""
     _insert(world, lambda: SdfFile.from_string(text))
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
 from libgz.errors import ParameterError
@@ -48,6 +49,7 @@ KIND_BITS = {
 }
 
 
+@takes_names
 class Joint(Base):
     """A view on a joint of the engine. Angles in [rad], positions in [m], efforts in [N m] or [N]."""
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.common import PID, Time
+from libgz.classic.names import takes_names
 from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.physics.check import finite
 
@@ -22,6 +23,7 @@ DEFAULT_GAINS = (1.0, 0.1, 0.01, 1.0, -1.0, 1000.0, -1000.0)  # p, i, d, imax, i
 NEW_PID = PID(*DEFAULT_GAINS).SaveState()
 
 
+@takes_names
 class JointController:
     """PID control of the joints of a model, applied in every iteration; joints are given by scoped name or name."""
 

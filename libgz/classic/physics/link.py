@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from libgz.classic.math import Matrix3d, Pose3d, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.inertial import Inertial
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Link"]
 
 
+@takes_names
 class Link(Entity):
     """A view on a Body. Forces act for one step; vectors and poses are in the world frame unless stated otherwise."""
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.gripper import Gripper
 from libgz.classic.physics.joint import Joint, first_axes
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["Model"]
 
 
+@takes_names
 class Model(Entity):
     """A view on a model of the engine: one built from SDF, or a legacy model."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError, nearest
 from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["PresetManager"]
 
 
+@takes_names
 class PresetManager:
     """The physics profiles of a world."""
 

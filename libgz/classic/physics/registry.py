@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError
 from libgz.ode.types import ContactRule
 from libgz.simulation.event import owner
@@ -48,11 +49,13 @@ def worlds() -> list[World]:
     return [*map(_view, _cores())]
 
 
+@takes_names
 def has_world(name: str = "") -> bool:
     """Whether there is a world of this name; without a name, whether there is any."""
     return bool(_cores(name))
 
 
+@takes_names
 def get_world(name: str = "") -> World:
     """A world by name; without one, the world of the plugin that is running, or the first world.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.sdf.element import Element
@@ -50,6 +51,7 @@ def _parts(own: Sequence[S], others: Sequence[S], combine: _Combine) -> list[S]:
     return [part._combined(named[part.GetName()], combine) if part.GetName() in named else part for part in own]
 
 
+@takes_names
 class State:
     """A name and the times of a state.
 
@@ -146,6 +148,7 @@ class CollisionState(State):
     GetPose = Pose
 
 
+@takes_names
 class LinkState(State):
     """Pose and motion of a link, in the world frame."""
 
@@ -255,6 +258,7 @@ class JointState(State):
     GetAngle, GetAngles = Position, Positions
 
 
+@takes_names
 class ModelState(State):
     """Pose and motion of a model: of its links, joints and nested models."""
 
@@ -381,6 +385,7 @@ class LightState(State):
         return made
 
 
+@takes_names
 class WorldState(State):
     """Poses and motion of all models of a world, and poses of its lights, at one time."""
 

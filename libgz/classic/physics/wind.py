@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import ParameterError
 from libgz.geometry import GzVector, VectorLike
 from libgz.physics.check import finite_tuple
@@ -23,6 +24,7 @@ __all__ = ["Wind"]
 KEY = "linear_velocity"
 
 
+@takes_names
 class Wind:
     """The wind of a world. It moves nothing by itself: WindPlugin and other plugins ask for it, and apply forces."""
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from libgz.classic.common import SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.atmosphere import Atmosphere
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
@@ -55,6 +56,7 @@ __all__ = ["Joint", "Link", "Model", "World"]
 NO_HIT = 1000.0  # [m] the range of rays that look for the entity below, and their distance without a hit
 
 
+@takes_names
 class World(Base):
     """A view on a simulated world.
 

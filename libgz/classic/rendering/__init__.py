@@ -1,5 +1,6 @@
 """Gazebo classic's `rendering` names: scene, visuals, lights and cameras, as views on the engine's."""
 
+from libgz.classic.api import without
 from libgz.classic.rendering.camera import Camera, render_frame
 from libgz.classic.rendering.depth_camera import DepthCamera
 from libgz.classic.rendering.light import Light
@@ -28,6 +29,8 @@ __all__ = [
     "get_scene",
     "render_frame",
 ]
+
+__getattr__ = without(__name__)
 
 CameraPtr, DepthCameraPtr, UserCameraPtr = Camera, DepthCamera, UserCamera
 LightPtr, ScenePtr, VisualPtr = Light, Scene, Visual

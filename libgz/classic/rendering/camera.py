@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from libgz.classic.common import Time
 from libgz.classic.math import Angle, Planed, Pose3d, Quaterniond, Vector2i, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, pack
 from libgz.classic.rendering.mount import Mount
 from libgz.classic.rendering.visual import Visual
@@ -58,6 +59,7 @@ def render_frame(world: World, cameras: Iterable[Camera]) -> None:
     events["PreRenderEnded"]()
 
 
+@takes_names
 class Camera(Noted, Closing):
     """A camera that looks along +x of its pose, z up: a view on a `libgz.rendering.camera.Camera`.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.classic.math import Color, Pose3d, Quaterniond, Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.physics.geoms import LightGeom
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["Light"]
 
 
+@takes_names
 class Light:
     """A view on a `LightGeom` of a light in the world."""
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.classic.math import Color, Vector3d
+from libgz.classic.names import takes_names
 from libgz.errors import NotFoundError
 from libgz.geometry import GzColor, GzCoordPositionSub, GzPose, VectorLike
 from libgz.rendering.shot import Lines, pose_matrix
@@ -38,6 +39,7 @@ class LineFrame(Protocol):
         """Global pose [m]."""
 
 
+@takes_names
 class DynamicLines:
     """Unlit lines through points in the frame of a visual.
 

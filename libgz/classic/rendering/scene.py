@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import logging
+import math
 import weakref
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,12 +13,14 @@ import numpy as np
 
 from libgz.classic.common import Time
 from libgz.classic.math import Color
+from libgz.classic.names import takes_names
 from libgz.classic.physics import World, get_world
 from libgz.classic.rendering.aids import aids_of
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.depth_camera import DepthCamera
 from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines, placed
+from libgz.classic.rendering.meshes import distance_along
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
 from libgz.errors import LibraryError, ParameterError, StateError, nearest
@@ -58,6 +61,7 @@ def _new_scene(core: CoreWorld) -> Scene:
     return Scene(core.facade)
 
 
+@takes_names
 def get_scene(name: str = "") -> Scene:
     """The scene of a world by its name; without one, of the running plugin's world, or the first.
 
@@ -72,6 +76,7 @@ def _log_once(what: str) -> None:
     log.info("%s", what)
 
 
+@takes_names
 class Scene:
     """The rendered part of a world: visuals, lights, cameras, background."""
 
@@ -150,7 +155,23 @@ class Scene:
         core = next((core for core in self.world.core.entities if core.GetIntId() == number), None)
         return self.model_visual(self.world.view(core)) if core is not None and not isinstance(core, SdfLight) else None
 
-    GetVisualAt = VisualAt = ModelVisualAt = GetModelVisualAt
+    ModelVisualAt = GetModelVisualAt
+
+    def VisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | Any:
+        """The visual of a link at a pixel of a camera's last image, such as ``m::link::visual``; None for none."""
+        model = self.GetModelVisualAt(camera, mousePos)
+        if model is None:
+            return None
+        start, direction = camera.CameraToViewportRay(int(mousePos[0]) + 0.5, int(mousePos[1]) + 0.5)
+        nearest_yet, found = math.inf, model  # at its very edge a ray may miss it
+        for part in model.tree():
+            for geom in part.geoms:
+                distance = distance_along(geom, start, direction) if geom.appearance.visible else math.inf
+                if distance < nearest_yet:
+                    nearest_yet, found = distance, part
+        return found
+
+    GetVisualAt = VisualAt
 
     def RemoveVisual(self, which: Visual | str | int) -> None:
         """Remove a visual that a plugin made, by itself, name or number; others are left."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.rendering.camera import Camera
 from libgz.geometry import GzCoordPositionAdd, GzPose, GzPosePointAt, GzVector, GzVectorAdd, GzVectorMul, VectorLike
 
@@ -14,6 +15,7 @@ __all__ = ["UserCamera"]
 FRAMES = 2.0  # distance from which a visual is viewed, in multiples of its size
 
 
+@takes_names
 class UserCamera(Camera):
     """A camera with a default pose. Arguments as for `Camera`."""
 
@@ -64,6 +66,12 @@ class UserCamera(Camera):
     def Resize(self, w: int, h: int) -> None:
         """Change the image's size [px]."""
         self.SetImageSize(w, h)
+
+    def Visual(self, mousePos: Sequence[int], mod: str = "") -> Any:
+        """The visual of a link at a pixel of the last image; None for none. `mod` is for handles, which it has none."""
+        return self.GetScene().VisualAt(self, mousePos)
+
+    GetVisual = Visual
 
     def MoveToVisual(self, visual: Any, time: float = 0.5, done: Callable[[], object] | None = None) -> bool:
         """Move so that all of a visual is visible; False if there is no such visual, or the camera already moves."""

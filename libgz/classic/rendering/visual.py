@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vector3d
+from libgz.classic.names import takes_names
 from libgz.classic.rendering.aids import edges_of
 from libgz.classic.rendering.lines import DynamicLines
 from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
@@ -18,7 +19,8 @@ from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVe
 from libgz.physics.geom import Geom
 from libgz.rendering.shot import Lines
 from libgz.sdf.element import Element
-from libgz.sdfworld.visual import material_name, put_on, scripted_material, set_transparency
+from libgz.sdf.materials import Material
+from libgz.sdfworld.visual import material_name, put_on, replaces_look, scripted_material, set_transparency
 from libgz.simulation.state import equal, get_values, set_values
 
 if TYPE_CHECKING:
@@ -34,6 +36,7 @@ SMALLEST = 1e-9  # scale in place of 0, which could not be undone
 _ids = itertools.count(1)
 
 
+@takes_names
 class Visual:
     """A view on rendered geoms, or on a group of visuals.
 
@@ -44,7 +47,7 @@ class Visual:
     # Of the shapes' own looks and places the engine has the state.
     STATE = (
         *("_offset", "_scale", "_transparency", "_visible", "_shadows", "_highlighted", "_material"),
-        *("_wireframe", "aids"),
+        *("_wireframe", "aids", "_colored"),
     )
 
     def __init__(self, name: str, parent: Visual | Scene) -> None:
@@ -69,6 +72,7 @@ class Visual:
         self.aids: list[str] = []  # names of `AIDS` that are shown
         self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
         self._material = ""
+        self._colored = False  # whether a colour was set on the look of a mesh file
         self._lines: list[DynamicLines] = []
         self.meshes: list[str] = []  # that plugins attached
         self.plugins: list[LoadedPlugin] = []
@@ -432,10 +436,24 @@ class Visual:
     # Appearance --------------------------------------------------------------------------------------------------
 
     def _set_color(self, name: str, color: GzColor, cascade: bool) -> None:
-        for geom in self.leaves() if cascade else iter(self.geoms):
-            look = geom.appearance
-            setattr(look, name, GzColor(*color))
-            set_transparency(look, look.transparency)
+        for part in self.tree() if cascade else iter((self,)):
+            part._leave_look_of_file()
+            for geom in part.geoms:
+                look = geom.appearance
+                setattr(look, name, GzColor(*color))
+                set_transparency(look, look.transparency)
+
+    def _leave_look_of_file(self) -> None:
+        """Be white before the first colour is set: as in Gazebo, it replaces the colours and images of a mesh file."""
+        sdf, meshes = self.sdf, bool(self.meshes)
+        if sdf is not None and sdf.HasElement("geometry"):
+            meshes = meshes or sdf.child("geometry").HasElement("mesh")
+        if not meshes or self._material or self._colored or (sdf is not None and replaces_look(sdf)):
+            return
+        self._edit()
+        self._colored = True
+        for geom in self.geoms:
+            put_on(geom.appearance, Material())
 
     def _color(self, name: str) -> Color:
         geom = next(self.leaves(), None)
@@ -446,7 +464,7 @@ class Visual:
         return self._color("ambient")
 
     def SetAmbient(self, color: GzColor, cascade: bool = True) -> None:
-        """Set the colour in light from everywhere."""
+        """Set the colour in light from everywhere; as all colours do, it replaces the look of a mesh file."""
         self._set_color("ambient", color, cascade)
 
     def Diffuse(self) -> Color:

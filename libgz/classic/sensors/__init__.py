@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.classic.api import without
 from libgz.classic.sensors.kinds import CLASSES, sensor_class
 from libgz.classic.sensors.noise import GaussianNoiseModel, Noise, NoiseFactory, SensorNoiseType
 from libgz.classic.sensors.sensor import Sensor, SensorCategory
@@ -48,10 +49,11 @@ __all__ = [
 ]
 
 globals().update(SensorNoiseType.__members__)
+_missing = without(__name__)
 
 
 def __getattr__(name: str) -> Any:
     if name in CLASSES:
         globals()[name] = found = sensor_class(CLASSES[name])
         return found
-    raise AttributeError(f"module 'libgz.classic.sensors' has no attribute {name!r}")
+    return _missing(name)

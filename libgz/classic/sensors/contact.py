@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from libgz.classic import msgs
+from libgz.classic.names import takes_names
 from libgz.classic.physics.contact import RECORD, Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
@@ -26,6 +27,7 @@ log = logging.getLogger("libgz.classic")
 MOST_ITERATIONS = 100  # whose contacts are kept between two measurements
 
 
+@takes_names
 class ContactSensor(LinkSensor):
     """Reports the contacts of all iterations since its last measurement."""
 

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic.names import takes_names
 from libgz.classic.sensors.read import choice, number
 from libgz.errors import ParameterError
 from libgz.physics.check import finite
@@ -215,6 +216,7 @@ def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0)
     )
 
 
+@takes_names
 class NoiseFactory:
     """Makes noise from SDF."""
 

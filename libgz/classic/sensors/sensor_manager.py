@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
+from libgz.classic.names import takes_names
 from libgz.classic.physics import get_world, worlds
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.link import Link
@@ -26,6 +27,7 @@ log = logging.getLogger("libgz.classic")
 S = TypeVar("S", bound="Sensor")
 
 
+@takes_names
 class SensorManager:
     """All sensors; the only instance is `SensorManager.Instance()`.
 
@@ -150,6 +152,7 @@ def get_sensor(name: str) -> Sensor | Any: ...
 def get_sensor(name: str, kind: type[S]) -> S | Any: ...
 
 
+@takes_names
 def get_sensor(name: str, kind: type[Any] = object) -> Any:
     """`SensorManager.Instance().GetSensor(name, kind)`."""
     return SensorManager.Instance().GetSensor(name, kind)

@@ -7,6 +7,7 @@ Between processes, a server is the master of Gazebo classic's protocol (`serve`)
 
 from __future__ import annotations
 
+from libgz.classic.api import without
 from libgz.classic.transport.address import get_master_uri, publicized_address
 from libgz.classic.transport.functions import (
     clear_buffers,
@@ -51,3 +52,5 @@ __all__ = [
     "serve",
     "stop",
 ]
+
+__getattr__ = without(__name__)

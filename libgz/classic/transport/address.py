@@ -8,6 +8,7 @@ import socket
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
+from libgz.classic.names import takes_names
 from libgz.classic.transport.topic import log
 from libgz.errors import ParameterError
 
@@ -40,6 +41,7 @@ class Address(NamedTuple):
         return f"[{self.host}]" if ":" in self.host else self.host
 
 
+@takes_names
 def get_master_uri(uri: str | None = None) -> Address:
     """Return the address in a URI such as `http://localhost:11345`; without one, in GAZEBO_MASTER_URI.
 

@@ -9,6 +9,7 @@ from typing import Any
 from libgz.classic.msgs.convert import CreateRequest
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.names import takes_names
 from libgz.classic.transport.address import DEFAULT_PORT
 from libgz.classic.transport.link import Link, connect
 from libgz.classic.transport.manager import TopicManager
@@ -79,12 +80,14 @@ def fini() -> None:
         Link.current.close()
 
 
+@takes_names
 def getAdvertisedTopics(msgType: str = "") -> list[str]:
     """Return the full names of all published topics, or of those with one type (its full name)."""
     found = TopicManager.Instance().AdvertisedTopics()
     return [topic for topic, name in found.items() if msgType in ("", name)]
 
 
+@takes_names
 def getTopicMsgType(topic: str) -> str:
     """Return the full name of the type published on a topic (its full name), or an empty string."""
     return TopicManager.Instance().TopicMsgType(topic)
@@ -105,6 +108,7 @@ def clear_buffers() -> None:
     TopicManager.Instance().ClearBuffers()
 
 
+@takes_names
 def request(worldName: str, request: str, data: str = "", timeout: float = 10.0) -> Any:
     """Send a request to a world on `~/request`, and wait for its Response.
 
@@ -151,6 +155,7 @@ def _wait_attached(manager: TopicManager, topic: str, end: float) -> None:
             clock.sleep(0.001)
 
 
+@takes_names
 def requestNoReply(worldName: str | Node, request: str, data: str = "") -> None:
     """Send a request to a world, given by its name or by a node, and do not wait for a response."""
     if isinstance(worldName, Node):

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Protocol
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.names import takes_names
 from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
 from libgz.errors import NotFoundError, ParameterError
@@ -51,6 +52,7 @@ class Remote(Protocol):
         """Return a TopicInfo message on a topic in all processes."""
 
 
+@takes_names
 class TopicManager:
     """All topics of this process; `TopicManager.Instance()` is its only instance.
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.names import takes_names
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber
@@ -24,6 +25,7 @@ _ids = itertools.count()
 NAMESPACE_TRIES = 10  # seconds that a client waits for the name of a world of its server
 
 
+@takes_names
 class Node:
     """Makes publishers and subscribers; in their topics' names `~` means `/gazebo/<world>`."""
 

@@ -327,6 +327,24 @@ def test_a_pixel_tells_its_model(world_of):
     assert scene.CameraCount() == 0
 
 
+def test_a_pixel_tells_its_visual(world_of):
+    upper = visual("upper", geometry="<sphere><radius>0.5</radius></sphere>", pose="0 0 0.6 0 0 0")
+    inside = upper + visual("lower", pose="0 0 -0.6 0 0 0") + visual("behind", pose="3 0 0 0 0 0")
+    world = world_of(model(inside=inside), model("other", pose="6 3 0 0 0 0"))
+    with rendering.UserCamera(world, "eye", 32, 24) as camera:
+        camera.SetWorldPose(Pose3d())
+        rendering.render_frame(world, [camera])
+        scene = camera.GetScene()
+        assert scene.VisualAt(camera, (16, 7)).Name() == "m::link::upper"
+        assert scene.VisualAt(camera, (16, 16)).Name() == "m::link::lower"
+        assert camera.Visual((16, 12)).Name() == "m::link::behind"
+        assert scene.ModelVisualAt(camera, (16, 12)).Name() == "m"
+        assert scene.VisualAt(camera, (1, 1)) is None
+        scene.GetVisual("m::link::upper").SetVisible(False)
+        rendering.render_frame(world, [camera])
+        assert scene.VisualAt(camera, (16, 4)) is None
+
+
 def test_a_plane_visual_has_its_size_though_its_collision_has_none(world_of):
     plane = "<plane><normal>0 0 1</normal><size>2 2</size></plane>"
     inside = f"<collision name='c'><geometry>{plane}</geometry></collision>" + red(geometry=plane)

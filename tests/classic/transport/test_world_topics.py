@@ -137,6 +137,39 @@ def test_the_world_is_paused_stepped_and_reset(view, core, send):
 
 
 @pytest.mark.parametrize(
+    ("parts", "expected"),  # iterations, as Gazebo 11.1 counts them
+    [({"all": True}, 29), ({"time_only": True}, 29), ({"model_only": True}, 130)],
+    ids=["all", "time", "models"],
+)
+@pytest.mark.parametrize("paused", [True, False])
+def test_a_reset_comes_before_the_steps_of_its_message(view, core, send, parts, expected, paused):
+    send("~/world_control", msgs.WorldControl(pause=True))
+    send("~/world_control", msgs.WorldControl(multi_step=100 - view.Iterations()))
+    core.step(150)
+    assert view.Iterations() == 100
+    both = msgs.WorldControl(multi_step=30, pause=paused)
+    for part in parts:
+        setattr(both.reset, part, True)
+    send("~/world_control", both)
+    core.step(60)
+    assert (view.Iterations(), view.IsPaused()) == (expected, True)
+
+
+def test_a_reset_does_not_end_requested_steps_and_the_world_is_paused_after_them(view, core, send):
+    send("~/world_control", msgs.WorldControl(multi_step=50))
+    core.step(20)
+    assert not view.IsPaused()
+    view.Reset()
+    core.step(60)
+    assert view.IsPaused()
+    assert 25 <= view.Iterations() <= 40
+    send("~/world_control", msgs.WorldControl(step=True, multi_step=5))
+    before = view.Iterations()
+    core.step(10)
+    assert before <= view.Iterations() <= before + 5
+
+
+@pytest.mark.parametrize(
     ("parts", "moved", "time"),
     [
         ({"time_only": True}, True, 0.0),

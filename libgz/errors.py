@@ -105,18 +105,21 @@ class Interrupted(KeyboardInterrupt):
         self.number = number
 
 
-# What code of users may raise to stop itself; `pass_interrupt` lets real interrupts through.
-USER_ERRORS = (Exception, SystemExit, KeyboardInterrupt)
+# What code of users may raise, also SystemExit or asyncio's CancelledError; `pass_interrupt` lets interrupts through.
+USER_ERRORS = (BaseException,)
 
 
 def pass_interrupt(error: BaseException) -> None:
     """Raise an error again that interrupts the process, and was not raised by a user's code.
 
-    These are a `KeyboardInterrupt` by Ctrl-C, and what a signal handler of libgz raises. A plugin that calls
-    `sys.exit`, or raises `KeyboardInterrupt` itself, fails like one that raises any other exception.
+    These are a `KeyboardInterrupt` by Ctrl-C, what a signal handler of libgz raises, and what ends a test of pytest,
+    such as its time limit. A plugin that calls `sys.exit`, or raises `KeyboardInterrupt` itself, fails like one that
+    raises any other exception.
     """
     if isinstance(error, Exception):
         return
+    if type(error).__module__.startswith("_pytest."):
+        raise error
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

@@ -143,7 +143,7 @@ def open_log(kind: str, port: int) -> None:
     folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"{kind}-{port}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        handler = LogFile(folder / "default.log", mode="w")
+        handler = LogFile(folder / "default.log")
     except OSError as error:
         log.warning("no log file in %s: %s", folder, error.strerror)
         return

@@ -59,6 +59,11 @@ class Hints(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, "the name is empty")
         return super()._get_value(action, arg_string)
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help, or an error; argparse would ignore that the output cannot be written."""
+        if message:
+            (file or sys.stderr).write(message)
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return
@@ -237,7 +242,11 @@ class _Console(logging.StreamHandler[TextIO]):
 
 
 class LogFile(logging.FileHandler):
-    """Log messages to a file; if it cannot be written any more, such as on a full disk, that is logged once."""
+    """Log messages to a new file; if it cannot be written any more, such as on a full disk, that is logged once."""
+
+    def __init__(self, path: Path) -> None:
+        # As on stderr: names of files, and messages of users' errors, may have bytes that are no UTF-8.
+        super().__init__(path, mode="w", encoding="utf-8", errors="backslashreplace")
 
     def handleError(self, record: logging.LogRecord) -> None:
         """Stop writing the file, and log the error."""
@@ -272,7 +281,7 @@ def set_up_messages(level: int, logfile: str | None) -> None:
     if logfile is None:
         return
     try:
-        file = LogFile(Path(logfile).expanduser(), mode="w")
+        file = LogFile(Path(logfile).expanduser())
     except OSError as error:
         raise ParameterError(f"cannot write log file {logfile!r}: {error.strerror}") from None
     file.setFormatter(_ConsoleFormatter("%(filename)s:%(lineno)d %(message)s"))

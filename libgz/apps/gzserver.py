@@ -212,9 +212,12 @@ class Server:
             view_process(self.options, core.server_id),
         ):
             self._steps(core, control, server, snapshots, [*recorders, *([capture] if capture is not None else [])])
+        # Not errors of the world, whose lock is not held: a plugin may wait for its threads here, which use the world.
+        problems = Problems(lambda: True, self.options.strict, warnings=False)
         core.events["Stop"]()
         if self._stopped:
             core.events["SigInt"]()
+        problems.check()
 
     def _steps(
         self,

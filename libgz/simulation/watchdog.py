@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.errors import Interrupted
 from libgz.physics.lock import LONG
 from libgz.simulation.running_code import describe_thread
+from libgz.transport.ending import Relay
 
 if TYPE_CHECKING:
     from libgz.simulation.world import World
@@ -40,7 +41,10 @@ class Watchdog:
     code 128 plus the signal's number.
 
     A step that takes more than 5 s is reported once, with what runs in it. Steps cost nothing: the thread looks at the
-    world twice a second. Code that keeps the interpreter lock, as some native functions do, stops the watchdog, too.
+    world twice a second. Code that keeps the interpreter lock, as some native functions do, stops the watchdog, too;
+    then native code handles the second signal (`libgz.transport.ending`). It also reports such code after 5 s.
+
+    A SIGHUP that is ignored, as under `nohup`, stays ignored.
 
     Args:
         stop: called with the number of each signal, in the main thread.
@@ -62,7 +66,6 @@ class Watchdog:
         self._reported = False
         self._described: set[str] = set()
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="watchdog", daemon=True)
         self._reader = self._writer = -1
         self._replaced: dict[int, Any] = {}
         self._replaced_wakeup = -1
@@ -71,8 +74,11 @@ class Watchdog:
         self._reader, self._writer = os.pipe()
         os.set_blocking(self._writer, False)
         self._replaced_wakeup = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
-        self._replaced = {number: signal.signal(number, self._handle) for number in SIGNALS}
+        handled = [n for n in SIGNALS if n != signal.SIGHUP or signal.getsignal(n) is not signal.SIG_IGN]
+        self._replaced = {number: signal.signal(number, self._handle) for number in handled}
         _active.add(self)
+        self._relay = Relay(self._reader)
+        self._thread = threading.Thread(target=self._run, args=(self._relay,), name="watchdog", daemon=True)
         self._thread.start()
         return self
 
@@ -88,6 +94,7 @@ class Watchdog:
             os.write(self._writer, _CLOSE)
         self._thread.join(1.0)
         if not self._thread.is_alive():
+            self._relay.close()
             os.close(self._reader)
             os.close(self._writer)
 
@@ -122,11 +129,12 @@ class Watchdog:
 
     # The thread ------------------------------------------------------------------------------------------------------
 
-    def _run(self) -> None:
+    def _run(self, relay: Relay) -> None:
         poll = select.poll()
-        poll.register(self._reader, select.POLLIN)
+        poll.register(relay.reader, select.POLLIN)
         while not self._ended.is_set():
-            received = os.read(self._reader, 64) if poll.poll(PERIOD * 1000.0) else b""
+            received = os.read(relay.reader, 64) if poll.poll(PERIOD * 1000.0) else b""
+            relay.beat()
             for number in received:
                 if number in SIGNALS:
                     self._signals.append(number)

@@ -105,7 +105,8 @@ class Control:
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
-        Path(self._path).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # somebody has put a folder there
+            Path(self._path).unlink(missing_ok=True)
         while self.waiting:
             self.waiting.popleft().answer(error="the server is ending")
 

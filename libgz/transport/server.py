@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from libgz.errors import ParameterError, ServerError
 from libgz.records import PostRecord
+from libgz.transport import ending
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.interface import Interface
 from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE, VERSIONS
@@ -338,6 +339,7 @@ class Server(LocalServer):
         """Post to these from now on, in native code, too."""
         self._semaphores, new = semaphores, semaphores.posting()
         self._posting.set, self._posting.values = new.set, new.values
+        ending.note(self.path, new.set)
 
     def posting(self) -> PostRecord:
         """What native updates need to wake all clients; it changes with the semaphores."""
@@ -355,6 +357,7 @@ class Server(LocalServer):
         It waits for nothing and can be called from any thread, right before the process ends.
         """
         atexit.unregister(self.stop)
+        ending.forget(self.path)
         owned = self._directory.owned
         if self.shared is not None:
             self.shared.close()

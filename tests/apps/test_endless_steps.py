@@ -125,6 +125,30 @@ def test_a_second_signal_ends_an_endless_callback(tmp_path, load):
     process.communicate()
 
 
+@pytest.mark.parametrize("report", [False, pytest.param(True, marks=pytest.mark.trial)])
+def test_a_second_signal_ends_native_code_that_keeps_the_interpreter_lock(gazebo, tmp_path, report):
+    server = gazebo(loop_world(tmp_path, update="sum(range(10**12))"), "-n")
+    read_until(server.process.stdout, "looping")
+    if report:
+        text = read_until(server.process.stderr, "in Update")
+        assert "native code has kept Python's interpreter lock for 5 s" in text
+        assert f'File "{tmp_path / "Loop.py"}", line 12' in text
+    assert end_by_two(server.process, signal.SIGINT, signal.SIGTERM) == 143
+    assert not server.directory.exists()
+
+
+def test_nohup_keeps_a_server_running(gazebo, tmp_path):
+    ignored = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        server = gazebo(loop_world(tmp_path, update="time.sleep(0.01)"), "-n")
+    finally:
+        signal.signal(signal.SIGHUP, ignored)
+    server.process.send_signal(signal.SIGHUP)
+    with pytest.raises(subprocess.TimeoutExpired):
+        server.process.wait(0.5)
+    assert server.stop()[0] == 0
+
+
 def test_a_first_signal_ends_a_step_that_returns(gazebo, tmp_path):
     server = gazebo(loop_world(tmp_path, update="time.sleep(0.5)"), "-n")
     code, _, text = server.stop(signal.SIGINT)

@@ -49,6 +49,11 @@ def test_a_full_disk_is_one_sentence(arguments):
     assert done.stderr == f"libgz: its output: {FULL}\n"
 
 
+def test_help_on_a_full_disk_is_one_sentence():
+    done = by_shell(">/dev/full", "gzserver", "--help")
+    assert (done.returncode, done.stderr) == (255, f"gzserver: its output: {FULL}\n")
+
+
 @pytest.mark.parametrize("redirections", [">&-", "2>&-", "<&-", ">&- 2>&- <&-", "2>/dev/full"])
 def test_servers_need_no_streams(wire, redirections):
     done = by_shell(redirections, "gazebo", "-n", "-s", wire, "--steps", "3", WORLD)
@@ -75,6 +80,14 @@ def test_a_log_file_on_a_full_disk_is_reported_once(wire):
     )
     assert done.returncode == 0
     assert done.stderr == f"error   : log file /dev/full cannot be written any more: {FULL}\n"
+
+
+def test_a_log_file_has_messages_that_are_no_unicode(tmp_path, capsys):
+    file = LogFile(tmp_path / "log")
+    file.emit(logging.makeLogRecord({"msg": os.fsdecode(b"caf\xe9.world")}))
+    file.close()
+    assert (tmp_path / "log").read_text() == "caf\\udce9.world\n"
+    assert capsys.readouterr().err == ""
 
 
 def test_a_log_file_stays_open_after_another_error(tmp_path, capsys):

@@ -94,17 +94,11 @@ def solids(*inside, step=0.02):
 CYLINDER = "<shape>cylinder</shape><size>0.5 0.4</size><xyz>0 0 0.05</xyz><rpy>{}</rpy>"
 
 
-@pytest.mark.parametrize(("rpy", "step", "warned"), [("10 5 0", 0.02, True), ("10 5 0", 0.002, False)])
+@pytest.mark.parametrize(("rpy", "step", "warned"), [("10 5 0", 0.02, True), ("10 5 0", 0.0005, False)])
 def test_a_tilted_cylinder_that_would_wobble_is_named(rpy, step, warned):
     with libgz.World.from_string(solids(CYLINDER.format(rpy), step=step)) as world:
         found = [str(warning) for warning in world.file.diagnostics.warnings]
-        assert (
-            any(
-                "wobbles on its rim without end at a stepTime of 0.02 s; it comes to rest at 0.003 s" in w
-                for w in found
-            )
-            == warned
-        )
+        assert any("can wobble on its rim without end at a stepTime of 0.02 s" in w for w in found) == warned
         world.run(24.0)
         rate = sum(w * w for w in world.model("s0").GetBody().GetAngularRate()) ** 0.5
         assert (rate > 0.1) == warned  # the warning is right

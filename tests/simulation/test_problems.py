@@ -187,6 +187,15 @@ def test_silent_logging_keeps_errors(tmp_path):
         assert len(world.errors) == 1
 
 
+@pytest.mark.parametrize("error", ["GeneratorExit", "__import__('asyncio').CancelledError"])
+def test_errors_that_are_no_exceptions_stop_the_plugin_only(tmp_path, monkeypatch, error):
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    with libgz.World.from_file(classic(tmp_path, "Model", update=f"raise {error}")) as world:
+        world.step(2)
+        (problem,) = world.errors
+        assert error.split(".")[-1] in problem.message
+
+
 def test_a_strict_world_ends_at_the_first_error(tmp_path):
     with (
         pytest.raises(StrictError, match=r"(?s)model 'bad1': its Update failed with ZeroDivisionError.*line 10"),
@@ -235,6 +244,11 @@ def test_gzserver_strict(tmp_path, options):
     assert done.returncode == 3
     assert ("missing" if "filename" in options else "ZeroDivisionError") in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_gzserver_strict_at_the_end(tmp_path):
+    path = classic(tmp_path, load="self.last = Events.ConnectStop(lambda: 1 / 0)")
+    assert run(new_environment(tmp_path), path, "--iters", 5, "--strict").returncode == 3
 
 
 @pytest.mark.parametrize("text", ["def Load(self, argc, argv): 1 / 0", "def Init(self): 1 / 0"])

@@ -14,7 +14,8 @@ import libgz
 from libgz.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.position import Position
-from libgz.transport.paths import LOCK_FILE, server_directory
+from libgz.transport.control import Control
+from libgz.transport.paths import CONTROL_SOCKET, LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
 from libgz.transport.server import Server, free_server_id
 
@@ -160,6 +161,13 @@ def test_the_directory_is_removed_under_a_running_server(server, caplog):
     serve(server, name="robot2")
     assert "was removed under the running server" in caplog.text
     assert (Path(server.path) / "position.robot2").exists()
+
+
+def test_a_server_ends_where_a_folder_took_the_place_of_its_socket(tmp_path):
+    control = Control(str(tmp_path))
+    (tmp_path / CONTROL_SOCKET).unlink()
+    (tmp_path / CONTROL_SOCKET).mkdir()
+    control.close()
 
 
 def test_a_free_server_id(wire):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
 __all__ = ["Activity"]
+
+log = logging.getLogger("libgz.classic")
 
 
 class Activity:
@@ -186,8 +189,13 @@ class Activity:
         if self.joint_update:
             self.joint_update()
         self.animations.update()
-        for parent, model, offset in self._attached:
-            model.move(GzCoordPoseAdd(offset, parent.pose()))
+        for row in list(self._attached):
+            parent, model, offset = row
+            try:
+                model.move(GzCoordPoseAdd(offset, parent.pose()))
+            except ParameterError as error:  # the parent is farther away than a model may be placed
+                self._attached.remove(row)
+                log.error("model %s is not attached to %s any more: %s", model.GetName(), parent.GetName(), error)
 
     def _batteries_of_all(self) -> list[Battery]:
         if self._all_batteries is None:

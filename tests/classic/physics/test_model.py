@@ -87,6 +87,14 @@ def test_an_attached_model_moves_with_the_other(run):
     assert load.WorldPose().Pos().X() < before.x + 0.01
 
 
+def test_a_model_is_detached_where_it_cannot_be_placed(run, caplog):
+    core, view = run(*(body(name, f"{x} 0 9 0 0 0", gravity="false") for x, name in enumerate("ab")))
+    view.ModelByName("a").AttachStaticModel(view.ModelByName("b"), Pose3d(1e9, 0, 0, 0, 0, 0))
+    view.ModelByName("a").SetWorldPose(Pose3d(1e9, 0, 0, 0, 0, 0))
+    core.step(2)
+    assert caplog.text.count("model b is not attached to a any more: position [m] is") == 1
+
+
 def test_a_model_moves_with_one_that_is_there_and_does_not_lead_it(run):
     core, view = run(*(body(name, f"{x} 0 9 0 0 0", gravity="false") for x, name in enumerate("abc")))
     a, b, c = (view.ModelByName(name) for name in "abc")

@@ -47,7 +47,7 @@ log = logging.getLogger("libgz.classic")
 # What its state consists of, in order.
 PARTS = ("quiet", "settings", "published", "sensors", "topics", "plugins")
 KINDS = ("World", "Model", "Sensor", "Visual")  # of plugins that belong to a world
-QUIET = ("random", "ids", "activity", "scene")
+QUIET = ("random", "ids", "activity", "scene", "wind")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
 system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process, not to a world
@@ -476,7 +476,8 @@ class WorldServer:
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None
-        return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene))
+        wind = self.world.Wind().save()
+        return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene, wind))
 
     def set_state(self, state: Sequence[Any] | None) -> bool:
         """Take what `get_state` returned; None, for what a world was before this was attached to it.
@@ -500,7 +501,9 @@ class WorldServer:
             self._load_quiet(quiet["activity"], quiet["scene"])
         others = saved["plugins"] is not None and self._load_plugins(*saved["plugins"])
         if saved["quiet"] != self._quiet():
-            self.ids.load(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"])
+            quiet = dict(zip(QUIET, decode(saved["quiet"]), strict=True))
+            self.ids.load(quiet["ids"])
+            self.world.Wind().load(quiet["wind"])
         if saved["settings"] != self._settings():
             for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
                 set_values(part, values)

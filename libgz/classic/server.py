@@ -468,10 +468,8 @@ class WorldServer:
 
     def calls_users(self, state: Sequence[Any] | None) -> bool:
         """Whether plugins are loaded for a state, or have a LoadState."""
-        plugins = dict(zip(PARTS, state, strict=True))["plugins"] if state is not None else None
-        if plugins is None:
-            return False
-        return bool(plugins[0] != self._list_plugins() or self._runs_code)
+        plugins = state[-1] if state else None  # the last of the PARTS
+        return bool(plugins and (plugins[0] != self._list_plugins() or self._runs_code))
 
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""

@@ -47,7 +47,7 @@ log = logging.getLogger("libgz.classic")
 # What its state consists of, in order.
 PARTS = ("quiet", "settings", "published", "sensors", "topics", "plugins")
 KINDS = ("World", "Model", "Sensor", "Visual")  # of plugins that belong to a world
-QUIET = ("random", "ids", "activity", "scene")
+QUIET = ("random", "ids", "activity", "scene", "wind")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
 system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process, not to a world
@@ -468,15 +468,14 @@ class WorldServer:
 
     def calls_users(self, state: Sequence[Any] | None) -> bool:
         """Whether plugins are loaded for a state, or have a LoadState."""
-        plugins = dict(zip(PARTS, state, strict=True))["plugins"] if state is not None else None
-        if plugins is None:
-            return False
-        return bool(plugins[0] != self._list_plugins() or self._runs_code)
+        plugins = state[-1] if state else None  # the last of the PARTS
+        return bool(plugins and (plugins[0] != self._list_plugins() or self._runs_code))
 
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None
-        return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene))
+        wind = self.world.Wind().save()
+        return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene, wind))
 
     def set_state(self, state: Sequence[Any] | None) -> bool:
         """Take what `get_state` returned; None, for what a world was before this was attached to it.
@@ -500,7 +499,9 @@ class WorldServer:
             self._load_quiet(quiet["activity"], quiet["scene"])
         others = saved["plugins"] is not None and self._load_plugins(*saved["plugins"])
         if saved["quiet"] != self._quiet():
-            self.ids.load(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"])
+            quiet = dict(zip(QUIET, decode(saved["quiet"]), strict=True))
+            self.ids.load(quiet["ids"])
+            self.world.Wind().load(quiet["wind"])
         if saved["settings"] != self._settings():
             requested = get_values(self.paused_steps)
             for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):

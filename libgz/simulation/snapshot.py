@@ -195,12 +195,15 @@ class Snapshots:
     def _set(self, saved: dict[str, Any], anew: bool, *, undoing: bool = False) -> None:
         """Set a state: twice if plugins came or went, for their Load may have changed what was set already."""
         self.failures.clear()
-        with state.restoring():
+        try:
+            state.restoring(True)
             again = self._set_once(saved, anew)
-        if again and (undoing or not self.failures):
-            self.failures.clear()
-            with state.restoring():
+            if again and (undoing or not self.failures):
+                self.failures.clear()
+                state.restoring(True)
                 self._set_once(saved, False)
+        finally:
+            state.restoring(False)
 
     def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
         """Set a state; whether a companion asks for setting it once more."""

@@ -18,7 +18,6 @@ of these. What a class inherits is added. `STATE = ()` says that there is nothin
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import functools
 import io
@@ -30,7 +29,7 @@ import sys
 import threading
 import weakref
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain
 from operator import attrgetter
 from types import BuiltinFunctionType, FunctionType
@@ -556,14 +555,9 @@ def _loaded(before: Any, value: Any) -> Any:
 _restoring = threading.local()
 
 
-@contextlib.contextmanager
-def restoring() -> Iterator[None]:
-    """What is set in the `with` is of one state: an object that is in two places takes no two values."""
-    _restoring.loaded = {}
-    try:
-        yield
-    finally:
-        _restoring.loaded = None
+def restoring(on: bool) -> None:
+    """What this thread sets from now on is of one state, until that ends: no object takes two values of it."""
+    _restoring.loaded = {} if on else None
 
 
 def _is_taken(before: Any, value: Any) -> bool:

@@ -85,6 +85,19 @@ class Wind:
         found = self._at_links[1].get(link)
         return Vector3d(*found) if found is not None else self.WorldLinearVel(link)
 
+    def save(self) -> Any:
+        """The wind at links that was computed in the last iteration, as plain data; None without a function."""
+        if self._function is None:
+            return None
+        iteration, found = self._at_links
+        return iteration, [(link.GetScopedName(), *velocity) for link, velocity in found.items()]
+
+    def load(self, saved: Any) -> None:
+        """Take what `save` returned."""
+        iteration, found = saved or (-1, ())
+        links = {link.GetScopedName(): link for model in self._world.all_models() for link in model.GetLinks()}
+        self._at_links = iteration, {links[name]: Vector3d(*rest) for name, *rest in found if name in links}
+
     def SetParam(self, key: str, value: Any) -> bool:
         """Set `linear_velocity` [m/s]; false for another key."""
         if key != KEY:

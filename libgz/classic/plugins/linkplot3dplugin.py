@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from libgz.classic import rendering
 from libgz.classic.event import Events
@@ -25,6 +25,7 @@ MOST_POINTS = 10_000  # of a path; then it begins again
 class Path:
     """The path of a point of a link."""
 
+    STATE: ClassVar[tuple[str, ...]] = ("last",)
     link: Link
     offset: Pose3d
     line: DynamicLines
@@ -52,7 +53,7 @@ class LinkPlot3DPlugin(ModelPlugin):
             material: the line's colour, a material such as Gazebo/Red (Gazebo/Black).
     """
 
-    STATE = ("due",)
+    STATE = ("due", "paths")
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the links.

@@ -118,6 +118,16 @@ def test_obj_files_may_be_transparent(load, tmp_path, library, alpha):
     assert (geom.appearance.render_order == RENDER_TRANSPARENT) == (alpha < 1.0)
 
 
+def test_the_page_shows_normals_and_transparency(load, tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl look\nKd 1 0 0\nd 0.25\n")
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{BENT}vn 0 0 1\nusemtl look\nf 1//1 2//1 4//1\n")
+    source = LocalSource(shown(load, "a.obj"))
+    [shape] = source.scene["entities"][0]["bodies"][0]["shapes"]
+    [instance] = Shapes(source).instances(shape)
+    assert (instance.opacity, instance.form.clear) == (0.25, True)
+    assert np.array_equal(source.data(shape["data"])["normals"], np.tile((0, 0, 1), (3, 1)))
+
+
 @pytest.mark.parametrize(
     ("mode", "color", "factor", "opacity"),
     [

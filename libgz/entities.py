@@ -1,4 +1,4 @@
-"""Entities that a file of XML declares: `<!ENTITY width "0.5">` in its DOCTYPE, and `&width;` in a value."""
+"""Texts of XML: their bytes, and a file's entities: `<!ENTITY width "0.5">` in its DOCTYPE, used as `&width;`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from lxml import etree
 
 from libgz.errors import ParameterError
 
-__all__ = ["Entities"]
+__all__ = ["Entities", "encoded"]
 
 MOST = 100_000  # characters that a file's entities may have together, where they are used
 DEEPEST = 40  # entities in entities
@@ -49,3 +49,16 @@ class Entities:
         if depth > DEEPEST or self._left < 0:
             raise ParameterError(f"entity &{name}; contains itself, or is longer than {MOST} characters in all")
         return REFERENCE.sub(lambda match: self._expanded(match[1], depth + 1), content)
+
+
+def encoded(text: str) -> bytes:
+    """The bytes of a document's text.
+
+    Raises:
+        ParameterError: it has a surrogate, as names of files have that are no UTF-8.
+    """
+    try:
+        return text.encode()
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise ParameterError(f"<string>:{line}: {text[error.start]!a} is no character of Unicode") from None

@@ -30,6 +30,7 @@ __all__ = [
     "as_command",
     "number_above_zero",
     "number_from_zero",
+    "port_number",
     "read_text",
     "set_up_messages",
     "whole_number",
@@ -133,6 +134,9 @@ def wire_version(text: str) -> int:
 def whole_number(name: str) -> Callable[[str], int]:
     """An argument type: whole numbers from 0; `name` is its name in error messages."""
     return _number(name, int, lambda number: number >= 0)
+
+
+port_number = _number("port", int, lambda number: 0 <= number <= 65535)
 
 
 def number_from_zero(name: str) -> Callable[[str], float]:

@@ -292,7 +292,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
                 for recorder in run.recorders:
                     recorder.close()
             finally:
-                world.close()
+                watchdog.close()
     return 0
 
 

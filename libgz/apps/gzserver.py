@@ -167,7 +167,7 @@ class Server:
                 self._choose_profile(attach(core).world)
             core.Initialize()
         except BaseException:
-            core.close()
+            self._watchdog.close()
             raise
         return core
 

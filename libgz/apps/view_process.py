@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-from libgz.apps.console import whole_number
+from libgz.apps.console import port_number
 
 __all__ = ["add_view_options", "view_process"]
 
@@ -22,7 +22,7 @@ def add_view_options(parser: Any, optional: bool) -> None:
     add = parser.add_argument
     if optional:
         add("--view", action="store_true", help="show the world in a browser; needs the extra `view`")
-    add("--view-port", type=whole_number("port"), default=PORT, metavar="PORT", help="first port to try (default 8080)")
+    add("--view-port", type=port_number, default=PORT, metavar="PORT", help="first port to try (default 8080)")
     add(
         "--view-host",
         default=HOST,

@@ -8,6 +8,7 @@ from pathlib import Path
 from weakref import WeakKeyDictionary
 
 from libgz.digest import blake2b
+from libgz.entities import encoded
 from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
 from libgz.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
@@ -236,7 +237,7 @@ class LegacyWorld(Era):
             return self._insert(text, label)
 
     def _insert(self, text: str, label: str) -> list[Model]:
-        file = self._parse(_with_root(text).encode(), label)
+        file = self._parse(encoded(_with_root(text)), label)
         world = self.world
         count, served = len(world.entities), set(world.gz_server.interfaces)
         try:

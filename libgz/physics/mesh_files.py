@@ -6,6 +6,7 @@ import contextlib
 import functools
 import itertools
 import math
+import os
 import struct
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -442,7 +443,7 @@ class Collada:
 
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True, remove_comments=True)
         try:
-            self.root = etree.parse(str(path), parser).getroot()
+            self.root = etree.parse(os.fsencode(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
         self.path = path

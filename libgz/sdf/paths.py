@@ -133,7 +133,7 @@ def _named_in_config(folder: Path) -> Path:
     if config is None:
         raise NotFoundError(f"{folder} has no model.config")
     try:
-        files = etree.parse(str(config), xml_parser()).getroot().findall("sdf")
+        files = etree.parse(os.fsencode(config), xml_parser()).getroot().findall("sdf")
     except etree.XMLSyntaxError as error:
         raise NotFoundError(f"{config} cannot be read: {error}") from None
     if not files:

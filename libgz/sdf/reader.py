@@ -9,6 +9,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from libgz.entities import encoded
 from libgz.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
 from libgz.files import read_limited
 from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
@@ -76,7 +77,7 @@ class SdfFile:
         """The same from text; `label` is its name in messages, `folder` the base of its relative paths."""
         file = cls()
         file.label, file._folder = label, folder
-        file._read(text.encode() if isinstance(text, str) else text)
+        file._read(encoded(text) if isinstance(text, str) else text)
         return file
 
     def _read_file(self, path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import IO
 
 from lxml import etree
 
+from libgz.entities import encoded
 from libgz.sdf.xml import READABLE, ROBOT, local_name
 
 __all__ = ["is_robot_text", "is_sdf", "is_sdf_text"]
@@ -17,7 +18,8 @@ __all__ = ["is_robot_text", "is_sdf", "is_sdf_text"]
 def is_sdf(filename: str | os.PathLike[str]) -> bool:
     """Whether the root of a file is `<sdf>`, the older `<gazebo>`, or URDF's `<robot>`; false for what is not XML."""
     try:
-        with Path(filename).open("rb") as stream:
+        # lxml takes the name of a stream, if it has one, and none that is no Unicode: this stream has a number.
+        with Path(filename).open("rb") as plain, open(plain.fileno(), "rb", closefd=False) as stream:
             return _root_of(stream) in READABLE
     except OSError:
         return False
@@ -25,12 +27,12 @@ def is_sdf(filename: str | os.PathLike[str]) -> bool:
 
 def is_sdf_text(text: str) -> bool:
     """The same for a text."""
-    return _root_of(BytesIO(text.encode())) in READABLE
+    return _root_of(BytesIO(encoded(text))) in READABLE
 
 
 def is_robot_text(text: str) -> bool:
     """Whether a text is a robot description (URDF)."""
-    return _root_of(BytesIO(text.encode())) == ROBOT
+    return _root_of(BytesIO(encoded(text))) == ROBOT
 
 
 def _root_of(stream: IO[bytes]) -> str:

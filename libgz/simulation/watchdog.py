@@ -59,6 +59,7 @@ class Watchdog:
         self._stop = stop
         self._handled = 0  # the last signal
         self._loading = False
+        self._incomplete = False  # a signal ended the load of the world
         self._signals: list[int] = []
         self._first = 0.0  # when the first signal came
         self._step: object = None
@@ -116,8 +117,21 @@ class Watchdog:
             self._raise_handled()
             yield
             self._raise_handled()  # where Python ignored what the handler raised, as in a `__del__`
+        except Interrupted:
+            self._incomplete = True
+            raise
         finally:
             self._loading = False
+
+    def close(self) -> None:
+        """Close the world. What a signal left incomplete while it was loaded may not be closable, and is left."""
+        if self.world is None:
+            return
+        try:
+            self.world.close()
+        except Exception:
+            if not self._incomplete:
+                raise
 
     def _raise_handled(self) -> None:
         if self._handled:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.entities import Entities
+from libgz.entities import Entities, encoded
 from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.files import expand, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
@@ -86,7 +86,7 @@ class WorldFile:
 
     def LoadString(self, text: str | bytes, label: str = "<string>") -> int:
         """The same from text; `label` is its name in messages."""
-        self._parse(text.encode() if isinstance(text, str) else text, None, label)
+        self._parse(encoded(text) if isinstance(text, str) else text, None, label)
         return 0
 
     def _parse(self, source: bytes, filename: str | None, label: str) -> None:

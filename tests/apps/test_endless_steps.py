@@ -10,6 +10,9 @@ import time
 import pytest
 from gzserver_process import SERVER, new_environment
 
+from libgz.errors import Interrupted
+from libgz.simulation.watchdog import Watchdog
+
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 LOOP = """
 import time
@@ -187,6 +190,21 @@ def test_a_long_callback_is_reported_by_plugin(tmp_path):
     read_until(process.stderr, f"{name} ({tmp_path / 'Loop.py'}:1")
     assert end_by_two(process, signal.SIGINT, signal.SIGTERM) == 143
     process.communicate()
+
+
+def test_a_load_that_ends_in_the_middle_is_closed_as_far_as_possible():
+    class Incomplete:
+        present_step = None
+
+        def close(self):
+            raise KeyError(-1)
+
+    with Watchdog(lambda number: None, Incomplete()) as watchdog:
+        with pytest.raises(KeyError):
+            watchdog.close()
+        with pytest.raises(Interrupted), watchdog.loading():
+            signal.raise_signal(signal.SIGTERM)
+        watchdog.close()
 
 
 def test_signals_of_a_forked_child_are_its_own(gazebo, tmp_path):

@@ -1,11 +1,13 @@
 """Worldfiles: the old getters, errors, older spellings, and saving."""
 
 import math
+import os
 from dataclasses import dataclass
 
 import pytest
 from hypothesis import given, strategies as st
 
+import libgz
 from libgz.errors import WorldFileError
 from libgz.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.attributes import angle, choice, color, length, number, numbers, read
@@ -523,3 +525,13 @@ def test_a_second_value_is_a_warning():
         node.used = True
         node.note_unused()
         assert [error.message for error in file.diagnostics.warnings] == [message]
+
+
+@pytest.mark.parametrize("text", ["<gz:world xmlns:gz='g'/>", "<sdf version='1.6'><world name='default'/></sdf>"])
+def test_names_and_texts_that_are_no_unicode(tmp_path, text):
+    path = tmp_path / os.fsdecode(b"caf\xe9.world")
+    path.write_text(text)
+    with libgz.World.from_file(path) as world:
+        world.step()
+    with pytest.raises(libgz.GazeboError, match=r"<string>:2: '\\udce9' is no character of Unicode"):
+        libgz.World.from_string(text + "\n\udce9")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from lxml import etree
 
 from libgz.classic.names import takes_names
@@ -54,7 +56,9 @@ class ModelDatabase:
     @staticmethod
     def _name(folder: str) -> str:
         try:
-            root = etree.parse(f"{folder}/model.config", etree.XMLParser(resolve_entities=False, no_network=True))
+            root = etree.parse(
+                os.fsencode(f"{folder}/model.config"), etree.XMLParser(resolve_entities=False, no_network=True)
+            )
         except (OSError, etree.XMLSyntaxError):
             return ""
         return (root.findtext("name") or "").strip()

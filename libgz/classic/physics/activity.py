@@ -17,6 +17,7 @@ from libgz.classic.physics.model import Model
 from libgz.classic.physics.place import found_at, place_if_there, place_of
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseAdd, GzPose
+from libgz.sdf.element import Element
 from libgz.simulation.event import Event
 from libgz.simulation.state import get_state, set_state
 
@@ -88,7 +89,7 @@ class Activity:
         if link not in self._batteries:
             sdf = link.GetSDF()
             elements = sdf.named("battery") if sdf is not None else ()
-            self._batteries[link] = [Battery(e.Get(str, "name"), e.Get(float, "voltage")) for e in elements]
+            self._batteries[link] = [_battery_of(element) for element in elements]
         return self._batteries[link]
 
     # Attached models ---------------------------------------------------------------------------------------------
@@ -202,3 +203,13 @@ class Activity:
             models = self._world.all_models()
             self._all_batteries = [b for model in models for link in model.GetLinks() for b in self.batteries_of(link)]
         return self._all_batteries
+
+
+def _battery_of(element: Element) -> Battery:
+    """The battery of an element; one without voltage where that is invalid, as in Gazebo."""
+    name = element.Get(str, "name")
+    try:
+        return Battery(name, element.Get(float, "voltage"))
+    except ParameterError as error:
+        log.error("%s: <battery>: %s; battery %r has 0 V", element.where, error, name)
+        return Battery(name, 0.0)

@@ -200,6 +200,13 @@ def test_the_bounding_box_is_turned_with_the_link(link):
     assert tuple(box.Min()) == pytest.approx((-1, -0.5, 3.5))
 
 
+def test_a_battery_whose_voltage_is_invalid_has_none(run, caplog):
+    core, view = run(body("m", link=BATTERY.replace("12", "-1")))
+    core.step(2)
+    assert view.ModelByName("m").GetLink("link").Battery("main").Voltage() == 0.0
+    assert caplog.text.count(":1: <battery>: voltage [V] is -1; it must not be negative; battery 'main' has 0 V") == 1
+
+
 def test_collisions_batteries_and_sensors_by_name_and_index(link):
     (shape,) = link.GetCollisions()
     assert link.GetCollision("c") is link.GetCollision(0) is link.GetChild(0) is shape

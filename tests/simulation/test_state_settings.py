@@ -80,7 +80,7 @@ def check(kind, name, change):
             assert world.get_state() == start
 
 
-SHORT = {"seed", "pause", "update rates", "Rand"}
+SHORT = {"seed", "update rates"}
 CASES = [(Legacy, OF_WORLDS), (Classic, OF_WORLDS | OF_CLASSIC)]
 
 

@@ -77,7 +77,9 @@ def in_threads(functions):
     return [results.get(number) for number in range(len(functions))]
 
 
-@pytest.mark.parametrize(("make", "run"), [(legacy, run_legacy), (classic, run_classic)])
+@pytest.mark.parametrize(
+    ("make", "run"), [pytest.param(legacy, run_legacy, marks=pytest.mark.trial), (classic, run_classic)]
+)
 def test_clones_in_threads_do_what_each_does_alone(make, run, pushes):
     with make() as world:
         world.step(30)

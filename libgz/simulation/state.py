@@ -340,10 +340,12 @@ class Reader:
             present = ()
         same = 0  # how many at the front need no change; to set one of them may change what is behind it
         for value, before in zip(values, present, strict=False):
-            if type(value) not in _COMPARED or type(before) is not type(value) or before != value:
-                break
-            if value == 0.0 and str(before) != str(value):  # zeros have signs
-                break
+            if value is not before:
+                kind = type(value)
+                if kind not in _COMPARED or type(before) is not kind or before != value:
+                    break
+                if kind is float and value == 0.0 and str(before) != str(value):  # zeros have signs
+                    break
             same += 1
         for place, value in zip(self.places[same:], values[same:], strict=True):
             try:

@@ -133,11 +133,9 @@ class Snapshots:
             self._set(saved, anew)
             if self.failures:
                 raise self.failures[0]
-        except BaseException as error:
+        except USER_ERRORS as error:
             cause = self.failures[0] if self.failures else error
             left = self._undo(self._decoded(before)) if before is not None else ""
-            if not isinstance(error, USER_ERRORS):
-                raise
             pass_interrupt(error)
             kind = type(cause) if isinstance(cause, GazeboError) else StateError
             text = str(cause) if kind is type(cause) else f"the state is damaged: {type(cause).__name__}: {cause}"

@@ -19,10 +19,12 @@ typedef struct {
     /* their round geoms, in the order of items: item, centre, half of the axis, radius [m] */
     const int64_t *round_items;
     const double *round_centres, *round_halves, *round_radii;
+    const double *round_slacks;  /* how much less a cylinder is off than what is round in two directions */
+    const int64_t *round_finest; /* the finest level of each one's item */
     int64_t round_count;
     /* levels of detail, by segments of a full turn */
     const double *segments;
-    int64_t level_count, level_small, level_large; /* the first one is for what is tiny */
+    int64_t level_small, level_large; /* the first one is for what is tiny */
     double tiny, small;       /* [px] */
     double depth_error;       /* of round geoms, as a share of the distance */
     /* lights with a range: place in the eye frame, range [m] */
@@ -60,6 +62,45 @@ static void place(const double *eye, const double *state, double *matrix)
     }
 }
 
+static double dot(const double *one, const double *other)
+{
+    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
+}
+
+/* The least product of range and cosine to the normal of a near round geom; see `_steepest` in selection.py. */
+static double steepest(const selection *s, int64_t number, const double *matrix)
+{
+    const double *centre = s->round_centres + 3 * number, *axis = s->round_halves + 3 * number;
+    double radius = s->round_radii[number], middle[3], half[3];
+    for (int row = 0; row < 3; row++) {
+        const double *by = matrix + row;
+        middle[row] = by[0] * centre[0] + by[4] * centre[1] + by[8] * centre[2] + by[12];
+        half[row] = by[0] * axis[0] + by[4] * axis[1] + by[8] * axis[2];
+    }
+    double square = dot(half, half), share = 0.0;
+    if (square > 0.0) {
+        share = -dot(middle, half) / square;
+        share = share < -1.0 ? -1.0 : share > 1.0 ? 1.0 : share;
+    }
+    double x = middle[0] + share * half[0], y = middle[1] + share * half[1], z = middle[2] + share * half[2];
+    double corner = 1.0 / sqrt(1.0 + s->across * s->across + s->up * s->up);
+    double away = x * x + y * y + z * z, tangent = away - radius * radius;
+    if (!(tangent > s->near * s->near))
+        return INFINITY;
+    double distance = sqrt(away), length = sqrt(tangent), cosine = -z / distance;
+    double rest = 1.0 - cosine * cosine, sine = sqrt(rest > 0.0 ? rest : 0.0);
+    double angle = cosine * length / distance - sine * radius / distance;
+    angle = angle > corner ? angle : corner;
+    double facing = 2.0 * length * angle * angle / (radius * s->focal);
+    facing = facing < 1.0 ? facing : 1.0;
+    double farthest = cosine * corner - sine * sqrt(1.0 - corner * corner);
+    double inside = 1.0 - away / (radius * radius) * (1.0 - farthest * farthest);
+    if (square == 0.0 && farthest > length / distance && inside > facing)
+        facing = inside;
+    double side = radius * sqrt(facing);
+    return sqrt(facing) * tangent / (sqrt(tangent + side * side) + side);
+}
+
 /* The level with which depth is right of a round geom of an item; see `needed_segments` in selection.py. */
 static int64_t round_level(const selection *s, int64_t number, const double *matrix)
 {
@@ -70,10 +111,11 @@ static int64_t round_level(const selection *s, int64_t number, const double *mat
     double gap = depth - reach > s->near ? depth - reach : s->near;
     double distance = gap + radius;
     double limb = distance / sqrt(radius * s->focal / distance);
-    double allowed = s->depth_error * (gap < limb ? gap : limb) / radius;
+    double limit = gap < limb ? gap : limb, near = s->round_slacks[number] * steepest(s, number, matrix);
+    double allowed = s->depth_error * (near < limit ? near : limit) / radius;
     double needed = depth + reach < s->near ? 0.0 : M_PI / sqrt(2.0 * (allowed > 1e-9 ? allowed : 1e-9));
     int64_t level = 0;
-    while (level < s->level_count - 1 && s->segments[level] < needed)
+    while (level < s->round_finest[number] && s->segments[level] < needed)
         level++;
     return level;
 }

@@ -20,7 +20,7 @@ from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight, rings
 from libgz.rendering.image import pyramid, read_image
 from libgz.rendering.mesh import Material, Mesh
-from libgz.rendering.selection import LEVELS, TINY, new_selector
+from libgz.rendering.selection import FINE, LEVELS, TINY, new_selector
 from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
 
@@ -30,6 +30,7 @@ log = logging.getLogger("libgz.rendering")
 
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
 BLACK = (0.0, 0.0, 0.0, 1.0)
+MOST_FINE = 4  # lists of a table on levels above FINE, or as many as one image has
 MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
@@ -82,7 +83,11 @@ class Table:
         def find(i: int, level: int) -> Compiled:
             return library.item(content.items[i], look, LEVELS[level], plain)
 
-        self._find = find
+        def forget(i: int, level: int) -> None:
+            library.forget(content.items[i], look, LEVELS[level], plain)
+
+        self._find, self._forget = find, forget
+        self._fine: list[tuple[int, int]] = []  # level and place of large lists, the last ones used at the end
         least = [find(i, TINY) for i in range(len(content.items))]
         self.radii = np.array([compiled.radius for compiled in least], dtype=np.float64)
         self.middles = np.array([compiled.middle for compiled in least], dtype=np.float64).reshape(-1, 3)
@@ -100,7 +105,19 @@ class Table:
         for k in np.flatnonzero(found == 0).tolist():
             place, level = int(places[k]), int(levels[k])
             found[k] = self._lists[level, place] = self._find(place, level).list
+        fine = np.flatnonzero(levels > FINE).tolist()
+        if fine:
+            self._bound([(int(levels[k]), int(places[k])) for k in fine])
         return found
+
+    def _bound(self, used: list[tuple[int, int]]) -> None:
+        """Delete large lists that were not used for long."""
+        idle = [key for key in self._fine if key not in used]
+        surplus = max(len(idle) - max(MOST_FINE - len(used), 0), 0)
+        for level, place in idle[:surplus]:
+            self._lists[level, place] = 0
+            self._forget(place, level)
+        self._fine = idle[surplus:] + used
 
 
 class Library:
@@ -128,7 +145,8 @@ class Library:
         self._content = content
         self._tables.clear()
         keys = {item.key for item in content.items}
-        for key in [k for k in self._items if k[0] not in keys]:
+        large = LEVELS[FINE]  # the new tables do not know of larger ones
+        for key in [k for k in self._items if k[0] not in keys or k[2] > large]:
             self.gl.glDeleteLists(self._items.pop(key).list, 1)
         images = {geom.image for item in content.items for geom in item.geoms if isinstance(geom, TriMeshGeom)}
         for image in [image for image in self._images if image not in images]:
@@ -152,6 +170,12 @@ class Library:
         if found is None:
             found = self._items[key] = self._compile_item(item, look, segments, plain)
         return found
+
+    def forget(self, item: Item, look: Look, segments: int, plain: bool) -> None:
+        """Delete the list of an item; it is compiled again where it is asked for."""
+        found = self._items.pop((item.key, look, segments, plain), None)
+        if found is not None:
+            self.gl.glDeleteLists(found.list, 1)
 
     def plane(self, geom: Geom, sight: Sight, look: Look, plain: bool) -> Compiled:
         """The list of a plane around the camera's foot, facing +z."""

@@ -13,18 +13,21 @@ from numpy.typing import NDArray
 
 from libgz.errors import LibraryError
 from libgz.geometry import rotate
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import CylinderGeom
 from libgz.rendering.geom_meshes import round_radius
 from libgz.rendering.native import address, find_native
-from libgz.rendering.shot import Content, View, pose_matrices
+from libgz.rendering.shot import Content, Item, View, pose_matrices
 
-__all__ = ["LARGE", "LEVELS", "SMALL", "TINY", "LocalLight", "Rounds", "Selection", "Selector"]
+__all__ = ["FINE", "LARGE", "LEVELS", "SMALL", "TINY", "LocalLight", "Rounds", "Selection", "Selector"]
 
 # Levels of detail: segments of a full turn. Bodies have one of three by their size in the image, round bodies of
 # classic worlds the one with which depth is right.
-LEVELS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)
-TINY, SMALL, LARGE = 0, 1, 4  # places in LEVELS
+LEVELS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048, 4096)
+TINY, SMALL, LARGE, FINE = 0, 1, 4, 11  # places in LEVELS; above the last one, lists are large
 TINY_RADIUS, SMALL_RADIUS = 6.0, 30.0  # [px] up to which a body is tiny, and small
 DEPTH_ERROR = 1e-3  # of round geoms of classic worlds, as a share of the distance
+MOST_FACETS = 1024**2  # of an item's spheres, capsules and wheels, on levels above FINE
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -45,17 +48,33 @@ class Rounds:
         items: the place of each one's item in the content, in ascending order.
         centres, halves: its centre, and half of its axis, in the frame of its body [m], shape (n, 3).
         radii: [m].
+        slacks: 2 for cylinders, which are off by half as much as what is round in two directions; 1 for all others.
+        finest: the place in `LEVELS` of the finest level of its item. Facets of cylinders grow with the segments,
+            of all others with their square, up to `MOST_FACETS` in an item.
     """
 
     def __init__(self, content: Content) -> None:
         found = [(i, geom) for i, item in enumerate(content.items) for geom in item.geoms if round_radius(geom)]
         self.items = np.array([i for i, _ in found], dtype=np.int64)
         self.radii = np.array([round_radius(geom) for _, geom in found], dtype=np.float64)
+        self.slacks = np.array([2.0 if _is_cylinder(geom) else 1.0 for _, geom in found], dtype=np.float64)
         self.centres, self.halves = np.zeros((len(found), 3)), np.zeros((len(found), 3))
         for k, (_, geom) in enumerate(found):
             place = geom.GetRelativePose()
             length = getattr(geom, "length", 0.0) * abs(geom.appearance.scale.z)
             self.centres[k], self.halves[k] = (*place.pos,), rotate(place.rot, (0.0, 0.0, 0.5 * length))
+        last = [_finest(item) for item in content.items]
+        self.finest = np.array([last[i] for i, _ in found], dtype=np.int64)
+
+
+def _is_cylinder(geom: Geom) -> bool:
+    return type(geom) is CylinderGeom
+
+
+def _finest(item: Item) -> int:
+    squares = sum(1 for geom in item.geoms if round_radius(geom) and not _is_cylinder(geom))
+    fitting = [level for level in range(FINE, len(LEVELS)) if squares * LEVELS[level] ** 2 <= MOST_FACETS]
+    return max(fitting, default=FINE)
 
 
 class Selection(NamedTuple):
@@ -93,9 +112,10 @@ class SelectionRecord(ctypes.Structure):
         ("round_centres", c_void_p),
         ("round_halves", c_void_p),
         ("round_radii", c_void_p),
+        ("round_slacks", c_void_p),
+        ("round_finest", c_void_p),
         ("round_count", c_int64),
         ("segments", c_void_p),
-        ("level_count", c_int64),
         ("level_small", c_int64),
         ("level_large", c_int64),
         ("tiny", c_double),
@@ -147,9 +167,10 @@ class Selector:
             round_centres=rounds.centres.ctypes.data,
             round_halves=rounds.halves.ctypes.data,
             round_radii=rounds.radii.ctypes.data,
+            round_slacks=rounds.slacks.ctypes.data,
+            round_finest=rounds.finest.ctypes.data,
             round_count=len(rounds.items),
             segments=self._segments.ctypes.data,
-            level_count=len(LEVELS),
             level_small=SMALL,
             level_large=LARGE,
             tiny=TINY_RADIUS,
@@ -199,7 +220,7 @@ class Selector:
         if len(self.rounds.items):
             finer = np.full(len(radii), -1)
             needed = needed_segments(view, matrices, self.rounds)
-            finest = np.minimum(np.searchsorted(self._segments, needed), len(LEVELS) - 1)
+            finest = np.minimum(np.searchsorted(self._segments, needed), self.rounds.finest)
             np.maximum.at(finer, self.rounds.items, finest)
             levels = np.where(finer[places] >= 0, finer[places], levels)
         dark = np.zeros(len(places), dtype=np.int64)
@@ -227,7 +248,8 @@ def needed_segments(view: View, matrices: Floats, rounds: Rounds) -> Floats:
     """Segments with which depth of round geoms is right up to `DEPTH_ERROR`.
 
     With n segments, a mesh that is fitted to a radius r is off by up to e = r pi^2 / (2 n^2). Depth is off by e at the
-    nearest point, and, half a pixel from the limb, by e times the square root of the radius in pixels.
+    nearest point, and, half a pixel from the limb, by e times the square root of the radius in pixels; of shapes that
+    are near, by what `_steepest` has.
     """
     back, radii = matrices[rounds.items, 2], rounds.radii
     centres, halves = rounds.centres, rounds.halves
@@ -235,8 +257,55 @@ def needed_segments(view: View, matrices: Floats, rounds: Rounds) -> Floats:
     reach = radii + np.abs(back[:, 0] * halves[:, 0] + back[:, 1] * halves[:, 1] + back[:, 2] * halves[:, 2])
     gaps = np.maximum(depth - reach, view.near)
     distances = gaps + radii
-    allowed = DEPTH_ERROR * np.minimum(gaps, distances / np.sqrt(radii * view.focal / distances)) / radii
+    limbs = distances / np.sqrt(radii * view.focal / distances)
+    limits = np.minimum(np.minimum(gaps, limbs), rounds.slacks * _steepest(view, matrices, rounds))
+    allowed = DEPTH_ERROR * limits / radii
     return np.where(depth + reach < view.near, 0.0, math.pi / np.sqrt(2.0 * np.maximum(allowed, 1e-9)))
+
+
+def _steepest(view: View, matrices: Floats, rounds: Rounds) -> Floats:
+    """The least t c [m] of rays that meet a near round geom: t is the range, c the cosine of the angle to the normal.
+
+    Depth is off by the share e / (t c), where the mesh is off by e. In a plane through a circle's middle at D, with
+    tangents of length L = sqrt(D^2 - r^2), t c = c L^2 / (sqrt(L^2 + r^2 c^2) + r c). It falls towards the limb, so the
+    ray that is farthest from the middle decides. One pixel, seen at an angle a from the line of sight with a focal
+    length of f pixels, is cos(a)^2 / f [rad] wide, and a ray one pixel from the limb has c^2 = 2 L cos(a)^2 / (r f).
+    Where the corners of the image are nearer to a sphere's middle than its limb, they decide. There is no limit, so
+    infinity, if all that faces the camera is nearer than the near plane.
+    """
+    poses = matrices[rounds.items]
+    centres, halves, radii = rounds.centres, rounds.halves, rounds.radii
+    middle, half = np.empty_like(centres), np.empty_like(centres)
+    for row in range(3):
+        by = poses[:, row]
+        middle[:, row] = by[:, 0] * centres[:, 0] + by[:, 1] * centres[:, 1] + by[:, 2] * centres[:, 2] + by[:, 3]
+        half[:, row] = by[:, 0] * halves[:, 0] + by[:, 1] * halves[:, 1] + by[:, 2] * halves[:, 2]
+    # The point of the axis that is nearest to the camera.
+    square, along = _dot(half, half), _dot(middle, half)
+    share = np.where(square > 0.0, np.clip(-along / np.where(square > 0.0, square, 1.0), -1.0, 1.0), 0.0)
+    x, y, z = (middle + share[:, None] * half).T
+    across, up = view.tangents
+    corner = 1.0 / math.sqrt(1.0 + across * across + up * up)
+    away = x * x + y * y + z * z
+    tangent = away - radii * radii
+    seen = tangent > view.near * view.near
+    away, tangent = np.where(seen, away, 1.0), np.where(seen, tangent, 1.0)
+    distance, length = np.sqrt(away), np.sqrt(tangent)
+    cosine = -z / distance
+    sine = np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0))
+    angle = np.maximum(cosine * length / distance - sine * radii / distance, corner)
+    facing = np.minimum(2.0 * length * angle * angle / (radii * view.focal), 1.0)
+    farthest = cosine * corner - sine * math.sqrt(1.0 - corner * corner)
+    cut = (square == 0.0) & (farthest > length / distance)
+    inside = 1.0 - away / (radii * radii) * (1.0 - farthest * farthest)
+    facing = np.where(cut & (inside > facing), inside, facing)
+    side = radii * np.sqrt(facing)
+    least = np.sqrt(facing) * tangent / (np.sqrt(tangent + side * side) + side)
+    return np.where(seen, least, math.inf)
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    return one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1] + one[:, 2] * other[:, 2]
 
 
 def new_selector(radii: Floats, content: Content) -> Selector:

@@ -36,6 +36,9 @@ def scene(seed, count=300):
     rounds.items = np.sort(random.integers(0, count, count // 2))
     rounds.radii = random.uniform(0.01, 3.0, count // 2)
     rounds.centres, rounds.halves = random.normal(size=(2, count // 2, 3))
+    rounds.halves[::2] = 0.0
+    rounds.slacks = random.choice([1.0, 2.0], count // 2)
+    rounds.finest = random.integers(9, len(LEVELS), count // 2)
     lights = [LocalLight(0x4000 + i, tuple(random.normal(size=3) * 5.0), 9.0 * i + 6.0) for i in range(3)]
     view = View(GzPose(GzVector(*random.normal(size=3)), GzQuatern(*turns[0])), 320, 240, 1.2, 0.3, 25.0)
     return view, states, random.uniform(0.0, 2.0, count), rounds, lights

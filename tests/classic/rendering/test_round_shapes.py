@@ -11,11 +11,11 @@ from libgz.classic import sensors
 FOV = 1.047
 
 
-def depth_image(geometry, x, width, height, visual=""):
+def depth_image(geometry, x, width, height, visual="", fov=FOV, near=0.05):
     model = f"<visual name='v'>{visual}<geometry>{geometry}</geometry></visual>"
     camera = f"""<sensor name='eye' type='depth'><always_on>1</always_on><camera>
-      <horizontal_fov>{FOV}</horizontal_fov><image><width>{width}</width><height>{height}</height></image>
-      <clip><near>0.05</near><far>50</far></clip></camera></sensor>"""
+      <horizontal_fov>{fov}</horizontal_fov><image><width>{width}</width><height>{height}</height></image>
+      <clip><near>{near}</near><far>50</far></clip></camera></sensor>"""
     parts = "".join(
         f"<model name='m{i}'><static>1</static><pose>{at} 0 0 0 0 0</pose><link name='l'>{inside}</link></model>"
         for i, (at, inside) in enumerate(((x, model), (0, camera)))
@@ -26,9 +26,9 @@ def depth_image(geometry, x, width, height, visual=""):
         return np.array(found, dtype=float).reshape(height, width)
 
 
-def rays(width, height):
+def rays(width, height, fov=FOV):
     """Across and up, of a ray that goes 1 m ahead."""
-    focal = width / (2.0 * math.tan(FOV / 2.0))
+    focal = width / (2.0 * math.tan(fov / 2.0))
     u, v = (np.arange(width) + 0.5 - width / 2) / focal, (np.arange(height) + 0.5 - height / 2) / focal
     return np.meshgrid(u, -v)
 
@@ -38,13 +38,13 @@ def first_root(a, half_b, c):
     return np.where(square >= 0.0, (half_b - np.sqrt(np.maximum(square, 0.0))) / a, np.inf)
 
 
-def sphere_depth(radius, x, width, height):
-    u, v = rays(width, height)
+def sphere_depth(radius, x, width, height, fov=FOV):
+    u, v = rays(width, height, fov)
     return first_root(1.0 + u * u + v * v, x, x * x - radius * radius)
 
 
-def cylinder_depth(radius, length, x, width, height):
-    u, v = rays(width, height)
+def cylinder_depth(radius, length, x, width, height, fov=FOV):
+    u, v = rays(width, height, fov)
     found = first_root(1.0 + u * u, x, x * x - radius * radius)
     with np.errstate(invalid="ignore"):
         return np.where(np.abs(found * v) < length / 2, found, np.inf)
@@ -76,3 +76,28 @@ def test_depth_of_cylinders(radius, length, x):
 def test_depth_of_a_sphere_away_from_the_origin_of_its_link():
     found = depth_image("<sphere><radius>0.5</radius></sphere>", 1.0, 320, 240, "<pose>2 0 0 0 0 0</pose>")
     check(found, sphere_depth(0.5, 3.0, 320, 240))
+
+
+def near_depths(kind, radius, gap, fov):
+    """A shape in front of the camera: found, and expected."""
+    x, length = radius + gap, "" if kind == "sphere" else "<length>200</length>"
+    found = depth_image(f"<{kind}><radius>{radius}</radius>{length}</{kind}>", x, 200, 200, fov=fov)
+    if kind == "sphere":
+        return found, sphere_depth(radius, x, 200, 200, fov)
+    return found, cylinder_depth(radius, 200.0, x, 200, 200, fov)
+
+
+@pytest.mark.parametrize(
+    ("kind", "radius", "gap", "fov"),
+    [("sphere", 20.0, 0.3, 1.5), ("sphere", 100.0, 3.0, 1.5), ("sphere", 2.0, 0.2, 2.0), ("cylinder", 20.0, 0.3, 1.5),
+     ("capsule", 2.0, 0.2, 2.0)],
+)  # fmt: skip
+def test_depth_of_shapes_that_are_near(kind, radius, gap, fov):
+    check(*near_depths(kind, radius, gap, fov))
+
+
+def test_a_sphere_that_touches_the_near_plane_is_cut_within_the_error_of_depth():
+    found, expected = near_depths("sphere", 1.0, 0.05, 1.0)
+    assert expected[~np.isfinite(found)].max() < 0.05 * 1.001
+    seen = np.isfinite(found)
+    check(np.where(seen, found, expected), expected)

@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -33,20 +34,34 @@ struct server {
     char path[];
 };
 
+/* Functions of pthread.h, from the process: linked ones would need a C library as new as that of the build. */
+struct threads {
+    int (*create)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
+    int (*join)(pthread_t, void **);
+    int (*kill)(pthread_t, int);
+};
+
 _Atomic int64_t gz_ending_beat; /* the watchdog counts here */
 
-static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
-static struct server *servers; /* of this process; changed under the mutex */
+static atomic_flag busy = ATOMIC_FLAG_INIT;
+static struct server *servers; /* of this process; changed while it is busy */
 static pid_t owner;            /* of them: a forked child has none */
 static pthread_t thread;
 static int from, to, report;
-static unsigned long main_thread; /* the thread that is shown in a report */
+static pthread_t main_thread; /* that is shown in a report */
+static struct threads calls;
 
 static int64_t now(void)
 {
     struct timespec time;
     clock_gettime(CLOCK_MONOTONIC, &time);
     return (int64_t) time.tv_sec * 1000 + time.tv_nsec / 1000000;
+}
+
+static void take(void)
+{
+    while (atomic_flag_test_and_set(&busy))
+        sched_yield();
 }
 
 static void print(const char *text)
@@ -69,7 +84,7 @@ static void remove_directory(const char *path)
 
 static void end(int number)
 {
-    if (owner == getpid() && pthread_mutex_trylock(&mutex) == 0)
+    if (owner == getpid() && !atomic_flag_test_and_set(&busy))
         for (struct server *server = servers; server != NULL; server = server->next) {
             remove_directory(server->path);
             semctl(server->semaphores, 0, IPC_RMID);
@@ -112,7 +127,7 @@ static void *run(void *unused)
         } else if (silent >= LONG && !reported) {
             reported = 1;
             print("libgz: native code has kept Python's interpreter lock for 5 s; a second signal ends the process. ");
-            if (report == 0 || pthread_kill((pthread_t) main_thread, report) != 0)
+            if (report == 0 || calls.kill(main_thread, report) != 0)
                 print("\n");
         }
     }
@@ -123,29 +138,26 @@ static void *run(void *unused)
  * pipe_in, pipe_out: where they are read, and written.
  * shown: the thread to which `number`, a signal whose handler prints its stack, is sent for a report; 0: there is none.
  *
+ * The calling thread blocks all signals, so that the new one handles none.
+ *
  * 0, or an error number. */
-int gz_ending_start(int pipe_in, int pipe_out, unsigned long shown, int number)
+int gz_ending_start(int pipe_in, int pipe_out, unsigned long shown, int number, const struct threads *functions)
 {
-    sigset_t all, before;
-    from = pipe_in, to = pipe_out, main_thread = shown, report = number;
+    from = pipe_in, to = pipe_out, main_thread = (pthread_t) shown, report = number, calls = *functions;
     fcntl(to, F_SETFL, O_NONBLOCK);
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before); /* the new thread handles no signals */
-    int error = pthread_create(&thread, NULL, run, NULL);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return error;
+    return calls.create(&thread, NULL, run, NULL);
 }
 
 /* Wait for the end of the thread, to which a 0 was written. */
 void gz_ending_join(void)
 {
-    pthread_join(thread, NULL);
+    calls.join(thread, NULL);
 }
 
 /* Forget the server of a directory, which was removed. */
 void gz_ending_forget(const char *path)
 {
-    pthread_mutex_lock(&mutex);
+    take();
     for (struct server **at = &servers; *at != NULL; at = &(*at)->next)
         if (strcmp((*at)->path, path) == 0) {
             struct server *removed = *at;
@@ -153,7 +165,7 @@ void gz_ending_forget(const char *path)
             free(removed);
             break;
         }
-    pthread_mutex_unlock(&mutex);
+    atomic_flag_clear(&busy);
 }
 
 /* Note what a server of this process leaves behind: a directory with files, and a set of semaphores. */
@@ -165,11 +177,11 @@ void gz_ending_note(const char *path, int semaphores)
         return;
     server->semaphores = semaphores;
     strcpy(server->path, path);
-    pthread_mutex_lock(&mutex);
+    take();
     if (owner != getpid())
         servers = NULL;
     owner = getpid();
     server->next = servers;
     servers = server;
-    pthread_mutex_unlock(&mutex);
+    atomic_flag_clear(&busy);
 }

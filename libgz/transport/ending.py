@@ -31,12 +31,19 @@ def _library() -> ctypes.CDLL | None:
     except OSError as error:
         log.warning("a second signal does not end native code that keeps Python's interpreter lock: %s", error)
         return None
-    library.gz_ending_start.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_ulong, ctypes.c_int]
+    library.gz_ending_start.argtypes = [*([ctypes.c_int] * 2), ctypes.c_ulong, ctypes.c_int, ctypes.c_void_p * 3]
     library.gz_ending_note.argtypes = [ctypes.c_char_p, ctypes.c_int]
     library.gz_ending_forget.argtypes = [ctypes.c_char_p]
     for function in (library.gz_ending_join, library.gz_ending_note, library.gz_ending_forget):
         function.restype = None
     return library
+
+
+def _threads() -> ctypes.Array[ctypes.c_void_p]:
+    """The process's functions to create a thread, to wait for its end, and to send it a signal."""
+    process = ctypes.CDLL(None)
+    functions = (process.pthread_create, process.pthread_join, process.pthread_kill)
+    return (ctypes.c_void_p * 3)(*(ctypes.cast(function, ctypes.c_void_p).value for function in functions))
 
 
 def note(path: str, semaphores: int) -> None:
@@ -74,7 +81,12 @@ class Relay:
             return
         number = self._register()
         reader, writer = os.pipe()
-        if library.gz_ending_start(source, writer, threading.main_thread().ident, number) != 0:
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+        try:
+            error = library.gz_ending_start(source, writer, threading.main_thread().ident, number, _threads())
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        if error != 0:
             os.close(reader)
             os.close(writer)
             return

@@ -12,6 +12,7 @@ from libgz.ode.lib import ode
 __all__ = ["LARGE", "new_mesh_data"]
 
 LARGE = 20_000  # triangles, whose tree takes about 20 ms
+PERIOD = 0.1  # [s] of waits
 
 
 def new_mesh_data(vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> int:
@@ -49,7 +50,8 @@ class _Build:
         """The handle, as soon as the tree is built."""
         try:
             self._thread.start()
-            self._built.wait()
+            while not self._built.wait(PERIOD):  # a signal that comes just before a wait does not end it
+                pass
         except BaseException:
             with self._lock:
                 self._abandoned = True

@@ -89,6 +89,7 @@ class Relay:
         if error != 0:
             os.close(reader)
             os.close(writer)
+            self._unregister()
             return
         self.reader, self._writer = reader, writer
         self._beat = ctypes.c_int64.in_dll(library, "gz_ending_beat")
@@ -101,6 +102,11 @@ class Relay:
         except (OSError, RuntimeError, ValueError):  # there is no such stream, or no such signal
             return 0
         return REPORT
+
+    @staticmethod
+    def _unregister() -> None:
+        with contextlib.suppress(ValueError):  # there is no such signal
+            faulthandler.unregister(REPORT)
 
     def beat(self) -> None:
         """Python code runs: called again and again, at least every second."""
@@ -116,5 +122,4 @@ class Relay:
         self._beat = None
         for descriptor in (self.reader, self._writer):
             os.close(descriptor)
-        with contextlib.suppress(ValueError):
-            faulthandler.unregister(REPORT)
+        self._unregister()

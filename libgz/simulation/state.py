@@ -265,8 +265,10 @@ class Seldom:
         self._name = name
 
     def __set__(self, thing: Any, value: Any) -> None:  # without a __get__, reading costs nothing more
-        vars(thing)[self._name] = value
-        changes.count()
+        kept, name = vars(thing), self._name
+        if name not in kept or kept[name] is not value:
+            kept[name] = value
+            changes.count()
 
 
 def seldom() -> Any:

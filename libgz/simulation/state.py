@@ -75,7 +75,7 @@ E = TypeVar("E", bound=GazeboError)
 FORMAT = (
     b"libgz state 7\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
 )
-LARGE = 4096  # [byte]
+LARGE = 16384  # [byte]; below that, two copies take less time than a block of its own
 _COUNT = struct.Struct("<q")
 _NO_BLOCKS = FORMAT + _COUNT.pack(0)
 _DAMAGES = (
@@ -122,7 +122,7 @@ def _save_array(value: NDArray[Any]) -> Any:
         return _ARRAY, value.tobytes(), value.dtype.str, value.shape
     whole = np.ascontiguousarray(value)
     whole = whole.view("i8") if value.dtype.kind in _WITHOUT_BUFFER else whole
-    return _ARRAY, pickle.PickleBuffer(whole.data), value.dtype.str, value.shape
+    return _ARRAY, pickle.PickleBuffer(whole), value.dtype.str, value.shape
 
 
 def large(data: bytes) -> Any:
@@ -843,8 +843,8 @@ class Encoder:
         except RecursionError as error:
             raise ParameterError(f"a state must be plain data, and {TOO_DEEP}") from error
         if blocks:
-            contents = [block.raw() for block in blocks]
-            head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
+            contents = [*map(pickle.PickleBuffer.raw, blocks)]
+            head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *map(len, contents))
             encoded = b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
             blocks.clear()
         else:

@@ -500,7 +500,7 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
     kind = type(value)
     if kind in _EXACT and type(before) is kind and before == value:
         return
-    after = _loaded(before, value)
+    after = value if kind in _PLAIN and type(before) in _PLAIN else _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
 

@@ -120,7 +120,7 @@ def _save_array(value: NDArray[Any]) -> Any:
         return value
     if value.nbytes < LARGE:
         return _ARRAY, value.tobytes(), value.dtype.str, value.shape
-    whole = np.ascontiguousarray(value)
+    whole: Any = np.ascontiguousarray(value)
     whole = whole.view("i8") if value.dtype.kind in _WITHOUT_BUFFER else whole
     return _ARRAY, pickle.PickleBuffer(whole), value.dtype.str, value.shape
 

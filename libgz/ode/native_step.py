@@ -43,11 +43,13 @@ class NativeStep:
     def __init__(self, context: StepContext, path: Path) -> None:
         self._shared = self._bind(path)
         self._context = context
-        self._buffer = ctypes.create_string_buffer(0)  # of the last state
+        self._buffer, self._size = ctypes.create_string_buffer(0), c_int64(0)  # of the last state
         self._address = ctypes.addressof(context)
         # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
         self._publish = functools.partial(self._shared["gz_publish"], c_void_p(self._address))
+        self._get_state = self._shared["gz_get_state"]
+        self._get_state.restype = c_int64
         self._scan = self._shared["gz_scan"]
         self._scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
@@ -74,8 +76,6 @@ class NativeStep:
         library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
         library.gz_overlap.restype = c_double
         library.gz_parts_size.restype = ctypes.c_size_t
-        library.gz_get_state.restype = c_int64
-        library.gz_get_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         library.gz_set_contacts.restype = None
         library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
@@ -121,11 +121,12 @@ class NativeStep:
 
     def get_state(self, parts: Parts) -> bytes:
         """The memory of ODE that decides what comes next."""
-        address, buffer = ctypes.addressof(parts), self._buffer
-        size = self._shared.gz_get_state(address, buffer, len(buffer))
+        where, buffer = ctypes.byref(parts), self._buffer
+        size: int = self._get_state(where, buffer, self._size)
         if size > len(buffer):
-            self._buffer = buffer = ctypes.create_string_buffer(size)
-            self._shared.gz_get_state(address, buffer, size)
+            self._buffer, self._size = ctypes.create_string_buffer(size), c_int64(size)
+            self._get_state(where, self._buffer, self._size)
+            buffer = self._buffer
         return buffer.raw if size == len(buffer) else ctypes.string_at(buffer, size)
 
     def set_state(self, parts: Parts, state: bytes) -> bool:

@@ -468,11 +468,15 @@ class Engine:
         _ = self.world  # raises if it is closed
         return self._state.get()
 
-    def read_state(self) -> tuple[Any, ...]:
-        """The values of `get_state`, in the order of PARTS, for a caller that holds the lock."""
+    def read_state(self, kept: Callable[[bytes], Any]) -> tuple[Any, ...]:
+        """The values of `get_state`, in the order of PARTS, for a caller that holds the lock.
+
+        Args:
+            kept: returns what stands for ODE's memory, which can be large.
+        """
         if not self._destroy.alive:
             _ = self.world  # raises
-        return self._state.values()
+        return self._state.values(kept)
 
     @exclusive
     def set_state(self, state: dict[str, Any]) -> None:

@@ -144,6 +144,10 @@ class EngineState:
     def _engine(self) -> Any:
         return self._owner()
 
+    @functools.cached_property
+    def _digest(self) -> str:
+        return layout().digest
+
     def forget(self) -> None:
         """Drop what was collected, which can be large."""
         self._now, self._collected, self._block, self._seen, self._parts = None, [], b"", (), None
@@ -154,24 +158,25 @@ class EngineState:
         """The state; see `Engine.get_state`."""
         return dict(zip(PARTS, self.values(), strict=True))
 
-    def values(self) -> tuple[Any, ...]:
-        """The parts of the state, in the order of PARTS."""
+    def values(self, kept: Callable[[bytes], Any] = bytes) -> tuple[Any, ...]:
+        """The parts of the state, in the order of PARTS; ODE's memory, which can be large, as `kept` returns it."""
         engine: Any = self._owner()
         context, tables = self._context, engine.tables
         turning = context.count_turns
-        _refresh(tables.bodies)
-        if not turning:  # else reading would count turns
-            _refresh(tables.joints)
+        if tables.touched:
+            _refresh(tables.bodies)
+            if not turning:  # else reading would count turns
+                _refresh(tables.joints)
         present = self._present(engine)
         objects = self._objects(engine, present)
         joints, dummies, couplings, quirks = present.joints, engine.dummies, engine.couplings, engine.quirks
         return (
-            layout().digest,
+            self._digest,
             self._settings.tobytes(),
             _numbers(engine),
             sorted(quirks) if quirks else [],
             objects,
-            engine.step_form.get_state(self._present_parts(engine, present)),
+            kept(engine.step_form.get_state(self._present_parts(engine, present))),
             bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
             self._dummy_poses(dummies) if dummies else b"",
             _couplings(couplings, joints) if couplings else [],
@@ -253,7 +258,7 @@ class EngineState:
     def set(self, state: dict[str, Any]) -> None:
         """Set a state; see `Engine.set_state`."""
         engine = self._engine
-        if state.get("ode") != layout().digest:
+        if state.get("ode") != self._digest:
             raise StateError("this state was made with another build of ODE")
         block, present = state["objects"], self._present(engine)
         if block != self._objects(engine, present):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from libgz.simulation.entity import Entity
 
-__all__ = ["Companion"]
+__all__ = ["Companion", "Stateless"]
 
 
 class Companion(Protocol):
@@ -59,3 +59,28 @@ class Companion(Protocol):
 
     def close(self) -> None:
         """The world ends; its entities still exist."""
+
+
+class Stateless:
+    """What is common to companions that are no part of a world's state, such as logs: they go on as they were."""
+
+    def reseed(self, seed: int) -> None:
+        """Nothing to do."""
+
+    def entities_rebuilt(self) -> None:
+        """Nothing to do."""
+
+    def get_state(self) -> object:
+        """None: it has no state."""
+        return None
+
+    def check_state(self) -> None:
+        """Nothing to do."""
+
+    def calls_users(self, state: object) -> bool:
+        """False: it calls no code of users."""
+        return False
+
+    def set_state(self, state: object) -> bool:
+        """False: no plugins came or went."""
+        return False

@@ -31,7 +31,6 @@ log = logging.getLogger("libgz.simulation")
 PARTS = (
     *("file", "list", "seldom", "world", "random", "entities", "companions", "extensions", "engine", "interfaces"),
 )
-MEMORY = ENGINE_PARTS.index("memory")
 
 MOST_SOUND = 1024  # states whose hashes are kept
 
@@ -88,8 +87,6 @@ class Snapshots:
     def read(self) -> bytes:
         """`save`, for a caller that holds changes back."""
         world = self._world
-        engine = [*world.engine.read_state()]
-        engine[MEMORY] = state.large(engine[MEMORY])
         plain = (
             world.era.digest,
             self._list(),
@@ -99,7 +96,7 @@ class Snapshots:
             [_own_states(reader, entities) for reader, entities in self._often],
             {_name(companion): kept for companion in world.companions if (kept := companion.get_state()) is not None},
             {name: state.get_values(extension) for name, extension in self._extensions()},
-            (*engine,),
+            world.engine.read_state(state.large),
             self._contents(),
         )
         try:

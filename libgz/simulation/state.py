@@ -75,7 +75,7 @@ E = TypeVar("E", bound=GazeboError)
 FORMAT = (
     b"libgz state 7\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
 )
-LARGE = 4096  # [byte]
+LARGE = 16384  # [byte]; below that, two copies take less time than a block of its own
 _COUNT = struct.Struct("<q")
 _NO_BLOCKS = FORMAT + _COUNT.pack(0)
 _DAMAGES = (
@@ -120,9 +120,9 @@ def _save_array(value: NDArray[Any]) -> Any:
         return value
     if value.nbytes < LARGE:
         return _ARRAY, value.tobytes(), value.dtype.str, value.shape
-    whole = np.ascontiguousarray(value)
+    whole: Any = np.ascontiguousarray(value)
     whole = whole.view("i8") if value.dtype.kind in _WITHOUT_BUFFER else whole
-    return _ARRAY, pickle.PickleBuffer(whole.data), value.dtype.str, value.shape
+    return _ARRAY, pickle.PickleBuffer(whole), value.dtype.str, value.shape
 
 
 def large(data: bytes) -> Any:
@@ -265,8 +265,10 @@ class Seldom:
         self._name = name
 
     def __set__(self, thing: Any, value: Any) -> None:  # without a __get__, reading costs nothing more
-        vars(thing)[self._name] = value
-        changes.count()
+        kept, name = vars(thing), self._name
+        if name not in kept or kept[name] is not value:
+            kept[name] = value
+            changes.count()
 
 
 def seldom() -> Any:
@@ -498,7 +500,7 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
     kind = type(value)
     if kind in _EXACT and type(before) is kind and before == value:
         return
-    after = _loaded(before, value)
+    after = value if kind in _PLAIN and type(before) in _PLAIN else _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
 
@@ -841,8 +843,8 @@ class Encoder:
         except RecursionError as error:
             raise ParameterError(f"a state must be plain data, and {TOO_DEEP}") from error
         if blocks:
-            contents = [block.raw() for block in blocks]
-            head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
+            contents = [*map(pickle.PickleBuffer.raw, blocks)]
+            head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *map(len, contents))
             encoded = b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
             blocks.clear()
         else:

@@ -52,6 +52,8 @@ VALUES = {
     "big-endian": lambda: np.array([1.5, 2.5], ">f8"),
     "texts": lambda: np.array(["a", "bcd"]),
     "times": lambda: np.arange(600).astype("M8[ms]"),
+    "many times": lambda: np.arange(2400).astype("M8[ms]"),
+    "many texts": lambda: np.array(["a", "bcd"] * 1000),
     "objects": lambda: np.array([1, "a", None], dtype=object),
     "pcg": lambda: np.random.default_rng(3),
     "mt": lambda: np.random.Generator(np.random.MT19937(3)),

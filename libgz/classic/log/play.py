@@ -19,6 +19,7 @@ from libgz.errors import ParameterError, WorldFileError
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.state import SdfState
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.companion import Stateless
 from libgz.simulation.entity import Entity as CoreModel
 from libgz.simulation.rate import TIME_SLACK
 from libgz.simulation.world import World as CoreWorld
@@ -42,7 +43,7 @@ def read_states(reader: LogReader) -> Iterator[SdfState]:
                 raise WorldFileError(f"<state> of a log: {error}") from None
 
 
-class LogPlay:
+class LogPlay(Stateless):
     """The world of a log; each step sets it to the next state. A context manager.
 
         with LogPlay("run/state.log") as play:
@@ -220,27 +221,6 @@ class LogPlay:
     def reset(self) -> None:
         """Go back to the first state."""
         self.Rewind()
-
-    def reseed(self, seed: int) -> None:
-        """Nothing to do."""
-
-    def entities_rebuilt(self) -> None:
-        """Nothing to do."""
-
-    def get_state(self) -> object:
-        """Nothing: a log is no part of the world."""
-        return None
-
-    def check_state(self) -> None:
-        """It has none."""
-
-    def calls_users(self, state: object) -> bool:
-        """It calls none."""
-        return False
-
-    def set_state(self, state: object) -> bool:
-        """Nothing to do: the log continues."""
-        return False
 
     def close(self) -> None:
         """Stop reading."""

@@ -21,6 +21,7 @@ from libgz.errors import ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzVector
 from libgz.sdf.state import SdfState
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.simulation.companion import Stateless
 from libgz.simulation.entity import Entity as CoreModel
 from libgz.simulation.rate import TIME_SLACK
 from libgz.simulation.world import World as CoreWorld
@@ -42,7 +43,7 @@ def default_log_path() -> Path:
     return log_folder() / stamp / "gzserver" / "state.log"
 
 
-class LogRecord:
+class LogRecord(Stateless):
     """Records a running SDF world from now on, until `Stop` or the world's end; a context manager.
 
         with World.from_file("x.world") as world, LogRecord(world, "run/state.log", period=0.01):
@@ -199,27 +200,6 @@ class LogRecord:
     def reset(self) -> None:
         """Make the next state due, for the sim time restarts."""
         self._due = -float("inf")
-
-    def reseed(self, seed: int) -> None:
-        """Nothing to do."""
-
-    def entities_rebuilt(self) -> None:
-        """Nothing to do."""
-
-    def get_state(self) -> object:
-        """Nothing: a log is no part of the world."""
-        return None
-
-    def check_state(self) -> None:
-        """It has none."""
-
-    def calls_users(self, state: object) -> bool:
-        """It calls none."""
-        return False
-
-    def set_state(self, state: object) -> bool:
-        """Nothing to do: the log continues."""
-        return False
 
     def close(self) -> None:
         """End the log."""

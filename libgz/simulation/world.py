@@ -8,7 +8,7 @@ import logging
 import struct
 import sys
 import time
-from collections.abc import Callable, Iterable, ValuesView
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overload
 
@@ -245,9 +245,9 @@ class World(Closing):
         return self._start is None
 
     @property
-    def extensions(self) -> ValuesView[Any]:
+    def extensions(self) -> list[Any]:
         """The objects that extend this world, in order of construction."""
-        return self._extensions.values()
+        return list(self._extensions.values())
 
     # What is in it ---------------------------------------------------------------------------------------------------
 

@@ -1029,9 +1029,11 @@ class World(Closing):
         for value, what in ((seconds, "seconds"), (interval, "interval [s]"), (megabytes, "megabytes")):
             finite(not_negative(value, what), what)
         with self.lock:
-            self._rewind = Rewind(seconds, interval, megabytes) if seconds > 0.0 else None
-            if self._rewind is not None:
-                self._rewind.keep(self.clock.sim_time, self.get_state())
+            self._check_ready("saved")
+            ring = Rewind(seconds, interval, megabytes) if seconds > 0.0 else None
+            if ring is not None:
+                ring.keep(self.clock.sim_time, self.get_state())
+            self._rewind = ring
 
     def rewind(self, seconds: float) -> float:
         """Bring the world back to the last state that was kept `seconds` or more before now; its sim time [s].
@@ -1059,16 +1061,15 @@ class World(Closing):
             GazeboError: a step is under way, or plugins load or are reset.
             StateError: the world was not loaded from a file.
         """
-        with self.lock:
-            state = self.get_state()
-            clone = self._twin()
-            try:
-                clone.Initialize()
-                clone.set_state(state)
-            except BaseException:
-                clone.close()
-                raise
-            return clone
+        state = self.get_state()
+        clone = self._twin()  # without this world's lock: a plugin's Load may wait for a thread that uses this world
+        try:
+            clone.Initialize()
+            clone.set_state(state)
+        except BaseException:
+            clone.close()
+            raise
+        return clone
 
     def _twin(self) -> Self:
         """Another world of the same file, which is not initialized.

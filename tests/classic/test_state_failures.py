@@ -3,8 +3,10 @@
 import sys
 
 import pytest
+from topics import send
 
 from libgz import World
+from libgz.classic import msgs
 from libgz.errors import GazeboError, PluginError, StateError, StrictError
 
 CONTROL = """
@@ -26,12 +28,17 @@ class Odd({kind}Plugin):
         control.reached("constructor " + self.GetHandle())
     def Load(self, holder, sdf):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.node = transport.Node()
+        self.node.Init("default")
+        self.subscriber = self.node.Subscribe("~/order", self.OnMessage)
         control.reached("Load " + self.GetHandle())
     def Init(self):
         control.reached("Init " + self.GetHandle())
     def OnUpdate(self):
         self.count += 1
         control.reached("OnUpdate " + self.GetHandle())
+    def OnMessage(self, message):
+        control.reached("OnMessage " + self.GetHandle())
     def Reset(self):
         self.count, self.resets = 0, self.resets + 1
         control.reached("Reset " + self.GetHandle())
@@ -193,27 +200,28 @@ def test_a_strict_world_ends_at_a_failing_reset(control):
 )
 def test_callbacks_are_called_in_the_same_order(world, control, change):
     server(world).load_world_plugin("libodd_world.so", "late", None)
+    order = order_of_calls(world, control)
+    assert len(order) == 14
     state = world.get_state()
-    control.calls.clear()
-    world.step(1)
-    order = [call for call in control.calls if call.startswith("OnUpdate")]
-    assert len(order) == 7
     change(world)
     world.set_state(state)
     assert world.get_state() == state
+    assert order_of_calls(world, control) == order
+
+
+def order_of_calls(world, control):
+    """The callbacks of an event, and of a topic."""
+    publisher = send("~/order", msgs.Int(data=1))
     control.calls.clear()
     world.step(1)
-    assert [call for call in control.calls if call.startswith("OnUpdate")] == order
+    publisher.Fini()
+    return [call for call in control.calls if call.startswith("On")]
 
 
 def test_a_reloaded_plugin_keeps_its_place_in_the_order(world, control):
-    control.calls.clear()
-    world.step(1)
-    order = [*control.calls]
+    order = order_of_calls(world, control)
     world.reload_plugin("a1")
-    control.calls.clear()
-    world.step(1)
-    assert control.calls == order
+    assert order_of_calls(world, control) == order
 
 
 CALLS = {
@@ -257,6 +265,23 @@ def test_calls_within_callbacks_are_errors(world, control, call):
         assert world.get_state() == later, where
     assert len(refused) == len(actions)
     assert world.errors == []
+
+
+@pytest.mark.parametrize("seconds", [0.0, 1.0])
+def test_a_refused_keep_rewind_leaves_the_kept_states(world, control, seconds):
+    world.keep_rewind(1.0, 0.0)
+    world.step(5)
+    refused = []
+
+    def attack():
+        with pytest.raises(GazeboError, match="in a callback") as caught:
+            world.keep_rewind(seconds)
+        refused.append(caught)
+
+    control.where, control.what = "OnUpdate a1", attack
+    world.step(2)
+    assert (len(refused), world.iterations) == (2, 12)
+    assert world.rewind(0.005) == pytest.approx(0.007)
 
 
 @pytest.mark.parametrize("where", ["Reset a1", "LoadState", "SaveState", "OnUpdate a1"])

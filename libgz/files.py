@@ -124,7 +124,7 @@ def _replace(target: Path, data: bytes) -> None:
 
 
 def _write_and_rename(folder: int, name: str, data: bytes, mode: int) -> None:
-    """Write a file without a name, which is gone if this process is killed, then give it one, then that of the target."""
+    """Write a file without a name, which is gone if this process is killed, then give it that of the target."""
     beside, named = f".libgz-{os.urandom(8).hex()}", False
     try:
         try:
@@ -141,11 +141,11 @@ def _write_and_rename(folder: int, name: str, data: bytes, mode: int) -> None:
             if not named:
                 named = True
                 os.link(f"/proc/self/fd/{descriptor}", beside, dst_dir_fd=folder)
-        os.replace(beside, name, src_dir_fd=folder, dst_dir_fd=folder)  # noqa: PTH105
+        os.replace(beside, name, src_dir_fd=folder, dst_dir_fd=folder)
     except BaseException:
         if named:
             with contextlib.suppress(OSError):
-                os.unlink(beside, dir_fd=folder)  # noqa: PTH108
+                os.unlink(beside, dir_fd=folder)
         raise
 
 

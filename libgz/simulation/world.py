@@ -690,11 +690,19 @@ class World(Closing):
             made = self._steps(most if self._rewind is None else 1)
         finally:
             self._inside = self.agenda.stepping = False
+        if self._rewind is not None and self._rewind.due(self.clock.sim_time):
+            self._keep_state(self._rewind, self.clock.sim_time)
         if self.problems.failure is not None:
             self.problems.check()
-        if self._rewind is not None and self._rewind.due(self.clock.sim_time):
-            self._rewind.keep(self.clock.sim_time, self.snapshots.save())
         return made
+
+    def _keep_state(self, ring: Rewind, now: float) -> None:
+        """Keep the present state for `rewind`; a SaveState that fails must not end the run."""
+        try:
+            ring.keep(now, self.snapshots.save())
+        except GazeboError as error:
+            if ring.fail(now):
+                log.error("the state of sim time %g s cannot be kept for rewinding: %s", now, error)
 
     @property
     def present_step(self) -> tuple[int, float] | None:
@@ -711,7 +719,9 @@ class World(Closing):
         if self._inside:
             raise GazeboError(f"a world cannot be {what} in a callback: its step is under way")
         if self.agenda.holding:
-            raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
+            raise GazeboError(
+                f"a world cannot be {what} while plugins load, are reset, come or go, or a state is saved or set"
+            )
 
     def _steps(self, most: int) -> int:
         """One step, and more as long as native code does them alone; how many."""
@@ -989,6 +999,7 @@ class World(Closing):
             GazeboError: a step is under way, or plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
             ParameterError: a model or plugin declares something as its state that is not plain data.
+            PluginError: a SaveState failed; the message has the traceback.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("saved")
@@ -1008,6 +1019,7 @@ class World(Closing):
             ClosedError: the world is closed, or `Initialize` was not called.
             StateError: the state is of another file, or something that cannot be built again is missing.
             ParameterError: these bytes are no state of this version of libgz.
+            PluginError: a LoadState failed; the message has the traceback.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("restored")

@@ -267,6 +267,27 @@ def test_calls_within_callbacks_are_errors(world, control, call):
     assert world.errors == []
 
 
+@pytest.mark.parametrize("strict", [False, True])
+def test_a_state_that_cannot_be_kept_for_rewinding_is_reported_and_left_out(control, strict):
+    with World.from_string(TEXT, strict=strict) as world:
+        world.keep_rewind(1.0, 0.002)
+        world.step(4)
+        control.where, control.what = "SaveState", raises(ValueError("odd"))
+        control.calls.clear()
+        if strict:
+            with pytest.raises(StrictError, match=r"(?s)cannot be kept for rewinding: .*ValueError: odd"):
+                world.step(4)
+        else:
+            world.step(8)
+            assert control.calls.count("SaveState") == 4  # the first plugin, at each interval
+            (problem,) = world.errors
+            assert problem.message.startswith("the state of sim time 0.006 s cannot be kept for rewinding: ")
+            control.where = ""
+            world.step(4)
+            assert world.rewind(0.003) == pytest.approx(0.004)
+        control.where = ""
+
+
 @pytest.mark.parametrize("seconds", [0.0, 1.0])
 def test_a_refused_keep_rewind_leaves_the_kept_states(world, control, seconds):
     world.keep_rewind(1.0, 0.0)

@@ -13,7 +13,7 @@ import state_runs
 from state_runs import difference, look, run
 
 import libgz
-from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
+from libgz.errors import ClosedError, GazeboError, ParameterError, PluginError, StateError
 from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.joint import HingeJoint
@@ -431,11 +431,11 @@ def test_errors_in_a_models_own_code_name_the_model(world, tmp_path):
     )
     text = f"<model:Wrong><id>w</id><plugin>{plugin}</plugin></model:Wrong>"
     with libgz.World.from_string(f"{HEAD}{text}</gz:world>") as wrong:  # it starts all the same
-        with pytest.raises(ParameterError, match=r"model 'w' \(Wrong\): its state cannot be saved"):
+        with pytest.raises(PluginError, match=r"model 'w' \(Wrong\): its state cannot be saved"):
             wrong.Reset()
         wrong.Step()
         state = wrong.get_state()
-        with pytest.raises(StateError, match=r"model 'w' \(Wrong\): its state cannot be set"):
+        with pytest.raises(PluginError, match=r"model 'w' \(Wrong\): its state cannot be set"):
             wrong.set_state(state)
 
 

@@ -80,10 +80,12 @@ class SnapshotControl:
         if request.verb == "save":
             return world.get_state()
         if request.verb == "restore":
-            world.set_state(request.content)
+            with self.requests.replaced():
+                world.set_state(request.content)
         elif request.verb == "rewind":
             try:
-                world.rewind(float(request.argument))
+                with self.requests.replaced():
+                    world.rewind(float(request.argument))
             except ValueError as error:
                 raise GazeboError(str(error)) from None
         else:

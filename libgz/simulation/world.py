@@ -158,7 +158,7 @@ class World(Closing):
             LocalServer(wire_version, abi) if server_id is None else Server(server_id, force, wire_version, abi)
         )
         self.engine = Engine(seed=seed, solver=solver)
-        self.seed = seed
+        self._seed = seed
         self._random: np.random.SeedSequence | None = None
         self._spawned = 0  # as long as that is not needed
         self.name = "default"
@@ -1137,6 +1137,18 @@ class World(Closing):
             self._rewind.clear()
 
     @property
+    def seed(self) -> int:
+        """What all random numbers begin with; while the world runs, to set it is to call `reseed`."""
+        return self._seed
+
+    @seed.setter
+    def seed(self, seed: int) -> None:
+        if self.running:
+            self.reseed(seed)
+        else:
+            self.begin_random(seed)
+
+    @property
     def random(self) -> np.random.SeedSequence:
         """Parent of the random numbers of sensors and models; made when first used, because numpy loads it slowly."""
         if self._random is None:
@@ -1175,7 +1187,7 @@ class World(Closing):
         if not isinstance(seed, int):
             raise ParameterError(f"seed is {seed!r}; it must be an integer")
         not_negative(seed, "seed")
-        self.seed = self.engine.seed = seed
+        self._seed = self.engine.seed = seed
         self.restart_random(self.spawned)
         for companion in self.companions:
             companion.reseed(seed)

@@ -639,3 +639,19 @@ def test_what_is_assigned_to_parts_is_in_the_next_state(world):
         world.set_state(state)
         assert getattr(thing, name) == before
         assert world.get_state() == state
+
+
+def test_to_set_the_seed_begins_new_random_numbers():
+    """A state has the seed: a generator that is made after it must be the same with and without it."""
+    with libgz.World.from_string(f"{HEAD}</gz:world>") as world:
+        world.random.spawn(1)
+        world.seed = 5
+        state = world.get_state()
+        first = world.random.spawn(1)[0].generate_state(2).tolist()
+        world.set_state(state)
+        assert world.random.spawn(1)[0].generate_state(2).tolist() == first
+        with pytest.raises(ParameterError, match="seed is -1"):
+            world.seed = -1
+    with libgz.World() as other:
+        other.seed = 5
+        assert other.engine.seed == 5

@@ -1,6 +1,7 @@
 """Plugins that fail while a state is taken or set, or the world is reset: the world stays whole, and says why."""
 
 import sys
+import threading
 
 import pytest
 from topics import send
@@ -330,3 +331,97 @@ def test_a_reset_that_asks_for_a_reset_ends(world, control, where):
     control.where = ""
     world.set_state(state)
     assert world.get_state() == state
+
+
+EVERYWHERE = """
+from libgz.classic import *
+from libgz.classic.event import Events
+import {control} as control
+NAMES = ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd", "WorldReset", "TimeReset")
+NAMES += ("AddEntity", "DeleteEntity")
+class Everywhere(ModelPlugin):
+    STATE = ()
+    def Load(self, model, sdf):
+        self.connections = [getattr(Events, "Connect" + n)(lambda *_, n=n: control.reached(n)) for n in NAMES]
+        self.connections.append(sensors.get_sensor("s").ConnectUpdated(lambda *_: control.reached("sensor")))
+        self.node = transport.Node()
+        self.node.Init("default")
+        self.subscriber = self.node.Subscribe("~/x", lambda _: control.reached("topic"))
+GZ_REGISTER_MODEL_PLUGIN(Everywhere)
+"""
+
+
+ONE = """<sdf version='1.6'><world name='default'><model name='box'><pose>0 0 1 0 0 0</pose><link name='l'><inertial>
+<mass>1</mass></inertial><sensor name='s' type='imu'><always_on>1</always_on><update_rate>1000</update_rate></sensor>
+</link><plugin name='p' filename='libeverywhere.so'/></model></world></sdf>"""
+OTHER = "<sdf version='1.6'><model name='other'><link name='l'/></model></sdf>"
+PLACES = {
+    "WorldUpdateBegin": World.Step,
+    "BeforePhysicsUpdate": World.Step,
+    "WorldUpdateEnd": World.Step,
+    "sensor": World.Step,
+    "topic": lambda world: (send("~/x", msgs.Int(data=1)), world.Step()),
+    "WorldReset": World.Reset,
+    "TimeReset": lambda world: world.facade.ResetTime(),
+    "AddEntity": lambda world: (world.facade.InsertModelString(OTHER), world.Step()),
+    "DeleteEntity": lambda world: world.DeleteModel("other"),
+}
+
+
+def test_all_calls_in_all_callbacks_are_refused_and_change_nothing(control, tmp_path):
+    (tmp_path / "everywhere.py").write_text(EVERYWHERE.format(control=control.__name__))
+    states = []
+    for attacked in (False, True):
+        with World.from_string(ONE) as world:
+            world.keep_rewind(1.0, 0.0)
+            world.step(3)
+            state, refused = world.get_state(), []
+            states.append([])
+            for place, act in PLACES.items():
+                control.where = place if attacked else ""
+
+                def attack(world=world, state=state, refused=refused):
+                    control.where = ""
+                    for name, call in CALLS.items():
+                        with pytest.raises(GazeboError, match=r"in a callback|while plugins load"):
+                            call(world, state)
+                        refused.append(name)
+
+                control.what = attack
+                act(world)
+                states[-1].append(world.get_state())
+            assert len(refused) == attacked * len(PLACES) * len(CALLS)
+            assert world.errors == []
+            world.set_state(state)
+            assert world.get_state() == state
+    assert states[0] == states[1]
+
+
+def test_all_calls_in_a_thread_of_a_plugin_wait_for_the_step(world, control):
+    world.keep_rewind(1.0, 0.0)
+    state, failures = world.get_state(), []
+
+    def use():
+        try:
+            for _ in range(3):
+                world.set_state(world.get_state())
+                world.rewind(0.0)
+                world.keep_rewind(1.0, 0.0)
+                world.Reset()
+                world.reseed(3)
+                with world.clone() as clone:
+                    clone.step(2)
+                world.reload_plugin("a1")
+                world.Step()
+                world.set_state(state)
+        except BaseException as error:  # noqa: BLE001 - it is the result
+            failures.append(error)
+
+    user = threading.Thread(target=use, daemon=True)
+    user.start()
+    while user.is_alive():
+        world.Step()
+    assert failures == []
+    world.set_state(state)
+    assert world.get_state() == state
+    assert world.errors == []

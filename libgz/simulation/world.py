@@ -239,6 +239,11 @@ class World(Closing):
         extension: E = self._extensions[kind]
         return extension
 
+    def present_extension(self, kind: Callable[[World], E]) -> E | None:
+        """The object that `extension` has returned; None if none was made."""
+        found: E | None = self._extensions.get(kind)
+        return found
+
     @property
     def starting(self) -> bool:
         """Whether `Initialize` has not come to its end."""

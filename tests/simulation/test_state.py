@@ -655,3 +655,15 @@ def test_to_set_the_seed_begins_new_random_numbers():
     with libgz.World() as other:
         other.seed = 5
         assert other.engine.seed == 5
+
+
+def test_to_look_at_a_world_does_not_change_its_state():
+    with libgz.World.from_string(f"{HEAD}</gz:world>") as world:
+        state = world.get_state()
+        names = [name for name in dir(type(world)) if isinstance(getattr(type(world), name), property)]
+        assert "sdf" in names
+        for name in names:
+            getattr(world, name)
+        assert world.get_state() == state
+        with world.clone() as clone:
+            assert clone.get_state() == state

@@ -16,6 +16,7 @@ from typing import Any
 import classic_wire
 import pytest
 import state_runs
+from c_programs import compile_c, needs_compiler
 from gzserver_process import SERVER, new_environment
 from trials.table import trial
 
@@ -39,10 +40,69 @@ SOLID = "<model:SimpleSolid><id>{0}</id><xyz>{1:.3f} {2:.3f} 1</xyz></model:Simp
 CLASSIC = """<sdf version='1.6'><world name='default'><model name='ground'><static>1</static><link name='l'>
 <collision name='c'><geometry><plane/></geometry></collision></link></model><model name='box'><pose>0 0 .6 0 .1 0</pose>
 <link name='l'><collision name='c'><geometry><box><size>.4 .4 .4</size></box></geometry></collision>
-<sensor name='imu' type='imu'><always_on>1</always_on><update_rate>100</update_rate></sensor></link></model>
+<sensor name='imu' type='imu'><always_on>1</always_on><update_rate>100</update_rate></sensor></link>
+<plugin name='pushes' filename='libpushes.so'/></model>
 </world></sdf>"""
 SPHERE = """<sdf version='1.6'><model name='{0}'><pose>{1:.3f} {2:.3f} 1 0 0 0</pose><link name='l'><collision name='c'>
 <geometry><sphere><radius>.2</radius></sphere></geometry></collision></link></model></sdf>"""
+
+PLUGIN = """
+from libgz.classic import *
+from libgz.classic.event import Events
+from libgz.classic.math import Rand, Vector3d
+class Pushes(ModelPlugin):
+    STATE = ("count", "heard")
+    def Load(self, model, sdf):
+        self.model, self.count, self.heard = model, 0, 0
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.node = transport.Node()
+        self.node.Init(model.GetWorld().Name())
+        self.publisher = self.node.Advertise(msgs.Int, "~/count")
+        self.subscriber = self.node.Subscribe("~/count", self.OnCount)
+    def OnUpdate(self):
+        self.count += 1
+        push = 5.0 if self.heard % 2 else -5.0
+        self.model.GetLinks()[0].AddForce(Vector3d(Rand.DblUniform(-3, 3), push, 0))
+        if self.count % 30 == 0:
+            self.publisher.Publish(msgs.Int(data=self.count))
+        if self.count % 500 == 0:
+            self.model.GetWorld().InsertModelString(TEXT % self.count)
+        if self.count % 500 == 400:
+            self.model.GetWorld().RemoveModel(f"p{self.count - 400}")
+    def OnCount(self, message):
+        self.heard += 1
+    def Reset(self):
+        self.count = self.heard = 0
+TEXT = "<sdf version='1.6'><model name='p%d'><pose>3 0 1 0 0 0</pose><link name='l'/></model></sdf>"
+GZ_REGISTER_MODEL_PLUGIN(Pushes)
+"""
+CLIENT = """
+#include <gazebo.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+int main(int count, char **words) {
+    gz_client_t *client = gz_client_alloc();
+    gz_position_t *robot = gz_position_alloc();
+    time_t end = time(NULL) + atol(words[count - 1]);
+    long done = 0;
+    if (gz_client_connect_wait(client, atoi(words[1]), 3) != 0) return 2;
+    if (gz_position_open(robot, client, "robot1") != 0) return 3;
+    while (time(NULL) < end) {
+        if (gz_client_wait(client) != 0) return 4;
+        if (gz_position_lock(robot, 1) != 0) return 5;
+        robot->data->cmd_vel_pos[0] = robot->data->pos[0] > 0.0 ? -0.2 : 0.2;
+        gz_position_unlock(robot);
+        done++;
+    }
+    gz_position_close(robot);
+    gz_position_free(robot);
+    gz_client_disconnect(client);
+    gz_client_free(client);
+    printf("%ld\\n", done);
+    return 0;
+}
+"""
 
 # A process that saves and restores at random moments, as `libgz snapshot` does.
 SAVER = """
@@ -204,7 +264,8 @@ def check_states(wire: int, world: Path, folder: Path, options: dict[str, Any]) 
     return len(kept)
 
 
-def test_a_gazebo_server_under_snapshots(wire, start, tmp_path):
+@needs_compiler
+def test_a_gazebo_server_under_snapshots(wire, start, tmp_path, flags):
     world = tmp_path / "run.world"
     world.write_text(LEGACY)
     states = tmp_path / "states"
@@ -222,6 +283,7 @@ def test_a_gazebo_server_under_snapshots(wire, start, tmp_path):
             "4",
             str(world),
         ]
+        program = compile_c(tmp_path, CLIENT, *flags)
         server = start(wire, command, tmp_path / "log")
         dice = random.Random(row.seed)
         activities = Activities(SECONDS)
@@ -247,7 +309,9 @@ def test_a_gazebo_server_under_snapshots(wire, start, tmp_path):
             activities.add("insert", insert, 0.1)
             activities.add("observe", lambda: observer.state())
             activities.add("wait", lambda: reader.wait(10.0) or pytest.fail("no post"))
-            row.count = finished(savers(wire, states, row.seed, SECONDS))
+            words = [str(program), str(wire), str(round(SECONDS))]
+            native = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            row.count = finished([native, *savers(wire, states, row.seed, SECONDS)])
             activities.finish()
             assert server.poll() is None, (tmp_path / "log").read_text()[-2000:]
             count = check_states(wire, world, states, {})
@@ -262,8 +326,10 @@ def test_a_gazebo_server_under_snapshots(wire, start, tmp_path):
         row.result = f"{count} states continue to the bit"
 
 
-def test_a_gzserver_under_snapshots(wire, start, tmp_path):
+def test_a_gzserver_under_snapshots(wire, start, tmp_path, monkeypatch):
     world = tmp_path / "run.world"
+    (tmp_path / "pushes.py").write_text(PLUGIN)
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
     world.write_text(CLASSIC)
     states = tmp_path / "states"
     states.mkdir()

@@ -7,9 +7,9 @@ import math
 from collections.abc import Iterator
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.front import World
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import SdfModel
+from libgz.simulation.world import World
 
 __all__ = ["JointServos"]
 

@@ -152,6 +152,7 @@ def test_an_error_in_a_thread_of_a_plugin_ends_a_strict_world(tmp_path, monkeypa
         world.step(100)
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 @pytest.mark.parametrize(("end", "errors"), [("'no device'", 1), ("3", 1), ("", 0), ("0", 0)])
 def test_a_thread_that_exits_with_an_error_is_reported(tmp_path, caplog, end, errors):
     with libgz.World.from_file(

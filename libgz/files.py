@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import importlib.util
 import os
@@ -115,18 +116,37 @@ def _replace(target: Path, data: bytes) -> None:
     # Renaming would replace a write-protected file all the same.
     if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
         raise PermissionError(errno.EACCES, "it is write-protected", str(target))
-    import tempfile  # it loads compressors, which most commands do without
+    folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        _write_and_rename(folder, target.name, data, mode)
+    finally:
+        os.close(folder)
 
-    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
-        path = Path(temporary.name)
+
+def _write_and_rename(folder: int, name: str, data: bytes, mode: int) -> None:
+    """Write a file without a name, which is gone if this process is killed, then give it that of the target."""
+    beside, named = f".libgz-{os.urandom(8).hex()}", False
+    try:
         try:
-            temporary.write(data)
-            temporary.flush()
-            path.chmod(mode)
-            path.replace(target)
-        except OSError:
-            path.unlink(missing_ok=True)
-            raise
+            descriptor = os.open(".", os.O_TMPFILE | os.O_WRONLY | os.O_CLOEXEC, 0o600, dir_fd=folder)
+        except OSError as error:
+            if error.errno not in (errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL):
+                raise
+            named = True  # this file system has no such files
+            descriptor = os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC, 0o600, dir_fd=folder)
+        with open(descriptor, "wb") as file:  # noqa: PTH123
+            file.write(data)
+            file.flush()
+            os.fchmod(descriptor, mode)
+            if not named:
+                named = True
+                os.link(f"/proc/self/fd/{descriptor}", beside, dst_dir_fd=folder)
+        os.replace(beside, name, src_dir_fd=folder, dst_dir_fd=folder)
+    except BaseException:
+        if named:
+            with contextlib.suppress(OSError):
+                os.unlink(beside, dir_fd=folder)
+        raise
 
 
 def installed_worlds() -> Path:

@@ -199,7 +199,8 @@ class World(world.World):
         """The SDF document; None in a legacy world."""
         from libgz.sdfworld.world import SdfWorld
 
-        return self.extension(SdfWorld).file
+        found = self.present_extension(SdfWorld)  # a new one would be in states from now on
+        return found.file if found is not None else None
 
     # Legacy ----------------------------------------------------------------------------------------------------------
 

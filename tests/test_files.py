@@ -1,6 +1,10 @@
 """Files: sizes, whole writes, pipes."""
 
+import errno
 import os
+import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -34,3 +38,40 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(FileNotFoundError) as raised:
         write_whole(target, b"")
     assert raised.value.filename == str(target)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from libgz import files
+os.fchmod = lambda *_: os.kill(os.getpid(), signal.SIGKILL)  # everything is written, and has no name yet
+files.write_whole(Path(sys.argv[1]), b"new" * 1000)
+"""
+
+
+def test_a_killed_process_leaves_the_file_and_nothing_else(tmp_path):
+    target = tmp_path / "kept.state"
+    target.write_bytes(b"old")
+    done = subprocess.run([sys.executable, "-c", KILLED, target], capture_output=True, timeout=60)
+    assert done.returncode == -signal.SIGKILL
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"kept.state": b"old"}
+
+
+@pytest.mark.parametrize("unnamed", [True, False])
+@pytest.mark.parametrize("error", [OSError(errno.ENOSPC, "full"), KeyboardInterrupt()])
+def test_a_file_whose_writing_ends_early_is_as_before(tmp_path, monkeypatch, error, unnamed):
+    target = tmp_path / ("x" * 255)
+    target.write_bytes(b"old")
+    target.chmod(0o640)
+    if not unnamed:  # a file system that has no files without a name
+        monkeypatch.setattr(os, "O_TMPFILE", os.O_TMPFILE | os.O_CREAT)  # EINVAL
+    write_whole(target, b"new")
+    assert (target.read_bytes(), target.stat().st_mode & 0o777) == (b"new", 0o640)
+
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(os, "fchmod", fail)
+    with pytest.raises(type(error)):
+        write_whole(target, b"newer")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {target.name: b"new"}

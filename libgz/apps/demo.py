@@ -9,6 +9,7 @@ import math
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +22,7 @@ __all__ = ["configure", "run"]
 
 SPEED, TURN = 0.3, 0.4  # [m/s], [rad/s]
 PATIENCE = 20.0  # [s] to wait for the server
+PERIOD = 0.1  # [s] between two looks whether the server runs
 NOT_YET = "-"  # instead of a value that the server has not posted
 HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m]  battery [V]  real-time factor"
 
@@ -57,7 +59,8 @@ def run(options: argparse.Namespace) -> int:
                 _drive(server_id, world, seconds, shown)
                 if shown:
                     print("the page stays until Ctrl-C; drive on with W A S D")
-                    server.wait()
+                    while server.poll() is None:  # a signal that comes just before a wait does not end it
+                        time.sleep(PERIOD)
         except KeyboardInterrupt:
             stopped = True
             print()

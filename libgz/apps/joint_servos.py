@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Iterator
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.front import World
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import SdfModel
+from libgz.simulation.world import World
 
 __all__ = ["JointServos"]
 
@@ -17,11 +19,13 @@ STRENGTH = 20.0  # times the model's weight at 1 m, where the file limits no eff
 
 
 class JointServos:
-    """Holds joints at positions, until they are released or the world is reset.
+    """Holds joints at positions, until they are released or the world is reset. An extension of the world.
 
     Args:
         world: of SDF.
     """
+
+    STATE = ("_targets",)
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -52,6 +56,22 @@ class JointServos:
     def clear(self) -> None:
         """Forget all, after the world itself has set its joints anew."""
         self._targets.clear()
+
+    @property
+    def active(self) -> bool:
+        """Whether a joint is held."""
+        return bool(self._targets)
+
+    @contextlib.contextmanager
+    def replaced(self) -> Iterator[None]:
+        """While a state is set, in which no joint was held, or others."""
+        before = dict(self._targets)
+        self._targets.clear()
+        try:
+            yield
+        except BaseException:
+            self._targets.update(before)
+            raise
 
     def act(self) -> None:
         """Set the motors for the next step."""

@@ -8,7 +8,7 @@ from types import TracebackType
 
 from libgz.apps.console import number_above_zero
 from libgz.apps.world_control import WorldControl
-from libgz.errors import GazeboError, ServerError
+from libgz.errors import GazeboError, PluginError, ServerError
 from libgz.front import World
 from libgz.transport.control import Control, Request
 from libgz.transport.server import Server
@@ -16,6 +16,7 @@ from libgz.transport.server import Server
 __all__ = ["SnapshotControl", "add_rewind_option"]
 
 log = logging.getLogger("libgz.gazebo")
+worlds_log = logging.getLogger("libgz.simulation")
 
 
 def add_rewind_option(parser: argparse.ArgumentParser) -> None:
@@ -64,6 +65,10 @@ class SnapshotControl:
             request = self._control.waiting.popleft()
             try:
                 request.answer(self._obey(request))
+            except PluginError as error:
+                request.answer(error=str(error))
+                with self.world.lock:  # an error of this world, which ends a strict one
+                    worlds_log.error("%s: %s", request.verb, error)
             except GazeboError as error:
                 request.answer(error=str(error))
             except BaseException:
@@ -75,10 +80,12 @@ class SnapshotControl:
         if request.verb == "save":
             return world.get_state()
         if request.verb == "restore":
-            world.set_state(request.content)
+            with self.requests.replaced():
+                world.set_state(request.content)
         elif request.verb == "rewind":
             try:
-                world.rewind(float(request.argument))
+                with self.requests.replaced():
+                    world.rewind(float(request.argument))
             except ValueError as error:
                 raise GazeboError(str(error)) from None
         else:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +91,14 @@ class WorldControl:
     @property
     def follows(self) -> bool:
         """Whether `stepped` has something to do after each step."""
-        return self._servos is not None or self._steps > 0
+        return (self._servos is not None and self._servos.active) or self._steps > 0
+
+    @contextlib.contextmanager
+    def replaced(self) -> Iterator[None]:
+        """While a state is set: joints are held as they were in it, and steps that were asked for are dropped."""
+        with self._servos.replaced() if self._servos is not None else contextlib.nullcontext():
+            yield
+        self._steps = 0
 
     def stepped(self) -> None:
         """Pause again after the steps that were asked for, and set joints' motors; called after each step."""
@@ -174,8 +182,7 @@ class WorldControl:
     def _joint_servos(self) -> JointServos:
         from libgz.apps.joint_servos import JointServos  # legacy worlds do without SDF
 
-        if self._servos is None:
-            self._servos = JointServos(self.world)
+        self._servos = self.world.extension(JointServos)
         return self._servos
 
     def _joint(self, _argument: str, content: dict[str, Any]) -> None:

@@ -14,6 +14,7 @@ from weakref import WeakSet
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
+from libgz.classic.transport.subscriber import Subscriber
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Connection, Ends, WorldEvents, owner
@@ -218,9 +219,9 @@ class LoadedPlugin:
                 raise ParameterError(f"{self}: {error}") from error
 
     def precede(self, others: Collection[LoadedPlugin]) -> None:
-        """Have its callbacks of events called before those of others."""
+        """Have its callbacks of events and topics called before those of others."""
         for connection in list(self.connections):
-            if isinstance(connection, Connection):
+            if isinstance(connection, Connection | Subscriber):
                 connection.precede(others)
 
     def load_state(self, state: Any) -> None:

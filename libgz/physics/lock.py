@@ -15,6 +15,7 @@ from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 __all__ = ["WorldLock", "built", "exclusive"]
 
 LONG = 5.0  # [s] of waiting, after which it is reported
+PERIOD = 0.1  # [s] of waits
 _YIELD = 0.1  # [s] at most that a step waits for threads that were waiting first
 _OWNER = re.compile(r"owner=(\d+)")
 
@@ -60,12 +61,20 @@ class WorldLock:
         self.waiting[me] = time.monotonic()
         self.wanted.value = 1
         try:
-            if not self._lock.acquire(timeout=LONG):
+            if not self._acquire_within(LONG):
                 if self.report is not None:
                     self.report(self.holder)
-                self._lock.acquire()
+                while not self._acquire_within(LONG):
+                    pass
         finally:
             self.waiting.pop(me, None)
+
+    def _acquire_within(self, seconds: float) -> bool:
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            if self._lock.acquire(timeout=min(PERIOD, left)):  # a signal that comes just before a wait does not end it
+                return True
+        return False
 
     def give_way(self) -> None:
         """Let those that wait now hold the lock first: a thread that steps without a pause would keep it for ever."""

@@ -15,6 +15,8 @@ from libgz.simulation.plugins import own_traceback
 
 __all__ = ["NOTED", "Problem", "Problems", "note", "note_threads_of"]
 
+log = logging.getLogger("libgz.simulation")
+
 LARGEST = 1000  # entries of a list
 NOTED = {"noted": True}  # extra of log messages whose problem was noted by `note`
 NOT_THE_WORLDS = ("libgz.transport", "libgz.classic.transport", "libgz.gazebo")  # loggers
@@ -137,13 +139,15 @@ class _ThreadHook:
 
 
 def _note_thread(name: str, error: BaseException) -> None:
-    if isinstance(error, SystemExit):  # ends a thread in silence
+    if isinstance(error, SystemExit) and error.code in (None, 0):  # `sys.exit()`: the thread has done its work
         return
     files = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
     for plugin, users in list(_plugins.items()):
         if any(file.startswith(plugin) if plugin.endswith("/") else file == plugin for file in files):
             what = f"it failed with {type(error).__name__}: {error}"
             problem = Problem(f"thread {name!r} of plugin {plugin}", what, own_traceback(error), "error")
+            if isinstance(error, SystemExit):  # which Python does not print
+                log.error("%s", problem, extra=NOTED)
             for problems in list(users):
                 problems.add(problem)
 

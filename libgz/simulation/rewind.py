@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import NamedTuple
 
@@ -32,6 +33,8 @@ class Rewind:
         self._most = megabytes * MEGABYTE
         self._moments: deque[_Moment] = deque()
         self._size = 0
+        self._failed_at = -math.inf  # sim time [s]
+        self._failing = False  # since the last state that was kept
 
     @property
     def reach(self) -> float:
@@ -48,19 +51,25 @@ class Rewind:
         """Whether a state is to be kept at sim time `now` [s]; those of later times are dropped."""
         while self._moments and self._moments[-1].sim_time > now + SLACK:
             self._drop(self._moments.pop())
-        if not self._moments:
-            return True
-        passed = now - self._moments[-1].sim_time
+        if self._failed_at > now + SLACK:
+            self._failed_at = -math.inf
+        passed = now - max(self._failed_at, self._moments[-1].sim_time if self._moments else -math.inf)
         return passed > SLACK and passed >= self.interval - SLACK
 
     def keep(self, now: float, state: bytes) -> None:
         """Add a state of sim time `now` [s]."""
+        self._failing = False
         self._moments.append(_Moment(now, state))
         self._size += len(state)
         while len(self._moments) > 1 and (
             self._size > self._most or self._moments[1].sim_time <= now - self.seconds + SLACK
         ):
             self._drop(self._moments.popleft())
+
+    def fail(self, now: float) -> bool:
+        """Leave out the state of sim time `now` [s], which cannot be saved; whether that is new."""
+        before, self._failing, self._failed_at = self._failing, True, now
+        return not before
 
     def _drop(self, moment: _Moment) -> None:
         self._size -= len(moment.state)

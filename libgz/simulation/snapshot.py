@@ -10,7 +10,7 @@ from itertools import chain
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
+from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.physics.edits import edits
 from libgz.physics.state import PARTS as ENGINE_PARTS
 from libgz.simulation import state
@@ -76,6 +76,7 @@ class Snapshots:
 
         Raises:
             ParameterError: an object declares something as its state that is not plain data, or cannot be read.
+            PluginError: code of users failed, such as a SaveState.
         """
         agenda = self._world.agenda
         before, agenda.holding = agenda.holding, True  # what a SaveState asks for comes after it
@@ -335,7 +336,7 @@ class Snapshots:
         except USER_ERRORS as error:
             pass_interrupt(error)
             text = f"{_described(entity)}: its state cannot be set:\n{own_traceback(error)}"
-            self.failures.append(StateError(text))
+            self.failures.append(PluginError(text))
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
@@ -424,7 +425,7 @@ def _own_state(reader: Reader, entity: Entity) -> Sequence[Any]:
         raise ParameterError(f"{_described(entity)}: its state cannot be saved: {state.TOO_DEEP}") from error
     except USER_ERRORS as error:
         pass_interrupt(error)
-        raise ParameterError(f"{_described(entity)}: its state cannot be saved:\n{own_traceback(error)}") from error
+        raise PluginError(f"{_described(entity)}: its state cannot be saved:\n{own_traceback(error)}") from error
 
 
 def _described(entity: Entity) -> str:

@@ -158,7 +158,7 @@ class World(Closing):
             LocalServer(wire_version, abi) if server_id is None else Server(server_id, force, wire_version, abi)
         )
         self.engine = Engine(seed=seed, solver=solver)
-        self.seed = seed
+        self._seed = seed
         self._random: np.random.SeedSequence | None = None
         self._spawned = 0  # as long as that is not needed
         self.name = "default"
@@ -238,6 +238,11 @@ class World(Closing):
             self._extensions[kind] = kind(self)
         extension: E = self._extensions[kind]
         return extension
+
+    def present_extension(self, kind: Callable[[World], E]) -> E | None:
+        """The object that `extension` has returned; None if none was made."""
+        found: E | None = self._extensions.get(kind)
+        return found
 
     @property
     def starting(self) -> bool:
@@ -690,11 +695,19 @@ class World(Closing):
             made = self._steps(most if self._rewind is None else 1)
         finally:
             self._inside = self.agenda.stepping = False
+        if self._rewind is not None and self._rewind.due(self.clock.sim_time):
+            self._keep_state(self._rewind, self.clock.sim_time)
         if self.problems.failure is not None:
             self.problems.check()
-        if self._rewind is not None and self._rewind.due(self.clock.sim_time):
-            self._rewind.keep(self.clock.sim_time, self.snapshots.save())
         return made
+
+    def _keep_state(self, ring: Rewind, now: float) -> None:
+        """Keep the present state for `rewind`; a SaveState that fails must not end the run."""
+        try:
+            ring.keep(now, self.snapshots.save())
+        except GazeboError as error:
+            if ring.fail(now):
+                log.error("the state of sim time %g s cannot be kept for rewinding: %s", now, error)
 
     @property
     def present_step(self) -> tuple[int, float] | None:
@@ -711,7 +724,9 @@ class World(Closing):
         if self._inside:
             raise GazeboError(f"a world cannot be {what} in a callback: its step is under way")
         if self.agenda.holding:
-            raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
+            raise GazeboError(
+                f"a world cannot be {what} while plugins load, are reset, come or go, or a state is saved or set"
+            )
 
     def _steps(self, most: int) -> int:
         """One step, and more as long as native code does them alone; how many."""
@@ -989,6 +1004,7 @@ class World(Closing):
             GazeboError: a step is under way, or plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
             ParameterError: a model or plugin declares something as its state that is not plain data.
+            PluginError: a SaveState failed; the message has the traceback.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("saved")
@@ -1008,6 +1024,7 @@ class World(Closing):
             ClosedError: the world is closed, or `Initialize` was not called.
             StateError: the state is of another file, or something that cannot be built again is missing.
             ParameterError: these bytes are no state of this version of libgz.
+            PluginError: a LoadState failed; the message has the traceback.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("restored")
@@ -1029,9 +1046,11 @@ class World(Closing):
         for value, what in ((seconds, "seconds"), (interval, "interval [s]"), (megabytes, "megabytes")):
             finite(not_negative(value, what), what)
         with self.lock:
-            self._rewind = Rewind(seconds, interval, megabytes) if seconds > 0.0 else None
-            if self._rewind is not None:
-                self._rewind.keep(self.clock.sim_time, self.get_state())
+            self._check_ready("saved")
+            ring = Rewind(seconds, interval, megabytes) if seconds > 0.0 else None
+            if ring is not None:
+                ring.keep(self.clock.sim_time, self.get_state())
+            self._rewind = ring
 
     def rewind(self, seconds: float) -> float:
         """Bring the world back to the last state that was kept `seconds` or more before now; its sim time [s].
@@ -1059,16 +1078,15 @@ class World(Closing):
             GazeboError: a step is under way, or plugins load or are reset.
             StateError: the world was not loaded from a file.
         """
-        with self.lock:
-            state = self.get_state()
-            clone = self._twin()
-            try:
-                clone.Initialize()
-                clone.set_state(state)
-            except BaseException:
-                clone.close()
-                raise
-            return clone
+        state = self.get_state()
+        clone = self._twin()  # without this world's lock: a plugin's Load may wait for a thread that uses this world
+        try:
+            clone.Initialize()
+            clone.set_state(state)
+        except BaseException:
+            clone.close()
+            raise
+        return clone
 
     def _twin(self) -> Self:
         """Another world of the same file, which is not initialized.
@@ -1124,6 +1142,18 @@ class World(Closing):
             self._rewind.clear()
 
     @property
+    def seed(self) -> int:
+        """What all random numbers begin with; while the world runs, to set it is to call `reseed`."""
+        return self._seed
+
+    @seed.setter
+    def seed(self, seed: int) -> None:
+        if self.running:
+            self.reseed(seed)
+        else:
+            self.begin_random(seed)
+
+    @property
     def random(self) -> np.random.SeedSequence:
         """Parent of the random numbers of sensors and models; made when first used, because numpy loads it slowly."""
         if self._random is None:
@@ -1162,7 +1192,7 @@ class World(Closing):
         if not isinstance(seed, int):
             raise ParameterError(f"seed is {seed!r}; it must be an integer")
         not_negative(seed, "seed")
-        self.seed = self.engine.seed = seed
+        self._seed = self.engine.seed = seed
         self.restart_random(self.spawned)
         for companion in self.companions:
             companion.reseed(seed)

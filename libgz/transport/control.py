@@ -23,6 +23,7 @@ __all__ = ["Control", "Request", "ask"]
 LONGEST_LINE = 256  # [byte]
 MOST = 1 << 31  # [byte]
 PATIENCE = 10.0  # [s] for each part of a request to arrive
+PERIOD = 0.1  # [s] of waits
 
 
 @dataclass
@@ -47,7 +48,8 @@ class Request:
 
     def wait(self) -> tuple[str, bytes]:
         """The answer, once there is one."""
-        self._answered.wait()
+        while not self._answered.wait(PERIOD):  # a signal that comes just before a wait does not end it
+            pass
         return self._answer or ("error", b"")
 
 
@@ -123,14 +125,19 @@ def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"", ti
             connection.settimeout(timeout)
             with _short(directory) as folder:
                 connection.connect(f"{folder}/{CONTROL_SOCKET}")
-            _send(connection, f"{verb} {argument}", content)
-            words, result = _receive(connection)
         except OSError as error:
             socket_path = f"{directory}/{CONTROL_SOCKET}"
             raise ServerError(
                 f"no server with id {server_id} takes requests ({socket_path}: {error.strerror or error}); "
                 "they are taken by gazebo, and by gzserver --server-id ID"
             ) from None
+        try:
+            _send(connection, f"{verb} {argument}", content)
+            words, result = _receive(connection)
+        except TimeoutError:
+            raise ServerError(f"server {server_id} did not answer within {timeout:g} s") from None
+        except OSError as error:
+            raise ServerError(f"server {server_id} ended before it answered ({error.strerror or error})") from None
     if words == ["error"]:
         raise ServerError(result.decode(errors="replace"))
     return result

@@ -24,6 +24,7 @@ IPC_RMID = 0
 GETPID, GETVAL, GETNCNT, SETALL = 11, 12, 14, 17
 SEM_UNDO = 0x1000
 MODE = 0o700
+PERIOD = 0.1  # [s] of waits
 
 
 class _SemBuf(ctypes.Structure):
@@ -160,15 +161,15 @@ class SemaphoreSet:
         end = None if timeout is None else time.monotonic() + timeout
         operation = _SemBuf(client_id, -1, SEM_UNDO)
         while True:
-            limit = None
-            if end is not None:
-                left = max(0.0, end - time.monotonic())
-                limit = ctypes.byref(_TimeSpec(int(left), int(left % 1.0 * 1e9)))
-            if _libc.semtimedop(self._handle, ctypes.byref(operation), 1, limit) == 0:
+            left = PERIOD if end is None else min(PERIOD, max(0.0, end - time.monotonic()))
+            limit = _TimeSpec(int(left), int(left % 1.0 * 1e9))
+            if _libc.semtimedop(self._handle, ctypes.byref(operation), 1, ctypes.byref(limit)) == 0:
                 return True
             error = ctypes.get_errno()
-            if error == errno.EAGAIN:
-                return False
+            if error == errno.EAGAIN:  # a signal that comes just before a wait does not end it
+                if end is not None and time.monotonic() >= end:
+                    return False
+                continue
             if error in (errno.EIDRM, errno.EINVAL):
                 raise ServerGoneError(f"server {self.server_id} ended: its semaphores were removed")
             if error != errno.EINTR:

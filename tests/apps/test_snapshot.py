@@ -20,6 +20,7 @@ from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 WORLD = installed_worlds() / "segwayrmp.world"
 OTHER = installed_worlds() / "pioneer2at.world"
+HEAD = "<gz:world xmlns:gz='g' xmlns:model='m'>"
 BOX = """<sdf version='1.6'><world name='default'><model name='box'><pose>0 0 9 0 0 0</pose><link name='link'>
 <collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link></model></world></sdf>"""
 
@@ -157,3 +158,40 @@ def test_gzserver_with_a_server_id(wire, serve, tmp_path):
     with libgz.World.from_file(path) as world:
         world.set_state(kept.read_bytes())
         assert world.GetSimTime() <= float(done.stdout.split()[-2]) + 1e-6
+
+
+ODD = """from libgz import GZ_REGISTER_PLUGIN, Body, Model
+class Odd(Model):
+    def Load(self, file, node):
+        self.AddBody(Body(self.world, dummy=True), True)
+    def SaveState(self):
+        if self.world.paused:
+            raise ValueError("odd")
+        return 1
+    def LoadState(self, state):
+        pass
+GZ_REGISTER_PLUGIN("Odd", Odd)
+"""
+
+
+@pytest.mark.parametrize("strict", [False, True])
+def test_a_model_whose_state_cannot_be_saved_ends_a_strict_server_only(wire, serve, tmp_path, strict):
+    (tmp_path / "Odd.py").write_text(ODD)
+    path, kept = tmp_path / "odd.world", tmp_path / "kept.state"
+    path.write_text(f"{HEAD}<model:Odd><plugin>Odd.py</plugin></model:Odd></gz:world>")
+    server = serve(gazebo(wire, *["--strict"] * strict, path))
+    assert run_libgz("snapshot", "save", kept, "-s", wire).returncode == 0
+    with libgz.Client(wire, 0) as client:
+        sim = client.sim()
+        sim.data.pause, waited = 1, sim.data.pause_time
+        while sim.data.pause_time <= waited:
+            time.sleep(0.01)
+    done = run_libgz("snapshot", "save", tmp_path / "x", "-s", wire)
+    assert (done.returncode, done.stderr.count("ValueError: odd"), (tmp_path / "x").exists()) == (1, 1, False)
+    if not strict:
+        assert run_libgz("snapshot", "restore", kept, "-s", wire).returncode == 0
+        server.send_signal(signal.SIGTERM)
+    server.wait(timeout=20)
+    messages = server.stderr.read()
+    assert server.returncode == (3 if strict else 0)
+    assert messages.count("(Odd): its state cannot be saved:") == (2 if strict else 1)

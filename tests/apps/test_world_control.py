@@ -124,3 +124,28 @@ def test_wrong_requests_are_refused_with_a_sentence(ask, verb, argument, content
     with pytest.raises(GazeboError) as error:
         ask(verb, argument, **content)
     assert str(error.value)
+
+
+def test_states_have_what_joints_are_held_at():
+    with libgz.World.from_file("examples/sdf/gripper.world") as world:
+        ask = Asker(world)
+        model = next(m for m in world.models if getattr(m, "sdf_joints", None))
+        joint = next(n for n, j in model.sdf_joints.items() if j.axes)
+        free = world.get_state()
+        ask("joint", name=model.GetId(), joint=joint, axis=0, position=0.01)
+        held = world.get_state()
+        ask.step(30)
+        seen = world.engine.states.tobytes()
+        ask("pause", "on")
+        ask("step", "5")
+        with ask.control.replaced():
+            world.set_state(free)
+        assert not ask.control.follows
+        with ask.control.replaced():
+            world.set_state(held)
+        assert ask.control.follows
+        ask.step(30)
+        assert world.engine.states.tobytes() == seen
+        with pytest.raises(GazeboError), ask.control.replaced():
+            world.set_state(b"no state")
+        assert ask.control.follows

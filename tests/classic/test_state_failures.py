@@ -1,10 +1,13 @@
 """Plugins that fail while a state is taken or set, or the world is reset: the world stays whole, and says why."""
 
 import sys
+import threading
 
 import pytest
+from topics import send
 
 from libgz import World
+from libgz.classic import msgs
 from libgz.errors import GazeboError, PluginError, StateError, StrictError
 
 CONTROL = """
@@ -26,12 +29,17 @@ class Odd({kind}Plugin):
         control.reached("constructor " + self.GetHandle())
     def Load(self, holder, sdf):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.node = transport.Node()
+        self.node.Init("default")
+        self.subscriber = self.node.Subscribe("~/order", self.OnMessage)
         control.reached("Load " + self.GetHandle())
     def Init(self):
         control.reached("Init " + self.GetHandle())
     def OnUpdate(self):
         self.count += 1
         control.reached("OnUpdate " + self.GetHandle())
+    def OnMessage(self, message):
+        control.reached("OnMessage " + self.GetHandle())
     def Reset(self):
         self.count, self.resets = 0, self.resets + 1
         control.reached("Reset " + self.GetHandle())
@@ -193,27 +201,28 @@ def test_a_strict_world_ends_at_a_failing_reset(control):
 )
 def test_callbacks_are_called_in_the_same_order(world, control, change):
     server(world).load_world_plugin("libodd_world.so", "late", None)
+    order = order_of_calls(world, control)
+    assert len(order) == 14
     state = world.get_state()
-    control.calls.clear()
-    world.step(1)
-    order = [call for call in control.calls if call.startswith("OnUpdate")]
-    assert len(order) == 7
     change(world)
     world.set_state(state)
     assert world.get_state() == state
+    assert order_of_calls(world, control) == order
+
+
+def order_of_calls(world, control):
+    """The callbacks of an event, and of a topic."""
+    publisher = send("~/order", msgs.Int(data=1))
     control.calls.clear()
     world.step(1)
-    assert [call for call in control.calls if call.startswith("OnUpdate")] == order
+    publisher.Fini()
+    return [call for call in control.calls if call.startswith("On")]
 
 
 def test_a_reloaded_plugin_keeps_its_place_in_the_order(world, control):
-    control.calls.clear()
-    world.step(1)
-    order = [*control.calls]
+    order = order_of_calls(world, control)
     world.reload_plugin("a1")
-    control.calls.clear()
-    world.step(1)
-    assert control.calls == order
+    assert order_of_calls(world, control) == order
 
 
 CALLS = {
@@ -259,6 +268,44 @@ def test_calls_within_callbacks_are_errors(world, control, call):
     assert world.errors == []
 
 
+@pytest.mark.parametrize("strict", [False, True])
+def test_a_state_that_cannot_be_kept_for_rewinding_is_reported_and_left_out(control, strict):
+    with World.from_string(TEXT, strict=strict) as world:
+        world.keep_rewind(1.0, 0.002)
+        world.step(4)
+        control.where, control.what = "SaveState", raises(ValueError("odd"))
+        control.calls.clear()
+        if strict:
+            with pytest.raises(StrictError, match=r"(?s)cannot be kept for rewinding: .*ValueError: odd"):
+                world.step(4)
+        else:
+            world.step(8)
+            assert control.calls.count("SaveState") == 4  # the first plugin, at each interval
+            (problem,) = world.errors
+            assert problem.message.startswith("the state of sim time 0.006 s cannot be kept for rewinding: ")
+            control.where = ""
+            world.step(4)
+            assert world.rewind(0.003) == pytest.approx(0.004)
+        control.where = ""
+
+
+@pytest.mark.parametrize("seconds", [0.0, 1.0])
+def test_a_refused_keep_rewind_leaves_the_kept_states(world, control, seconds):
+    world.keep_rewind(1.0, 0.0)
+    world.step(5)
+    refused = []
+
+    def attack():
+        with pytest.raises(GazeboError, match="in a callback") as caught:
+            world.keep_rewind(seconds)
+        refused.append(caught)
+
+    control.where, control.what = "OnUpdate a1", attack
+    world.step(2)
+    assert (len(refused), world.iterations) == (2, 12)
+    assert world.rewind(0.005) == pytest.approx(0.007)
+
+
 @pytest.mark.parametrize("where", ["Reset a1", "LoadState", "SaveState", "OnUpdate a1"])
 def test_a_reset_that_asks_for_a_reset_ends(world, control, where):
     world.step(5)
@@ -284,3 +331,97 @@ def test_a_reset_that_asks_for_a_reset_ends(world, control, where):
     control.where = ""
     world.set_state(state)
     assert world.get_state() == state
+
+
+EVERYWHERE = """
+from libgz.classic import *
+from libgz.classic.event import Events
+import {control} as control
+NAMES = ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd", "WorldReset", "TimeReset")
+NAMES += ("AddEntity", "DeleteEntity")
+class Everywhere(ModelPlugin):
+    STATE = ()
+    def Load(self, model, sdf):
+        self.connections = [getattr(Events, "Connect" + n)(lambda *_, n=n: control.reached(n)) for n in NAMES]
+        self.connections.append(sensors.get_sensor("s").ConnectUpdated(lambda *_: control.reached("sensor")))
+        self.node = transport.Node()
+        self.node.Init("default")
+        self.subscriber = self.node.Subscribe("~/x", lambda _: control.reached("topic"))
+GZ_REGISTER_MODEL_PLUGIN(Everywhere)
+"""
+
+
+ONE = """<sdf version='1.6'><world name='default'><model name='box'><pose>0 0 1 0 0 0</pose><link name='l'><inertial>
+<mass>1</mass></inertial><sensor name='s' type='imu'><always_on>1</always_on><update_rate>1000</update_rate></sensor>
+</link><plugin name='p' filename='libeverywhere.so'/></model></world></sdf>"""
+OTHER = "<sdf version='1.6'><model name='other'><link name='l'/></model></sdf>"
+PLACES = {
+    "WorldUpdateBegin": World.Step,
+    "BeforePhysicsUpdate": World.Step,
+    "WorldUpdateEnd": World.Step,
+    "sensor": World.Step,
+    "topic": lambda world: (send("~/x", msgs.Int(data=1)), world.Step()),
+    "WorldReset": World.Reset,
+    "TimeReset": lambda world: world.facade.ResetTime(),
+    "AddEntity": lambda world: (world.facade.InsertModelString(OTHER), world.Step()),
+    "DeleteEntity": lambda world: world.DeleteModel("other"),
+}
+
+
+def test_all_calls_in_all_callbacks_are_refused_and_change_nothing(control, tmp_path):
+    (tmp_path / "everywhere.py").write_text(EVERYWHERE.format(control=control.__name__))
+    states = []
+    for attacked in (False, True):
+        with World.from_string(ONE) as world:
+            world.keep_rewind(1.0, 0.0)
+            world.step(3)
+            state, refused = world.get_state(), []
+            states.append([])
+            for place, act in PLACES.items():
+                control.where = place if attacked else ""
+
+                def attack(world=world, state=state, refused=refused):
+                    control.where = ""
+                    for name, call in CALLS.items():
+                        with pytest.raises(GazeboError, match=r"in a callback|while plugins load"):
+                            call(world, state)
+                        refused.append(name)
+
+                control.what = attack
+                act(world)
+                states[-1].append(world.get_state())
+            assert len(refused) == attacked * len(PLACES) * len(CALLS)
+            assert world.errors == []
+            world.set_state(state)
+            assert world.get_state() == state
+    assert states[0] == states[1]
+
+
+def test_all_calls_in_a_thread_of_a_plugin_wait_for_the_step(world, control):
+    world.keep_rewind(1.0, 0.0)
+    state, failures = world.get_state(), []
+
+    def use():
+        try:
+            for _ in range(3):
+                world.set_state(world.get_state())
+                world.rewind(0.0)
+                world.keep_rewind(1.0, 0.0)
+                world.Reset()
+                world.reseed(3)
+                with world.clone() as clone:
+                    clone.step(2)
+                world.reload_plugin("a1")
+                world.Step()
+                world.set_state(state)
+        except BaseException as error:  # noqa: BLE001 - it is the result
+            failures.append(error)
+
+    user = threading.Thread(target=use, daemon=True)
+    user.start()
+    while user.is_alive():
+        world.Step()
+    assert failures == []
+    world.set_state(state)
+    assert world.get_state() == state
+    assert world.errors == []

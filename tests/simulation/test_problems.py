@@ -153,6 +153,19 @@ def test_an_error_in_a_thread_of_a_plugin_ends_a_strict_world(tmp_path, monkeypa
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+@pytest.mark.parametrize(("end", "errors"), [("'no device'", 1), ("3", 1), ("", 0), ("0", 0)])
+def test_a_thread_that_exits_with_an_error_is_reported(tmp_path, caplog, end, errors):
+    with libgz.World.from_file(
+        legacy(tmp_path, update=THREAD.format(f"lambda: __import__('sys').exit({end})"))
+    ) as world:
+        world.step()
+        assert [problem.message for problem in world.errors] == errors * [
+            f"it failed with SystemExit: {end.strip(chr(39))}"
+        ]
+        assert caplog.text.count("Bad.py: it failed with SystemExit") == errors
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 def test_errors_of_other_threads_and_ends_of_threads_are_none_of_a_world(tmp_path):
     with libgz.World.from_file(legacy(tmp_path, update=THREAD.format("__import__('sys').exit"))) as world:
         world.step()

@@ -13,7 +13,7 @@ import state_runs
 from state_runs import difference, look, run
 
 import libgz
-from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
+from libgz.errors import ClosedError, GazeboError, ParameterError, PluginError, StateError
 from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.joint import HingeJoint
@@ -431,11 +431,11 @@ def test_errors_in_a_models_own_code_name_the_model(world, tmp_path):
     )
     text = f"<model:Wrong><id>w</id><plugin>{plugin}</plugin></model:Wrong>"
     with libgz.World.from_string(f"{HEAD}{text}</gz:world>") as wrong:  # it starts all the same
-        with pytest.raises(ParameterError, match=r"model 'w' \(Wrong\): its state cannot be saved"):
+        with pytest.raises(PluginError, match=r"model 'w' \(Wrong\): its state cannot be saved"):
             wrong.Reset()
         wrong.Step()
         state = wrong.get_state()
-        with pytest.raises(StateError, match=r"model 'w' \(Wrong\): its state cannot be set"):
+        with pytest.raises(PluginError, match=r"model 'w' \(Wrong\): its state cannot be set"):
             wrong.set_state(state)
 
 
@@ -642,3 +642,31 @@ def test_what_is_assigned_to_parts_is_in_the_next_state(world):
         world.set_state(state)
         assert getattr(thing, name) == before
         assert world.get_state() == state
+
+
+def test_to_set_the_seed_begins_new_random_numbers():
+    """A state has the seed: a generator that is made after it must be the same with and without it."""
+    with libgz.World.from_string(f"{HEAD}</gz:world>") as world:
+        world.random.spawn(1)
+        world.seed = 5
+        state = world.get_state()
+        first = world.random.spawn(1)[0].generate_state(2).tolist()
+        world.set_state(state)
+        assert world.random.spawn(1)[0].generate_state(2).tolist() == first
+        with pytest.raises(ParameterError, match="seed is -1"):
+            world.seed = -1
+    with libgz.World() as other:
+        other.seed = 5
+        assert other.engine.seed == 5
+
+
+def test_to_look_at_a_world_does_not_change_its_state():
+    with libgz.World.from_string(f"{HEAD}</gz:world>") as world:
+        state = world.get_state()
+        names = [name for name in dir(type(world)) if isinstance(getattr(type(world), name), property)]
+        assert "sdf" in names
+        for name in names:
+            getattr(world, name)
+        assert world.get_state() == state
+        with world.clone() as clone:
+            assert clone.get_state() == state

@@ -107,6 +107,29 @@ def test_clones_in_threads_do_what_each_does_alone(make, run, pushes):
             assert run(another) == run(clone) == alone
 
 
+def test_a_plugin_of_a_clone_may_wait_for_a_thread_that_uses_the_original(pushes):
+    with classic() as world:
+        plugin = world.facade.server.model_plugins(world.facade.ModelByName("box"))[0].plugin
+        module, begun = sys.modules[type(plugin).__module__], threading.Event()
+
+        class Barrier:
+            def wait(self, seconds):
+                begun.set()
+                user.join(seconds)
+                assert not user.is_alive()
+
+        user = threading.Thread(target=lambda: begun.wait(20) and world.step(3), daemon=True)
+        module.barrier = Barrier()
+        try:
+            user.start()
+            state = world.get_state()
+            with world.clone() as clone:
+                assert (clone.errors, clone.get_state()) == ([], state)
+                assert world.iterations == 3
+        finally:
+            module.barrier = None
+
+
 def test_worlds_that_load_at_once_do_not_wait_for_each_other(pushes):
     with classic() as world:
         module = sys.modules[

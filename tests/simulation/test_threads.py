@@ -16,6 +16,8 @@ from libgz.errors import ClosedError
 from libgz.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics import lock as lock_module
 from libgz.physics.lock import WorldLock, exclusive
+from libgz.transport import semaphores
+from libgz.transport.control import Request
 
 LEGACY = (
     "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>"
@@ -310,3 +312,48 @@ def test_worlds_in_threads_are_independent():
         release.set()
         thread.join()
         assert (slow.iterations, quick.iterations) == (1, 10)
+
+
+class Counted:
+    """A lock or an event that is waited for: no wait may be long, for a signal may come just before it."""
+
+    def __init__(self, after):
+        self.after, self.waits = after, []
+
+    def wait(self, seconds):
+        self.waits.append(seconds)
+        return len(self.waits) > self.after
+
+    def acquire(self, block=True, timeout=-1):
+        return self.wait(timeout)
+
+
+def test_no_wait_is_long(monkeypatch):
+    lock = WorldLock()
+    monkeypatch.setattr(lock_module, "LONG", 1e-4)
+    lock._lock, reports = Counted(5), []
+    lock.report = reports.append
+    lock.wait()
+    request = Request("save", "-", b"")
+    request._answered = Counted(3)
+    request.wait()
+    assert 0.0 < max(lock._lock.waits + request._answered.waits) <= 0.1
+    assert (len(lock._lock.waits), len(request._answered.waits), len(reports) <= 1) == (6, 4, True)
+
+
+def test_a_wait_for_a_server_is_in_parts(wire, monkeypatch):
+    with libgz.World.from_string(LEGACY, server_id=wire) as world, libgz.Client(wire, 0) as client:
+        client.wait()
+        limits, real = [], semaphores._libc.semtimedop
+
+        def wait(handle, operation, count, limit):
+            limits.append(limit._obj.sec + limit._obj.nsec * 1e-9)
+            if len(limits) == 3:
+                world.Step()
+            return real(handle, operation, count, limit)
+
+        monkeypatch.setattr(semaphores._libc, "semtimedop", wait)
+        assert client.wait()
+        assert (len(limits), max(limits) <= 0.1) == (3, True)
+        assert not client.wait(0.15)
+        assert not client.wait(0.0)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import time as clock
 import types
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
 from libgz.errors import USER_ERRORS, pass_interrupt
-from libgz.simulation.event import checked, owner, report_failure
+from libgz.simulation.event import Owner, checked, owner, report_failure
 
 __all__ = ["Subscriber"]
 
@@ -25,6 +25,9 @@ class Subscriber:
     A bound method is held weakly: with ``self.sub = self.node.Subscribe("~/topic", self.OnMsg)`` the subscription ends
     with its object. Functions and all other callables are held.
 
+    Attributes:
+        owner: the plugin that subscribes, which is stopped when the callback raises; None outside plugins.
+
     Raises:
         ParameterError: the callback cannot be called.
     """
@@ -32,7 +35,7 @@ class Subscriber:
     def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
         checked(callback, f"the callback of {topic.name}")
         self._topic = topic
-        self._owner = owner.get()  # the plugin that subscribes: it is stopped when the callback raises
+        self.owner = owner.get()
         self._callback: Callable[[], Callable[[Any], Any] | None]
         if isinstance(callback, types.MethodType):
             self._callback = weakref.WeakMethod(callback)
@@ -43,12 +46,16 @@ class Subscriber:
         self.since = next(sequence)
         self._born = clock.monotonic()
         topic.subscribers[id(self)] = weakref.ref(self)
-        if self._owner is not None:
-            self._owner.connections.add(self)
+        if self.owner is not None:
+            self.owner.connections.add(self)
         manager = TopicManager.Instance()
         manager.refresh(topic)
         if latching:
             manager.latch(topic, self)
+
+    def precede(self, others: Collection[Owner]) -> None:
+        """Have the callbacks of this one's plugin called before those of others, on this topic."""
+        self._topic.move(self.owner, others)
 
     def GetTopic(self) -> str:
         """Return the full name of the topic."""
@@ -78,12 +85,12 @@ class Subscriber:
         if callback is None:
             self.Unsubscribe()
             return
-        token = owner.set(self._owner)
+        token = owner.set(self.owner)
         try:
             callback(message)
         except USER_ERRORS as error:
             pass_interrupt(error)
             self.Unsubscribe()
-            report_failure(self._owner, f"the callback {self._what} of topic {self._topic.name}", error)
+            report_failure(self.owner, f"the callback {self._what} of topic {self._topic.name}", error)
         finally:
             owner.reset(token)

@@ -6,10 +6,12 @@ import itertools
 import logging
 import weakref
 from collections import deque
+from collections.abc import Collection
 from typing import NamedTuple, Protocol
 
 from libgz.classic.msgs.message import Message
 from libgz.errors import ParameterError
+from libgz.simulation.event import Owner
 
 __all__ = ["Incoming", "LocalPublisher", "LocalSubscriber", "Topic", "decode", "encode", "log", "sequence"]
 
@@ -64,6 +66,7 @@ class LocalSubscriber(Protocol):
 
     since: int  # the number of the subscription: it receives messages with larger ones
     latching: bool
+    owner: Owner | None  # the plugin that subscribes
 
     def take(self, message: Message) -> None:
         """Call the callback."""
@@ -107,6 +110,16 @@ class Topic:
     def live_subscribers(self) -> list[LocalSubscriber]:
         """Return the subscribers that were not dropped, oldest first."""
         return [found for ref in list(self.subscribers.values()) if (found := ref()) is not None]
+
+    def move(self, by: Owner | None, others: Collection[Owner]) -> None:
+        """Call the subscribers of one plugin before those of others."""
+        every = self.live_subscribers()
+        rest = [one for one in every if one.owner is not by]
+        at = next((i for i, one in enumerate(rest) if one.owner is not None and one.owner in others), len(rest))
+        for one in (*(one for one in every if one.owner is by), *rest[at:]):  # to the end, one after the other
+            reference = self.subscribers.pop(id(one), None)
+            if reference is not None:
+                self.subscribers[id(one)] = reference
 
     def type_name(self) -> str:
         """Return the full name of the type that this process publishes, or an empty string."""

@@ -28,6 +28,7 @@ __all__ = [
     "LogFile",
     "Parser",
     "as_command",
+    "finite_number",
     "number_above_zero",
     "number_from_zero",
     "port_number",
@@ -102,8 +103,17 @@ class Parser(Hints):
         """Parse all arguments; unknown ones end the program with a message."""
         options, unknown = self.parse_known_args(args, namespace)
         if unknown:
-            self.error(self.unknown(unknown))
+            parser = self._chosen(options)
+            parser.error(parser.unknown(unknown))
         return options
+
+    def _chosen(self, options: argparse.Namespace) -> Parser:
+        """The parser of the subcommand that was given, which knows its options; this one, if there are none."""
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                chosen: Parser = action.choices[getattr(options, action.dest)]
+                return chosen._chosen(options)
+        return self
 
     def error(self, message: str) -> NoReturn:
         """Report the error and exit with code 2."""
@@ -113,14 +123,14 @@ class Parser(Hints):
 N = TypeVar("N", int, float)
 
 
-def _number(name: str, convert: Callable[[str], N], allowed: Callable[[N], bool]) -> Callable[[str], N]:
+def _number(name: str, convert: Callable[[str], N], allowed: Callable[[N], bool], rule: str) -> Callable[[str], N]:
     def read(text: str) -> N:
-        number = convert(text)
-        if not allowed(number):
-            raise ValueError
-        return number
+        with contextlib.suppress(ValueError):
+            number = convert(text)
+            if allowed(number):
+                return number
+        raise argparse.ArgumentTypeError(f"invalid {name} value: {text!r}; it must be {rule}")
 
-    read.__name__ = name
     return read
 
 
@@ -133,20 +143,25 @@ def wire_version(text: str) -> int:
 
 def whole_number(name: str) -> Callable[[str], int]:
     """An argument type: whole numbers from 0; `name` is its name in error messages."""
-    return _number(name, int, lambda number: number >= 0)
+    return _number(name, int, lambda number: number >= 0, "a whole number, at least 0")
 
 
-port_number = _number("port", int, lambda number: 0 <= number <= 65535)
+port_number = _number("port", int, lambda number: 0 <= number <= 65535, "a whole number from 0 to 65535")
 
 
 def number_from_zero(name: str) -> Callable[[str], float]:
     """An argument type: finite numbers from 0; `name` is its name in error messages."""
-    return _number(name, float, lambda number: 0.0 <= number < math.inf)
+    return _number(name, float, lambda number: 0.0 <= number < math.inf, "a finite number, at least 0")
 
 
 def number_above_zero(name: str) -> Callable[[str], float]:
     """An argument type: numbers above 0; `name` is its name in error messages."""
-    return _number(name, float, lambda number: number > 0.0)
+    return _number(name, float, lambda number: number > 0.0, "a number above 0")
+
+
+def finite_number(name: str) -> Callable[[str], float]:
+    """An argument type: finite numbers; `name` is its name in error messages."""
+    return _number(name, float, math.isfinite, "a finite number")
 
 
 def read_text(path: str, what: str) -> str:
@@ -157,8 +172,10 @@ def read_text(path: str, what: str) -> str:
     """
     try:
         return Path(path).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{what} cannot be read from {path!r}: {error}") from None
+    except OSError as error:
+        raise ParameterError(f"{what} cannot be read from {path!r}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ParameterError(f"{what} cannot be read from {path!r}: it is no text") from None
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from libgz.apps.console import number_above_zero, number_from_zero
 from libgz.apps.view_process import add_view_options
 from libgz.errors import GazeboError, ServerError
 from libgz.files import installed_worlds
@@ -30,10 +31,18 @@ HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
-        "--seconds", type=float, default=16.0, metavar="S", help="duration in sim time [s] (default 16)"
+        "--seconds",
+        type=number_above_zero("number of seconds"),
+        default=16.0,
+        metavar="S",
+        help="duration in sim time [s] (default 16)",
     )
     parser.add_argument(
-        "--rate", type=float, default=2.0, metavar="R", help="simulated seconds per second of real time (default 2)"
+        "--rate",
+        type=number_from_zero("rate"),
+        default=2.0,
+        metavar="R",
+        help="simulated seconds per second of real time (default 2)",
     )
     add_view_options(parser, optional=False)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import math
 from typing import Any
 
+from libgz.apps.console import finite_number
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.classic import msgs
 from libgz.errors import NotFoundError, ParameterError, nearest
@@ -23,11 +23,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-j", "--joint-name", metavar="JOINT", help="name of the joint")
     add("-i", "--info", action="store_true", help="print the joint's position, or those of all joints")
     add("-d", "--delete", dest="reset", action="store_true", help="reset forces and targets")
-    add("-f", "--force", type=float, metavar="N", help="apply a constant force or torque [N or N m]")
+    add("-f", "--force", type=finite_number("force"), metavar="N", help="apply a constant force or torque [N or N m]")
     for kind, word, unit in (("pos", "position", "rad or m"), ("vel", "velocity", "rad/s or m/s")):
-        add(f"--{kind}-t", type=float, metavar="N", help=f"{word} target [{unit}]")
+        add(f"--{kind}-t", type=finite_number("target"), metavar="N", help=f"{word} target [{unit}]")
         for letter, gain in (("p", "proportional"), ("i", "integral"), ("d", "derivative")):
-            add(f"--{kind}-{letter}", type=float, metavar="N", help=f"{gain} gain of the {word} controller")
+            text = f"{gain} gain of the {word} controller"
+            add(f"--{kind}-{letter}", type=finite_number("gain"), metavar="N", help=text)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -69,7 +70,7 @@ def _command(name: str, options: argparse.Namespace) -> Any:
     for kind, field in (("pos", "position"), ("vel", "velocity")):
         for letter, gain in GAINS.items():
             value = getattr(options, f"{kind}_{letter}")
-            if value is not None and math.isfinite(value):
+            if value is not None:
                 setattr(getattr(message, field), gain, value)
     if len(message.ListFields()) == 1:
         raise ParameterError("no action is given; use -f N, --pos-t N, --vel-t N, gains such as --pos-p N, -d, or -i")

@@ -5,18 +5,17 @@ from __future__ import annotations
 import argparse
 import itertools
 import json
-import math
 import sys
 from typing import Any
 
-from libgz.apps.console import read_text
+from libgz.apps.console import finite_number, read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.transport import Node
 from libgz.errors import NotFoundError, ParameterError
 from libgz.sdf.reader import SdfFile
-from libgz.sdf.recognition import is_robot_text
+from libgz.sdf.recognition import is_robot_text, is_sdf_text
 from libgz.sdf.upgrade import NEWEST, upgraded
 
 __all__ = ["configure", "run"]
@@ -44,7 +43,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF or URDF file, or model://name")
     add("-s", "--spawn-string", metavar="SDF", help="add a model from an SDF string")
     for word, coordinate in AXES.items():
-        add(f"-{word[-1]}", f"--{word}", type=float, default=None, metavar="N", help=f"new {coordinate}")
+        add(
+            f"-{word[-1]}",
+            f"--{word}",
+            type=finite_number("coordinate"),
+            default=None,
+            metavar="N",
+            help=f"new {coordinate}",
+        )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -57,9 +63,6 @@ def run(options: argparse.Namespace) -> int:
     """
     place = [getattr(options, word.replace("-", "_")) for word in AXES]
     moved = any(value is not None for value in place)
-    for word, value in zip(AXES, place, strict=True):
-        if value is not None and not math.isfinite(value):
-            raise ParameterError(f"--{word} is {value:g}; it must be a finite number")
     spawned = options.spawn_file or options.spawn_string
     if not (options.model_name or spawned):
         raise ParameterError("no model is given; use -m NAME, or -f FILE for a new model")
@@ -91,6 +94,7 @@ def _model_text(filename: str) -> str:
     """The text of a model's file; a robot description is sent as SDF, with its macros expanded and meshes found."""
     text = read_text(filename, "the model")
     if not is_robot_text(text):
+        _check_inserted(text, filename)
         return text
     file = SdfFile.load(filename)
     file.diagnostics.raise_errors()
@@ -99,9 +103,15 @@ def _model_text(filename: str) -> str:
     return f"<sdf version='{NEWEST}'>{''.join(upgraded(part).ToString() for part in file.root.children)}</sdf>"
 
 
+def _check_inserted(text: str, what: str) -> None:
+    if not is_sdf_text(text):
+        raise ParameterError(f"{what} is no model: its root must be <sdf version='...'>, or <robot> in a URDF file")
+
+
 def _factory(node: Node, options: argparse.Namespace, place: list[float | None] | None) -> Any:
     message = msgs.Factory()
     if options.spawn_string:
+        _check_inserted(options.spawn_string, "the SDF string")
         message.sdf = options.spawn_string
     elif "://" in options.spawn_file:
         message.sdf_filename = options.spawn_file

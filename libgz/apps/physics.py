@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import math
 
 from libgz.apps.console import number_above_zero, number_from_zero
 from libgz.apps.server_link import add_world, publish, world_node
@@ -31,11 +33,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _vector(text: str) -> Vector3d:
-    try:
+    with contextlib.suppress(ValueError):
         x, y, z = (float(part) for part in text.replace(",", " ").split())
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not three numbers, such as 0,0,-9.8") from None
-    return Vector3d(x, y, z)
+        if all(map(math.isfinite, (x, y, z))):
+            return Vector3d(x, y, z)
+    raise argparse.ArgumentTypeError(f"{text!r} is not three finite numbers, such as 0,0,-9.8")
 
 
 def run(options: argparse.Namespace) -> int:

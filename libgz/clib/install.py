@@ -76,5 +76,5 @@ def install(
         link.unlink(missing_ok=True)
         link.symlink_to(SHARED)
     except OSError as error:
-        raise LibraryError(f"the C library cannot be installed in {prefix}: {error}") from None
+        raise LibraryError(f"the C library cannot be installed in {prefix}: {error.strerror}") from None
     return sorted([*contents, link])

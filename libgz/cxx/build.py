@@ -23,6 +23,7 @@ STANDARD = "gnu++98"  # as which old sources are compiled
 # Casts of pointers to int, and other things that compilers of 2006 accepted. Python does not fuse multiply and add.
 OLD = ("-fPIC", "-fpermissive", "-ffp-contract=off")
 MOST_ERRORS = 20
+SUFFIXES = (".cc", ".cpp", ".cxx", ".c++", ".C", ".c", ".o", ".a")  # of what a plugin is built of
 FALLBACK = FOLDER / "fallback"
 
 _ERROR = re.compile(r"(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? (?:fatal )?error: (?P<message>.*)")
@@ -159,6 +160,8 @@ def _check_sources(sources: Sequence[Path]) -> None:
     for source in sources:
         if not source.is_file():
             raise ParameterError(f"there is no file {str(source)!r}")
+        if source.suffix not in SUFFIXES:  # which a compiler would give to the linker as a script
+            raise ParameterError(f"{str(source)!r} is no C++ source: it ends with none of {', '.join(SUFFIXES)}")
 
 
 def _run(command: list[str]) -> list[CompileError]:

@@ -16,7 +16,7 @@ from libgz.physics.engine import Engine
 from libgz.physics.lock import LONG
 from libgz.simulation.event import Callback, Event
 
-__all__ = ["describe", "describe_thread", "names", "report_wait"]
+__all__ = ["describe", "describe_thread", "describe_users", "names", "report_wait"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -51,8 +51,15 @@ def names(function: Callable[..., Any], name: Callable[[Mapping[str, Any]], str]
 
 def describe(frame: FrameType | None) -> str:
     """What runs in a frame or in one that called it: a name, and the innermost line that is not of a library."""
+    found = _users(frame)
+    if not found and frame is not None:
+        found = f"{frame.f_code.co_filename}:{frame.f_lineno}"
+    return found or "code that has ended"
+
+
+def _users(frame: FrameType | None) -> str:
+    """The same, if it is code of users; else an empty string."""
     what = place = ""
-    innermost = frame
     while frame is not None:
         code = frame.f_code
         if not what and code in _named:
@@ -60,14 +67,17 @@ def describe(frame: FrameType | None) -> str:
         if not place and not code.co_filename.startswith(_libraries()):
             place = f"{code.co_filename}:{frame.f_lineno}"
         frame = None if code in _outermost else frame.f_back
-    if not (what or place) and innermost is not None:
-        place = f"{innermost.f_code.co_filename}:{innermost.f_lineno}"
-    return f"{what} ({place})" if what and place else what or place or "code that has ended"
+    return f"{what} ({place})" if what and place else what or place
 
 
 def describe_thread(number: int) -> str:
     """What runs in a thread."""
     return describe(sys._current_frames().get(number))
+
+
+def describe_users(number: int) -> str:
+    """What runs in a thread, if that is code of users; else an empty string."""
+    return _users(sys._current_frames().get(number))
 
 
 def report_wait(holder: int) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.errors import Interrupted
 from libgz.physics.lock import LONG
-from libgz.simulation.running_code import describe_thread
+from libgz.simulation.running_code import describe_thread, describe_users
 from libgz.transport.ending import Relay
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ class Watchdog:
     A step that takes more than 5 s is reported once, with what runs in it. Steps cost nothing: the thread looks at the
     world twice a second. Code that keeps the interpreter lock, as some native functions do, stops the watchdog, too;
     then native code handles the second signal (`libgz.transport.ending`). It also reports such code after 5 s.
+
+    Python ends after all threads that are no daemons; those of plugins for which it waits 5 s are reported.
 
     A SIGHUP that is ignored, as under `nohup`, stays ignored.
 
@@ -72,6 +74,7 @@ class Watchdog:
         self._replaced_wakeup = -1
 
     def __enter__(self) -> Watchdog:
+        self._before = set(threading.enumerate())
         self._reader, self._writer = os.pipe()
         os.set_blocking(self._writer, False)
         self._replaced_wakeup = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
@@ -86,6 +89,9 @@ class Watchdog:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        started = [thread for thread in set(threading.enumerate()) - self._before if not thread.daemon]
+        if started:
+            threading.Thread(target=_report_threads, args=(started,), name="end", daemon=True).start()
         for number, handler in self._replaced.items():
             signal.signal(number, handler)
         signal.set_wakeup_fd(self._replaced_wakeup)
@@ -175,8 +181,13 @@ class Watchdog:
     def _remind(self) -> None:
         if len(self._signals) == 1 and time.monotonic() >= self._first + PATIENCE:
             self._first = float("inf")
-            what = "the run" if self._step is None else f"the present step, {self._running()},"
-            log.warning("still waiting for %s to end; a second signal ends the process at once", what)
+            log.warning("still waiting for %s to end; a second signal ends the process at once", self._present())
+
+    def _present(self) -> str:
+        """What a run that is to end still does."""
+        if self._step is not None:
+            return f"the present step, {self._running()},"
+        return describe_users(threading.main_thread().ident or 0) or "the run"
 
     def _look(self) -> None:
         """Report the present step if it takes long, once."""
@@ -192,6 +203,15 @@ class Watchdog:
 
     def _running(self) -> str:
         return describe_thread(self.world.lock.holder) if self.world is not None else ""
+
+
+def _report_threads(threads: list[threading.Thread]) -> None:
+    """Report threads that Python waits for, some seconds after the main thread has ended."""
+    time.sleep(LONG)
+    for thread in () if threading.main_thread().is_alive() else threads:
+        if thread.is_alive():
+            running = describe_thread(thread.ident or 0)
+            log.warning("still waiting for thread %r to end: %s; a signal ends the process", thread.name, running)
 
 
 _active: set[Watchdog] = set()

@@ -1,16 +1,19 @@
 """A step that does not return: it is reported, and a second signal ends the process and leaves nothing behind."""
 
 import os
+import re
 import select
 import signal
 import subprocess
 import textwrap
+import threading
 import time
 
 import pytest
 from gzserver_process import SERVER, new_environment
 
 from libgz.errors import Interrupted
+from libgz.simulation import watchdog
 from libgz.simulation.watchdog import Watchdog
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
@@ -230,3 +233,28 @@ def test_signals_of_a_forked_child_are_its_own(gazebo, tmp_path):
     with pytest.raises(subprocess.TimeoutExpired):
         server.process.wait(1.0)
     assert server.stop()[0] == 0
+
+
+def test_a_thread_that_outlives_the_run_is_reported(monkeypatch, caplog):
+    monkeypatch.setattr(watchdog, "LONG", 0.05)
+    main_thread, stop = threading.main_thread, threading.Event()
+    with Watchdog(lambda number: None):
+        listener = threading.Thread(target=stop.wait, name="listener")
+        listener.start()
+        monkeypatch.setattr(threading, "main_thread", threading.Thread)  # one that does not run
+    report = next(thread for thread in threading.enumerate() if thread.name == "end")
+    report.join(10.0)
+    monkeypatch.setattr(threading, "main_thread", main_thread)
+    stop.set()
+    listener.join()
+    assert re.search(r"still waiting for thread 'listener' to end: \S+; a signal ends the process", caplog.text)
+
+
+def test_what_a_start_waits_for_is_named(gazebo, tmp_path):
+    path = loop_world(tmp_path, init="print('starting', flush=True)\n        while True: pass")
+    server = gazebo(path, "-n", ready=False)
+    read_until(server.process.stdout, "starting")
+    server.process.send_signal(signal.SIGINT)
+    read_until(server.process.stderr, f"for Init of model 'looping1' ({path.with_name('Loop.py')}:10) to end; a second")
+    server.process.send_signal(signal.SIGTERM)
+    assert server.process.wait(20.0) == 143

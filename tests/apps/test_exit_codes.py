@@ -211,6 +211,15 @@ def test_a_model_to_add_that_is_no_text(tmp_path):
         model._factory(None, argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name=""), None)
 
 
+@pytest.mark.parametrize("text", ["<gz:world xmlns:gz='g'/>", "no XML", "<model name='m'/>"])
+def test_a_model_to_add_that_is_no_sdf(tmp_path, text):
+    path = tmp_path / "box.world"
+    path.write_text(text)
+    for given in ({"spawn_string": None, "spawn_file": str(path)}, {"spawn_string": text, "spawn_file": None}):
+        with pytest.raises(ParameterError, match=r"is no model: its root must be <sdf version="):
+            model._factory(None, argparse.Namespace(**given, model_name=""), None)
+
+
 def test_stepping_a_world_that_does_not_run_raises():
     world = libgz.World()
     with pytest.raises(libgz.ClosedError, match="Initialize"):
@@ -235,6 +244,40 @@ def test_views_that_cannot_be_rendered(capsys, words):
     assert capsys.readouterr().err.startswith(f"libgz picture: argument {words[0]}: invalid ")
 
 
-def test_a_place_that_is_no_number(capsys):
-    assert toolbox.main(["model", "-m", "box", "-x", "nan"]) == 1
-    assert capsys.readouterr().err == "libgz: --pose-x is nan; it must be a finite number\n"
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["model", "-m", "box", "-x", "nan"], "argument -x/--pose-x: invalid coordinate value: 'nan'; it must be a"),
+        (["physics", "-g", "nan,0,0"], "argument -g/--gravity: 'nan,0,0' is not three finite numbers"),
+        (["physics", "-g", "0 0 -inf"], "argument -g/--gravity: '0 0 -inf' is not three finite numbers"),
+        (
+            ["joint", "-m", "box", "-j", "j", "-f", "inf"],
+            "argument -f/--force: invalid force value: 'inf'; it must be a",
+        ),
+        (["joint", "-m", "box", "-j", "j", "--pos-t", "nan"], "argument --pos-t: invalid target value: 'nan'"),
+        (["demo", "--seconds=-1"], "argument --seconds: invalid number of seconds value: '-1'; it must be a number"),
+        (["demo", "--rate", "nan"], "argument --rate: invalid rate value: 'nan'; it must be a finite number, at"),
+    ],
+)
+def test_numbers_that_cannot_be_used(capsys, words, message):
+    with pytest.raises(SystemExit) as end:
+        toolbox.main(words)
+    assert end.value.code == 2
+    assert capsys.readouterr().err.startswith(f"libgz {words[0]}: {message}")
+
+
+@pytest.mark.parametrize("words", [["models"], ["snapshot", "rewind", "1"], ["log"]])
+def test_an_unknown_option_is_reported_by_its_subcommand(capsys, words):
+    with pytest.raises(SystemExit) as end:
+        toolbox.main([*words, "--nojson"])
+    name = f"libgz {' '.join(word for word in words if word.isalpha())}"
+    assert end.value.code == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{name}: unrecognized arguments: --nojson")
+    assert error.endswith(f"; {name} -h lists what is allowed\n")
+
+
+def test_a_text_that_is_no_source_of_a_plugin(tmp_path, capsys):
+    (tmp_path / "model.sdf").write_text("<sdf version='1.6'/>")
+    assert toolbox.main(["cxx", "build", str(tmp_path / "model.sdf")]) == 1
+    assert "model.sdf' is no C++ source: it ends with none of .cc, " in capsys.readouterr().err

@@ -172,7 +172,7 @@ def test_commands_for_worlds_without_an_action_or_with_wrong_numbers_are_errors(
         (["physics", "--step-size=-1"], 2, "argument -s/--step-size: invalid step size value: '-1'"),
         (["physics", "-u", "nan"], 2, "argument -u/--update-rate: invalid update rate value: 'nan'"),
         (["physics", "-i", "0"], 1, "--iters is 0; it must be at least 1"),
-        (["physics", "-g", "1,2"], 2, "'1,2' is not three numbers, such as 0,0,-9.8"),
+        (["physics", "-g", "1,2"], 2, "'1,2' is not three finite numbers, such as 0,0,-9.8"),
     ):
         try:
             found = main(words)

@@ -37,7 +37,9 @@ __all__ = [
     "ShareRecord",
     "SpanRecord",
     "SpringRecord",
+    "SwitchRecord",
     "TableRecord",
+    "TextRecord",
     "TransferRecord",
     "UpdatesRecord",
     "VectorRecord",
@@ -87,6 +89,8 @@ class What(IntEnum):
     ANGLE = 12
     RATE = 13
     VECTOR = 14
+    SWITCH = 15
+    TEXT = 16
 
 
 @cache
@@ -348,6 +352,21 @@ class TransferRecord(ctypes.Structure):
     ]
 
 
+class SwitchRecord(ctypes.Structure):
+    """How often native code ignored other numbers than 0 and 1 since Python counted them, and how often it may."""
+
+    _fields_ = [("ignored", c_int64), ("most_ignored", c_int64)]
+
+    ignored: int
+    most_ignored: int
+
+
+class TextRecord(ctypes.Structure):
+    """A text of clients, as it was seen before and as it is found now; where to write the sim time of that."""
+
+    _fields_ = [("seen", c_void_p), ("found", c_void_p), ("size", c_int64), ("time", c_int64)]
+
+
 class ShareRecord(ctypes.Structure):
     """An exchange with an interface under its lock; it is left out while a client keeps the lock."""
 
@@ -390,7 +409,7 @@ _MIRRORS: tuple[Any, ...] = (
     *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, AxisRecord, OdometryRecord, BatteryRecord),
     *(DifferentialRecord, BicycleRecord, ServoRecord, SpringRecord, CastRecord, ScannerRecord, TransferRecord),
     *(ShareRecord, BeginRecord, PublishRecord, PostRecord, UpdatesRecord, MotionRecord, OperationRecord),
-    *(FormulaRecord, VectorRecord),
+    *(FormulaRecord, VectorRecord, SwitchRecord, TextRecord),
 )
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import re
 from typing import ClassVar
 from xml.sax.saxutils import unescape
 
 from libgz.errors import GazeboError
-from libgz.interfaces.factory import Factory as FactoryInterface
+from libgz.interfaces.factory import GAZEBO_FACTORY_MAX_STRING, Factory as FactoryInterface
 from libgz.legacy.model import Model
 from libgz.legacy.world import LegacyWorld
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
+from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.transport.tally import Tally
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -32,6 +34,7 @@ class Factory(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("_seen",)
+    ROW_PARTS = Model.ROW_PARTS | {"interface"}
 
     behaviour = "adding and removing models on request"
     interfaces = ("factory",)
@@ -42,7 +45,7 @@ class Factory(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.interface = FactoryInterface()
         serve(self, self.interface)
-        self._seen = b""
+        self._text = ctypes.create_string_buffer(GAZEBO_FACTORY_MAX_STRING)  # of the last step; zeros: none
         self._tally = Tally(MOST_REASONS)  # of failed requests
 
     def Fini(self) -> None:  # noqa: D102
@@ -64,6 +67,24 @@ class Factory(Model):
         self.interface.unlock()
         if taken and self.interface.intact():
             self.world.after_step(lambda: self.obey(content))
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as a row: native code waits for a text that has not changed."""
+        if replaced(self, Factory, "Update"):
+            return False
+        exchange = Exchange(self.interface)
+        exchange.text("string", self._text, "time")
+        rows.share(self.Update, exchange)
+        return True
+
+    @property
+    def _seen(self) -> bytes:
+        """The text of the last step; empty without one."""
+        return self._text.raw if self._text.raw[0] else b""
+
+    @_seen.setter
+    def _seen(self, text: bytes) -> None:
+        self._text.raw = text.ljust(len(self._text), b"\0")
 
     def obey(self, content: bytes) -> None:
         """Carry out a request, or warn."""

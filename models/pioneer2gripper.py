@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -17,6 +18,7 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
 from libgz.physics.rays import RayProximity
+from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.simulation.world import World
 from libgz.worldfile.attributes import boolean, read
 from libgz.worldfile.file import WorldFile
@@ -129,6 +131,8 @@ class Pioneer2Gripper(Model):
 
     STATE: ClassVar[tuple[str, ...]] = ("lift", "left", "right", "beams", "commanded", "slow_for")
 
+    ROW_PARTS = Model.ROW_PARTS | {"gripper"}
+
     behaviour = "motors that move and hold its paddles and its lift; the beams between the paddles"
     attributes = GripperAttributes
     interfaces = ("gripper",)
@@ -161,6 +165,7 @@ class Pioneer2Gripper(Model):
         self._old = "gripperState" in self.world.engine.quirks
         self.commanded = (0, 0)  # last directions of paddles and lift other than stop; 0 before the first
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
+        self._command = (ctypes.c_double * 1)()  # that was taken in this step; 0: none
         self.gripper = Gripper(read(GripperAttributes, node).laterInterface)
 
     def _box(
@@ -185,10 +190,41 @@ class Pioneer2Gripper(Model):
         self.gripper.destroy()
 
     def Update(self, step: float) -> None:  # noqa: D102
+        self._take()
+        self._act(step)
+        self._publish()
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows: native code takes the command and publishes, Python does the rest."""
+        if replaced(self, Pioneer2Gripper, "Update"):
+            return False
+        taking, publishing = Exchange(self.gripper), Exchange(self.gripper)
+        taking.fetch(self._command, self.gripper.array("cmd").reshape(1))
+        publishing.now()
+        names = self._published()
+        numbers = (ctypes.c_double * len(names))()
+        for i, name in enumerate(names):
+            publishing.store(self.gripper.array(name).reshape(1), (numbers, i))
+
+        def act(step: float) -> None:
+            self._act(step)
+            numbers[:] = list(self._published().values())
+
+        rows.share(lambda _: self._take(), taking)
+        rows.python(act)
+        rows.share(lambda _: self._publish(), publishing)
+        return True
+
+    def _take(self) -> None:
+        """Take the client's command."""
         if self.gripper.lock():
-            command = int(self.gripper.data.cmd)
+            self._command[0] = self.gripper.data.cmd
             self.gripper.unlock()
-            self._obey(command)
+
+    def _act(self, step: float) -> None:
+        """Obey the command that was taken, if any, and measure."""
+        command, self._command[0] = int(self._command[0]), 0.0
+        self._obey(command)
         if step > 0.0:
             self._watch_grip(step)
         if self._old:
@@ -196,7 +232,6 @@ class Pioneer2Gripper(Model):
             self._aim_old_beams()
         else:
             self._cast_beams()
-        self._publish()
 
     def _obey(self, command: int) -> None:
         """Set the directions that a command requests."""
@@ -283,12 +318,17 @@ class Pioneer2Gripper(Model):
             return 1 if self._old else codes.GAZEBO_GRIPPER_STATE_CLOSED
         return 4 if self._old else codes.GAZEBO_GRIPPER_STATE_MOVING
 
-    def _publish(self) -> None:
+    def _published(self) -> dict[str, int]:
+        """What is published, by the names of the fields that the interface has."""
         state = self._old_state() if self._old else self.state()
+        found = {**state, "state": self._code(state)}
+        return {name: int(value) for name, value in found.items() if hasattr(self.gripper.layout, name)}
+
+    def _publish(self) -> None:
+        published = self._published()
         if self.gripper.lock():
             data = self.gripper.data
             data.time = self.world.GetSimTime()
-            for name, value in {**state, "state": self._code(state)}.items():
-                if hasattr(data, name):
-                    setattr(data, name, int(value))
+            for name, value in published.items():
+                setattr(data, name, value)
             self.gripper.unlock()

@@ -7,9 +7,11 @@ import math
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
 from libgz.interfaces.truth import Truth
 from libgz.legacy.model import Model
+from libgz.models.motion import Motion
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
 from libgz.simulation.entity import Entity
+from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -23,6 +25,8 @@ class TruthWidget(Model):
     A client that writes `cmd_pos` and `cmd_rot` and then sets `cmd_new` moves that model there, at rest. It publishes
     and obeys in every step, also while the world is paused.
     """
+
+    ROW_PARTS = Model.ROW_PARTS | {"truth", "parent"}
 
     behaviour = "moving its robot on request"
     interfaces = ("truth",)
@@ -59,6 +63,23 @@ class TruthWidget(Model):
         if wanted is not None and self.truth.intact() and self.guard.switch("cmd_new", new, False):
             self._move(wanted)
             self._publish()
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows: native code publishes, Python moves the model."""
+        subject = self._subject
+        if replaced(self, TruthWidget, "Update") or replaced(subject, Entity, "GetPose", "GetBody"):
+            return False
+        motion, exchange = Motion(), Exchange(self.truth)
+        exchange.switch("cmd_new", self.guard.switch_record("cmd_new"))
+        exchange.now()
+        exchange.doubles("pos", (motion, "position"), 3)
+        if len(self.truth.data.rot) == 4:
+            exchange.doubles("rot", (motion, "rotation"), 4)
+        else:
+            exchange.doubles("rot", (motion, "attitude"), 3)
+        motion.add_row(rows, subject.GetBody())
+        rows.share(self.Update, exchange)
+        return True
 
     @property
     def _subject(self) -> Entity:

@@ -518,7 +518,10 @@ static int hits_marked(const tables *t, const cast *c)
 
 /* What is exchanged with an interface. First come the conditions: where one is not met, Python does the row. */
 /* What in records.py. */
-enum { REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS, STORE, FETCH, ANGLE, RATE, VECTOR };
+enum {
+    REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS, STORE, FETCH, ANGLE, RATE, VECTOR,
+    SWITCH, TEXT
+};
 
 typedef struct {
     int64_t what;
@@ -546,6 +549,26 @@ static void write_vector(const vector *v, char *to)
     for (k = 0; k < 3; k++)
         found[k] = v->scale * found[k];
     memcpy(to, found, 3 * sizeof(double));
+}
+
+/* How often other numbers than 0 and 1 were ignored here since Python counted them; more are for Python to report. */
+typedef struct {
+    int64_t ignored, most_ignored;
+} switch_record;
+
+/* A text: as it was at the last exchange that found one, and as it is now. */
+typedef struct {
+    char *seen, *found;
+    int64_t size, time; /* where in the interface to write when it was found */
+} text_record;
+
+/* Whether there is no text, or one that has changed since the last exchange: clients may still be writing it. */
+static int is_unsettled(const text_record *r, const char *text)
+{
+    r->found[0] = text[0];
+    if (r->found[0])
+        memcpy(r->found, text, (size_t)r->size);
+    return !r->found[0] || memcmp(r->found, r->seen, (size_t)r->size);
 }
 
 typedef struct {
@@ -590,6 +613,11 @@ static int is_met(const tables *t, const transfer *x, const char *memory)
         return value == expected || (value != value && expected != expected); /* NaN that was refused stays refused */
     case UNMARKED:
         return !hits_marked(t, x->source);
+    case SWITCH:
+        memcpy(&number, memory + x->offset, sizeof number);
+        return number == 0;
+    case TEXT:
+        return is_unsettled(x->source, memory + x->offset);
     case ANGLE:
     case RATE:
         return is_fresh(t, x->source);
@@ -644,6 +672,14 @@ static void move(const tables *t, const clock_record *clock, const transfer *x, 
     case VECTOR:
         write_vector(x->source, to);
         break;
+    case TEXT: {
+        const text_record *r = x->source;
+        if (r->found[0]) {
+            memcpy(r->seen, r->found, (size_t)r->size);
+            memcpy(memory + r->time, &clock->sim_time, sizeof(double));
+        }
+        break;
+    }
     case READINGS:
         for (i = 0; i < x->count; i++) {
             double range = reading(x->source, i);
@@ -674,12 +710,29 @@ static int is_left_out(const share *s)
     return is_still_blocked(s->link);
 }
 
-static int are_met(const tables *t, const share *s)
+/* The first condition that is not met, or NULL. */
+static const transfer *unmet(const tables *t, const share *s)
 {
     int64_t i;
     for (i = 0; i < s->count; i++)
         if (!is_met(t, s->transfers + i, s->link->memory))
-            return 0;
+            return s->transfers + i;
+    return NULL;
+}
+
+/* Clear a switch that is neither 0 nor 1, and those after it that mean nothing then; 0 if Python has to look: it is a
+ * command, or the log is due. */
+static int ignore(const transfer *x, char *memory)
+{
+    switch_record *r = x->source;
+    int32_t number;
+    if (x->what != SWITCH || r->ignored >= r->most_ignored)
+        return 0;
+    memcpy(&number, memory + x->offset, sizeof number);
+    if (number == 0 || number == 1)
+        return 0;
+    r->ignored++;
+    memset(memory + x->offset, 0, (size_t)x->count * sizeof number);
     return 1;
 }
 
@@ -687,20 +740,24 @@ static const int RESTORATIONS = 8; /* in one exchange: a client may overwrite co
 
 static int exchange(const tables *t, const clock_record *clock, const share *s)
 {
+    link_record *l = s->link;
+    const transfer *x;
     int64_t i;
     int left = RESTORATIONS;
     if (is_left_out(s))
         return 1;
-    if (!take(s->link))
+    if (!take(l))
         return 0;
-    while (!are_met(t, s))
-        if (s->link->descriptor < 0 || is_intact(s->link) || !left-- || !restore(s->link)) {
-            give_back(s->link);
+    while ((x = unmet(t, s))) {
+        int overwritten = l->descriptor >= 0 && !is_intact(l);
+        if (!left-- || !(overwritten ? restore(l) : ignore(x, l->memory))) {
+            give_back(l);
             return 0;
         }
+    }
     for (i = 0; i < s->count; i++)
-        move(t, clock, s->transfers + i, s->link->memory);
-    give_back(s->link);
+        move(t, clock, s->transfers + i, l->memory);
+    give_back(l);
     return 1;
 }
 
@@ -867,6 +924,6 @@ const int64_t *gz_updates_sizes(void)
         sizeof(differential), sizeof(bicycle),      sizeof(servo),    sizeof(spring),      sizeof(cast),
         sizeof(scanner),      sizeof(transfer),     sizeof(share),    sizeof(beginning),   sizeof(publishing),  sizeof(posting),
         sizeof(updates),      sizeof(motion),       sizeof(operation), sizeof(formula),
-        sizeof(vector),       0};
+        sizeof(vector),       sizeof(switch_record), sizeof(text_record), 0};
     return sizes;
 }

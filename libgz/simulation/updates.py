@@ -43,6 +43,8 @@ from libgz.records import (
     ServoRecord,
     ShareRecord,
     SpringRecord,
+    SwitchRecord,
+    TextRecord,
     TransferRecord,
     UpdatesRecord,
     VectorRecord,
@@ -132,7 +134,8 @@ def _nothing(_step: float) -> None:
     """The twin of rows that native code can always do."""
 
 
-OF_CLIENTS = (What.REQUIRE, What.EXPECT_INT, What.EXPECT_DOUBLE)  # conditions that clients meet, or do not
+# Conditions that clients meet, or do not.
+OF_CLIENTS = (What.REQUIRE, What.EXPECT_INT, What.EXPECT_DOUBLE, What.SWITCH, What.TEXT)
 
 
 class _Line(NamedTuple):
@@ -169,6 +172,32 @@ class Exchange:
         """Condition: an int or a double of the interface is equal to an int64 or a double of ours."""
         whole = self._is_double(name)
         self._add(What.EXPECT_DOUBLE if whole else What.EXPECT_INT, self._place(name, index), source)
+
+    def switch(self, name: str, record: SwitchRecord, count: int = 1) -> None:
+        """Condition: an int that clients set to 1 is 0.
+
+        Any other number is no command but overwritten memory, and is set to 0.
+
+        Args:
+            name: of the field.
+            record: how often that may happen before Python has to warn, by `Guard.switch_record`.
+            count: how many ints, from this one on, are set to 0 then.
+        """
+        self._add(What.SWITCH, self._place(name), record, count)
+
+    def text(self, name: str, seen: ctypes.Array[ctypes.c_char], time: str) -> None:
+        """Condition: there is no text, or one that clients may still be writing, for it has changed.
+
+        Args:
+            name: of the field.
+            seen: the text at the last exchange that found one; zeros: none. It is updated.
+            time: the field to which the sim time [s] is written when a text is found.
+        """
+        size = len(seen)
+        place = self._place(name, 0, size)
+        found = ctypes.create_string_buffer(size)
+        self.kept.append((seen, found))
+        self._add(What.TEXT, place, TextRecord(address_of(seen), address_of(found), size, self._place(time)), size)
 
     def unmarked(self, cast: CastRecord) -> None:
         """Condition: no ray hit a geom that reflects or has a fiducial number."""

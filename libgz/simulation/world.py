@@ -801,8 +801,9 @@ class World(Closing):
         buttons, times = Exchange(self.sim), Exchange(self.sim)
         if self.sim.link.memory:
             buttons.require(self._going)  # a paused world stays so while a client keeps the lock
-            for name in ("pause", "reset", "save"):
-                buttons.expect(name, ctypes.c_int64(0))
+            switches = ("pause", "reset", "save")
+            for i, name in enumerate(switches):  # beside an invalid pause, the others mean nothing
+                buttons.switch(name, self._guard.switch_record(name), 1 if i else len(switches))
             times.doubles("sim_time", (self.clock, "sim_time"))
             times.doubles("pause_time", (self.clock, "pause_time"))
             times.real_time("real_time")

@@ -1,8 +1,11 @@
 """The buttons of the sim interface: numbers other than 0 and 1 are overwritten memory, not commands."""
 
+import random
+
 import pytest
 
 import libgz
+from libgz.ode.native_step import native_path
 
 
 @pytest.mark.parametrize("paused", [False, True])
@@ -30,3 +33,48 @@ def test_random_numbers_do_not_pause_reset_or_save(wire, paused, caplog):
             assert resets == [1]
             assert world.paused != paused
     assert sum("sim.default: pause" in message for message in caplog.messages) == 1
+
+
+@pytest.mark.skipif(native_path() is None, reason="the native step was not built")
+def test_random_numbers_cost_python_only_what_is_logged(wire, monkeypatch, caplog):
+    with libgz.World(wire) as world:
+        world.Initialize()
+        world.step(2)
+        data, read, own = world.sim.data, [], world._read_buttons
+        monkeypatch.setattr(world, "_read_buttons", lambda: read.append(1) or own())
+        for name in ("pause", "reset", "save"):
+            for number in range(2, 152):
+                setattr(data, name, number)
+                world.step()
+                assert (data.pause, data.reset, data.save) == (0, 0, 0)
+        assert len(read) == 3 * 2
+        data.pause, data.reset, data.save = 7, 1, 1  # beside an invalid pause, the others mean nothing
+        world.step()
+        assert (data.pause, data.reset, data.save) == (0, 0, 0)
+        assert world.iterations == 2 + 3 * 150 + 1
+    assert [message.partition(" is ")[0] for message in caplog.messages] == [
+        f"a client wrote sim.default: {name}" for name in ("pause", "reset", "save") for _ in range(2)
+    ]
+    assert caplog.messages[1].endswith("(100 times so far)")
+
+
+@pytest.mark.skipif(native_path() is None, reason="the native step was not built")
+def test_native_code_reads_buttons_as_python_does(caplog):
+    rng, done = random.Random(3), {True: [], False: []}
+    with libgz.World() as native, libgz.World() as twin:
+        twin.rows.enabled = False
+        for world in (native, twin):
+            world.Initialize()
+            acts = done[world is native]
+            world.Save = lambda acts=acts: acts.append("save")
+            world.era.press_reset = lambda _, acts=acts: acts.append("reset")
+        for step in range(2000):
+            numbers = [rng.choice((0, 0, 0, 0, 1, 2, -1, 1 << 30)) for _ in range(3)]
+            for world in (native, twin):
+                data = world.sim.data
+                data.pause, data.reset, data.save = numbers
+                world.step()
+                done[world is native].append((data.pause, data.reset, data.save, world.paused, world.iterations))
+            assert done[True] == done[False], step
+    assert {"save", "reset"} < set(done[True])
+    assert caplog.messages == [message for message in caplog.messages[::2] for _ in range(2)], "both log the same"

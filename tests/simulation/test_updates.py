@@ -6,7 +6,7 @@ import os
 import random
 import re
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -96,6 +96,11 @@ def together(worlds, action):
         action(world)
 
 
+def file_of(world, name):
+    """The file of an interface."""
+    return Path(f"{world.gz_server.path}/{name}").open("r+b", buffering=0)
+
+
 def kinds(world):
     """How many rows there are of each kind."""
     world.step()
@@ -155,6 +160,129 @@ def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
             compare(worlds)
         assert native.get_state() == twin.get_state()
         assert seen == {0, 1}, "no laser detects the reflector, or one always does"
+
+
+def python_of(world, monkeypatch):
+    """The models whose rows Python does from now on, as a list that grows."""
+    called, own = [], world._call
+
+    def call(entity, update, step):
+        called.append(entity.GetId())
+        return own(entity, update, step)
+
+    monkeypatch.setattr(world, "_call", call)
+    return called
+
+
+@pytest.mark.parametrize("version", [0x060, 0x050])
+def test_a_truth_widget_publishes_natively_and_moves_its_robot(version, monkeypatch):
+    rng = random.Random(8)
+    truth = "<model:TruthWidget><id>{}</id></model:TruthWidget>"
+    text = (
+        f"{HEAD}<model:GroundPlane/>{truth.format('own')}<model:SimpleSolid><id>ball</id><xyz>3 0 1</xyz>"
+        f"{truth.format('t')}</model:SimpleSolid></gz:world>"
+    )
+    with pair(text, wire_version=version) as worlds:
+        together(worlds, lambda world: world.step())
+        called = python_of(worlds[0], monkeypatch)
+        for step in range(300):
+            if step % 7 == 0:
+                new, name = rng.choice((0, 1, 1, 2, -5)), rng.choice(("t", "own"))
+                numbers = [rng.choice((rng.uniform(-2, 2), math.nan if step > 200 else 0.5)) for _ in range(7)]
+
+                def write(world, new=new, numbers=numbers, name=name):
+                    data = world.interface("truth", name).data
+                    data.cmd_pos[:], data.cmd_rot[:] = numbers[:3], numbers[3 : 3 + len(data.cmd_rot)]
+                    data.cmd_new = new
+
+                together(worlds, write)
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+        together(worlds, lambda world: world.step(5))
+        called.clear()
+        together(worlds, lambda world: world.step(20))
+        assert called == ["own"] * 20, "the place of a dummy is Python's"
+        ball = worlds[0].model("ball")
+        assert worlds[0].interface("truth", "t").data.pos[0] == pytest.approx(ball.GetPose().pos.x, abs=1e-3)
+
+
+def test_overwritten_requests_of_a_truth_widget_are_counted_natively(monkeypatch, caplog):
+    truth = "<model:TruthWidget><id>t</id></model:TruthWidget>"
+    robot = ROBOTS[3].replace("</model:B21R>", f"{truth}</model:B21R>")
+    with libgz.World.from_string(f"{HEAD}{robot}</gz:world>") as world:
+        world.step()
+        called, data = python_of(world, monkeypatch), world.interface("truth", "t").data
+        for number in range(2, 152):
+            data.cmd_new = number
+            world.step()
+            assert data.cmd_new == 0
+        assert called.count("t") == 2
+    logged = [message for message in caplog.messages if "cmd_new" in message]
+    assert len(logged) == 2
+    assert logged[1].endswith("(100 times so far)")
+
+
+def test_a_truth_widget_that_gets_another_parent_publishes_its_pose():
+    solid = "<model:SimpleSolid><id>{0}</id><xyz>{1} 0 0.5</xyz>{2}</model:SimpleSolid>"
+    truth = "<model:TruthWidget><id>t</id></model:TruthWidget>"
+    with libgz.World.from_string(f"{HEAD}{solid.format('a', 0, truth)}{solid.format('b', 5, '')}</gz:world>") as world:
+        world.step(2)
+        widget, other = world.model("t"), world.model("b")
+        widget.SetParent(other, other.GetBody())
+        world.step(2)
+        assert world.interface("truth", "t").data.pos[0] == pytest.approx(5)
+
+
+def test_a_factory_reads_texts_natively_until_one_is_whole(monkeypatch):
+    text = f"{HEAD}<model:GroundPlane/><model:Factory><id>f</id></model:Factory></gz:world>"
+    solid = "<model:SimpleSolid><id>s{}</id><xyz>{} 0 1</xyz></model:SimpleSolid>"
+    writes = {3: b"<model:Sim", 4: b"<model:SimpleSol", 5: solid.format(1, 1).encode(), 20: solid.format(2, 2).encode()}
+    writes |= {21: b"", 22: solid.format(2, 2).encode(), 30: b"x" * 4096, 40: b"<delete>s1</delete>"}
+    with pair(text) as worlds:
+        together(worlds, lambda world: world.step())
+        called, states = python_of(worlds[0], monkeypatch), []
+        for step in range(60):
+            if step in writes:
+
+                def write(world, content=writes[step]):
+                    string = world.interface("factory", "f").string
+                    string[:] = list(content.ljust(len(string), b"\0"))
+
+                together(worlds, write)
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+            assert [len(world.models) for world in worlds] == [len(worlds[1].models)] * 2
+            if step in (3, 10, 20):
+                states.append([world.get_state() for world in worlds])
+                assert states[-1][0] == states[-1][1]
+        assert called == ["f"] * 4, "for texts that have not changed"
+        assert [model.GetId() for model in worlds[0].models] == ["GroundPlane", "f", "s2"]
+        together(worlds, lambda world: world.set_state(states[2][0]))
+        together(worlds, lambda world: world.step())
+        compare(worlds)
+        assert [world.model("s2").GetId() for world in worlds] == ["s2", "s2"], "the text was seen before"
+
+
+@pytest.mark.parametrize("quirks", ["", "<legacyQuirks>gripperState</legacyQuirks>"])
+@pytest.mark.parametrize("later", ["false", "true"])
+def test_a_gripper_takes_and_publishes_natively(quirks, later, wire):
+    settings = f"<param:Global>{quirks}</param:Global>"
+    robot = ROBOTS[1].replace("<id>grip</id>", f"<id>grip</id><laterInterface>{later}</laterInterface>")
+    with pair(f"{HEAD}{settings}<model:GroundPlane/>{robot}</gz:world>", server_id=wire) as worlds, ExitStack() as held:
+        rng = random.Random(6)
+        for step in range(200):
+            if step % 25 == 3:
+                command = rng.choice((1, 2, 2, 3, 4, 5, 7, 8, 99, -1))
+                together(worlds, lambda world, command=command: world.interface("gripper", "grip").command(command))
+            if step == 105:
+                for world in worlds:
+                    fcntl.flock(held.enter_context(file_of(world, "gripper.grip")), fcntl.LOCK_EX)
+            if step == 115:
+                held.close()
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+        found = kinds(worlds[0])
+        assert (found[Kind.PYTHON], found[Kind.SHARE]) == (2, 2 + 3 + 3 + 1 + 2)  # what it measures; a follower
 
 
 def test_the_rows_of_a_robot_are_native():
@@ -345,9 +473,6 @@ def test_served_worlds_are_equal_while_clients_lock_overwrite_and_truncate(wire)
     text = f"{HEAD}<model:GroundPlane/>{''.join(ROBOTS[:2])}</gz:world>"
     with pair(text, server_id=wire) as worlds:
         together(worlds, lambda world: world.step(3))
-
-        def file_of(world, name):
-            return Path(f"{world.gz_server.path}/{name}").open("r+b", buffering=0)
 
         held = []
         for step in range(150):

@@ -362,6 +362,7 @@ class SdfWorld(Era):
         for entity in moved:
             if entity.parent is None:
                 entity.restore()
+        world.events["TimeReset"]()
         for companion in world.companions:
             companion.reset()
         world.events["WorldReset"]()

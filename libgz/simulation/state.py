@@ -266,7 +266,8 @@ class Seldom:
 
     def __set__(self, thing: Any, value: Any) -> None:  # without a __get__, reading costs nothing more
         kept, name = vars(thing), self._name
-        if type(value) not in _PLAIN or name not in kept or kept[name] is not value:  # a list may have been changed in place
+        # A list that is set again may have been changed in place.
+        if type(value) not in _PLAIN or name not in kept or kept[name] is not value:
             kept[name] = value
             changes.count()
 

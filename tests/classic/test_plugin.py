@@ -200,6 +200,7 @@ def test_events_have_classics_order_and_arguments(plugin, run):
         Events.ConnectWorldUpdateEnd(lambda: received.append(("end", box.WorldPose().Pos().Z() < 10.0))),
         Events.ConnectPause(lambda on: received.append(("pause", on))),
         Events.ConnectWorldReset(lambda: received.append(("reset", view.SimTime().Double()))),
+        Events.ConnectTimeReset(lambda: received.append(("time", view.SimTime().Double()))),
     ]
     world.step()
     assert received == [("begin", "default", 1), ("before", pytest.approx(10.0, abs=1e-9)), ("end", True)]
@@ -208,7 +209,7 @@ def test_events_have_classics_order_and_arguments(plugin, run):
     world.step(3)
     view.SetPaused(False)
     view.Reset()
-    assert received == [("pause", True), ("pause", False), ("reset", 0.0)]
+    assert received == [("pause", True), ("pause", False), ("time", 0.0), ("reset", 0.0)]
     assert box.WorldPose().Pos().Z() == pytest.approx(10.0, abs=1e-12)
     del kept
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Any, TypeVar
 
+from libgz.errors import ParameterError
 from libgz.interfaces.actarray import Actarray
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.factory import Factory
@@ -77,7 +78,10 @@ class Client(WireClient):
 
         Raises:
             InterfaceError: the id is invalid, or the server serves no interface of this type and id.
+            ParameterError: this is no interface object.
         """
+        if not isinstance(interface, Interface):
+            raise ParameterError(f"{interface!r} is no interface object, such as Position()")
         for opened in self.opened:
             if type(opened) is type(interface) and opened.id == id and not opened.replaced:
                 return opened

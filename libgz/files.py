@@ -116,7 +116,7 @@ def _replace(target: Path, data: bytes) -> None:
     # Renaming would replace a write-protected file all the same.
     if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
         raise PermissionError(errno.EACCES, "it is write-protected", str(target))
-    folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    folder = os.open(target.parent, os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC)  # it need not be readable
     try:
         _write_and_rename(folder, target.name, data, mode)
     finally:

@@ -49,7 +49,11 @@ def test_a_client_drives_the_robot_of_a_running_server(gazebo):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signals_end_it_cleanly(gazebo, number):
-    server = gazebo(WORLD)
+    before = signal.signal(number, signal.SIG_DFL)  # under nohup a server ignores SIGHUP
+    try:
+        server = gazebo(WORLD)
+    finally:
+        signal.signal(number, before)
     assert server.stop(number)[0] == 0
     assert not server.directory.exists()
 

@@ -94,6 +94,8 @@ def test_the_error_for_a_missing_interface_names_similar_ones(server):
             client.position("robt1")
         with pytest.raises(libgz.InterfaceError, match="serves no laser interface"):
             client.laser("laser1")
+        with pytest.raises(libgz.ParameterError, match="'position' is no interface object, such as Position"):
+            client.open("position", "robot1")  # type: ignore[type-var]
 
 
 def test_a_file_that_is_too_short_is_refused(server):

@@ -19,7 +19,6 @@ from trials.table import trial
 
 import libgz
 from libgz.interfaces.catalog import new_interface
-from libgz.models.pantilt import PanTiltCamera
 from libgz.transport.patience import Patience
 
 pytestmark = pytest.mark.trial
@@ -114,15 +113,10 @@ class Waits(Patience):
 
 
 class Twins:
-    """A server that is attacked and one that never is, which step in turn: both have the same load beside them.
-
-    Random numbers within their limits are commands. Of cameras, obeying them costs: what is seen changes, and what its
-    image takes. So the other server's turn as the attacked one's do.
-    """
+    """A server that is attacked and one that never is, which step in turn: both have the same load beside them."""
 
     def __init__(self, worlds: list[libgz.World]) -> None:
         self.worlds = worlds
-        self._cameras = [model for model in worlds[0].models if isinstance(model, PanTiltCamera)]
         self.chunk = 1
         begin = time.process_time()
         self._times()
@@ -134,9 +128,6 @@ class Twins:
     def _times(self) -> list[float]:
         """What each needs for the next steps: processor time and waits for locks, not what other processes take [s]."""
         found = []
-        for camera in self._cameras:
-            data = self.worlds[1].interface("ptz", camera.GetId()).data
-            data.cmd_pan, data.cmd_tilt, data.cmd_zoom = camera.ptz.command
         for world in self.worlds:
             patience = world.gz_server.patience
             waited, used = patience.total, time.process_time()

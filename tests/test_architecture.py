@@ -14,7 +14,7 @@ ROOT = Path(__file__).parent.parent
 
 # From the bottom up; imports go downwards only, and not between packages of one row.
 LAYERS = [
-    ["errors", "files", "closing", "digest", "_version"],
+    ["errors", "files", "closing", "digest", "waiting", "_version"],
     ["entities", "geometry", "records"],
     ["ode"],
     ["physics", "transport", "worldfile", "sdf"],

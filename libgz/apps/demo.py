@@ -18,12 +18,12 @@ from libgz.apps.view_process import add_view_options
 from libgz.errors import GazeboError, ServerError
 from libgz.files import installed_worlds
 from libgz.interfaces.client import Client
+from libgz.waiting import PERIOD
 
 __all__ = ["configure", "run"]
 
 SPEED, TURN = 0.3, 0.4  # [m/s], [rad/s]
 PATIENCE = 20.0  # [s] to wait for the server
-PERIOD = 0.1  # [s] between two looks whether the server runs
 NOT_YET = "-"  # instead of a value that the server has not posted
 HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m]  battery [V]  real-time factor"
 
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
                 _drive(server_id, world, seconds, shown)
                 if shown:
                     print("the page stays until Ctrl-C; drive on with W A S D")
-                    while server.poll() is None:  # a signal that comes just before a wait does not end it
+                    while server.poll() is None:
                         time.sleep(PERIOD)
         except KeyboardInterrupt:
             stopped = True

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.ode.lib import ode
+from libgz.waiting import wait_for
 
 __all__ = ["LARGE", "new_mesh_data"]
 
 LARGE = 20_000  # triangles, whose tree takes about 20 ms
-PERIOD = 0.1  # [s] of waits
 
 
 def new_mesh_data(vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> int:
@@ -50,8 +50,7 @@ class _Build:
         """The handle, as soon as the tree is built."""
         try:
             self._thread.start()
-            while not self._built.wait(PERIOD):  # a signal that comes just before a wait does not end it
-                pass
+            wait_for(self._built)
         except BaseException:
             with self._lock:
                 self._abandoned = True

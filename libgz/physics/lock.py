@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 import re
 import sys
 import threading
@@ -12,10 +13,11 @@ from collections.abc import Callable
 from ctypes import c_int64
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
+from libgz.waiting import PERIOD
+
 __all__ = ["WorldLock", "built", "exclusive"]
 
 LONG = 5.0  # [s] of waiting, after which it is reported
-PERIOD = 0.1  # [s] of waits
 _YIELD = 0.1  # [s] at most that a step waits for threads that were waiting first
 _OWNER = re.compile(r"owner=(\d+)")
 
@@ -58,23 +60,16 @@ class WorldLock:
     def wait(self) -> None:
         """Hold the lock, which another thread holds, as soon as it is released."""
         me = threading.get_ident()
-        self.waiting[me] = time.monotonic()
-        self.wanted.value = 1
+        self.waiting[me] = begin = time.monotonic()
+        self.wanted.value, due = 1, begin + LONG
         try:
-            if not self._acquire_within(LONG):
-                if self.report is not None:
-                    self.report(self.holder)
-                while not self._acquire_within(LONG):
-                    pass
+            while not self._lock.acquire(timeout=PERIOD):
+                if time.monotonic() >= due:
+                    due = math.inf
+                    if self.report is not None:
+                        self.report(self.holder)
         finally:
             self.waiting.pop(me, None)
-
-    def _acquire_within(self, seconds: float) -> bool:
-        end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0.0:
-            if self._lock.acquire(timeout=min(PERIOD, left)):  # a signal that comes just before a wait does not end it
-                return True
-        return False
 
     def give_way(self) -> None:
         """Let those that wait now hold the lock first: a thread that steps without a pause would keep it for ever."""

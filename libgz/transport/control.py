@@ -17,13 +17,13 @@ from pathlib import Path
 
 from libgz.errors import ServerError
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
+from libgz.waiting import wait_for
 
 __all__ = ["Control", "Request", "ask"]
 
 LONGEST_LINE = 256  # [byte]
 MOST = 1 << 31  # [byte]
 PATIENCE = 10.0  # [s] for each part of a request to arrive
-PERIOD = 0.1  # [s] of waits
 
 
 @dataclass
@@ -48,8 +48,7 @@ class Request:
 
     def wait(self) -> tuple[str, bytes]:
         """The answer, once there is one."""
-        while not self._answered.wait(PERIOD):  # a signal that comes just before a wait does not end it
-            pass
+        wait_for(self._answered)
         return self._answer or ("error", b"")
 
 

@@ -13,6 +13,7 @@ import time
 
 from libgz.errors import InterfaceError, ParameterError, ServerGoneError
 from libgz.records import PostRecord
+from libgz.waiting import PERIOD
 
 __all__ = ["CLIENTS", "GZ_SEM_KEY", "SemaphoreSet"]
 
@@ -24,7 +25,6 @@ IPC_RMID = 0
 GETPID, GETVAL, GETNCNT, SETALL = 11, 12, 14, 17
 SEM_UNDO = 0x1000
 MODE = 0o700
-PERIOD = 0.1  # [s] of waits
 
 
 class _SemBuf(ctypes.Structure):
@@ -166,7 +166,7 @@ class SemaphoreSet:
             if _libc.semtimedop(self._handle, ctypes.byref(operation), 1, ctypes.byref(limit)) == 0:
                 return True
             error = ctypes.get_errno()
-            if error == errno.EAGAIN:  # a signal that comes just before a wait does not end it
+            if error == errno.EAGAIN:
                 if end is not None and time.monotonic() >= end:
                     return False
                 continue

@@ -44,7 +44,7 @@ fi
 
 # Reinstall when a file was added or removed, a build input changed, a compiler came, or build/ was removed: the installed
 # tree is there, and links to this one.
-state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.py setup.cfg pyproject.toml libgz/ode/step.c libgz/ode/*.h libgz/ode/resting.c libgz/ode/updates.c libgz/ode/blocks.c libgz/recording/changes.c libgz/rendering/frame.c libgz/rendering/pixels.c libgz/transport/*.c libgz/clib/*.[ch] libgz/cxx/host.c; has_compiler && echo compiler; } | cksum)
+state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.py setup.cfg pyproject.toml libgz/ode/step.c libgz/ode/*.h libgz/ode/resting.c libgz/ode/updates.c libgz/ode/blocks.c libgz/ode/calls.c libgz/recording/changes.c libgz/rendering/frame.c libgz/rendering/pixels.c libgz/transport/*.c libgz/clib/*.[ch] libgz/cxx/host.c; has_compiler && echo compiler; } | cksum)
 if [ ! -d build ] || [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
     echo "installing the package into .venv"
     rm -rf build

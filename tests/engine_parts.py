@@ -108,3 +108,14 @@ def busy_world():
         hinge.SetAnchor(one.GetPosition())
         hinge.SetAxis((0, 1, 0))
     return engine
+
+
+def unsolvable():
+    """A world whose steps ODE cannot solve, and the body whose rotation is the cause."""
+    engine = Engine(gravity=(0, 0, 0))
+    one, two = (solid(engine, box(0.1, 0.1, 0.1), position=(x, 0, 0)) for x in (0, 1))
+    joint = libgz.UniversalJoint(engine)
+    joint.Attach(one, two)
+    joint.SetAxes((0, 0, 1), (0, 1, 0))
+    two.SetRotation((0.5, 0.5, 0.5, 0.5))  # y to z, which brings the axes together
+    return engine, two

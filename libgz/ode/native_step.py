@@ -45,6 +45,7 @@ class NativeStep:
         self._context = context
         self._buffer, self._size = ctypes.create_string_buffer(0), c_int64(0)  # of the last state
         self._address = ctypes.addressof(context)
+        self._shared.gz_use_calls(context.world)
         # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
         self._publish = functools.partial(self._shared["gz_publish"], c_void_p(self._address))
@@ -91,6 +92,8 @@ class NativeStep:
         addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
         library.gz_step_bind(addresses)
         library.gz_use_blocks.argtypes = [c_void_p]
+        library.gz_use_calls.argtypes, library.gz_use_calls.restype = [c_void_p], None
+        library.gz_calls_made.restype = c_int64
         library.gz_use_blocks((c_void_p * len(_ALLOCATORS))(*(ode().address(name) for name in _ALLOCATORS)))
         return library
 

@@ -5,6 +5,7 @@
  * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories
  * are equal to the last bit; a test compares them.
  */
+#include "calls.h"
 #include "memory.h"
 #include "resting.h"
 
@@ -112,6 +113,7 @@ typedef struct {
     X(void, dBodySetAutoDisableTime, (void *, double))                          \
     X(void, dWorldCleanupWorkingMemory, (void *))                               \
     X(int, dWorldSetStepMemoryManager, (void *, const memory_functions *))      \
+    X(void, dWorldSetStepThreadingImplementation, (void *, const call_functions *, void *)) \
     X(void, dRandSetSeed, (unsigned long))                                      \
     X(unsigned long, dRandGetSeed, (void))                                      \
     X(message_handler *, dGetDebugHandler, (void))                              \
@@ -186,6 +188,9 @@ static void on_failed_assertion(int number, const char *text, va_list arguments)
         other_handler(number, text, arguments);
 }
 
+/* Only solve() has ODE post calls. */
+void gz_abandon_step(void) { JUMP_BACK(escape); }
+
 void gz_step_bind(void *const *addresses)
 {
 #define BIND(result, name, arguments) *(void **)&name = *addresses++;
@@ -193,6 +198,9 @@ void gz_step_bind(void *const *addresses)
     other_handler = dGetDebugHandler();
     dSetDebugHandler(on_failed_assertion);
 }
+
+/* Have ODE queue the calls of this world's steps in calls.c. */
+void gz_use_calls(void *world) { dWorldSetStepThreadingImplementation(world, &gz_call_functions, &gz_calls); }
 
 /* One contact point of a step, as it is reported; the same as CONTACT in context.py. */
 typedef struct {
@@ -2119,6 +2127,8 @@ static int solve(context *c)
         c->parted = 0;
         bring_back(c);
     }
+    if (c->abandoned)
+        gz_drop_calls();
     if (c->abandoned || c->own_memory)
         free_step_memory(c);
     if (done && !c->abandoned)
@@ -2139,9 +2149,10 @@ static int solve(context *c)
  * meanwhile; so only one thread at a time may be in ODE. */
 static pthread_mutex_t ode_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* A forked child does not have the thread that may hold the lock. */
+/* A forked child does not have the thread that may hold the lock, and its step is not continued. */
 static void free_in_child(void)
 {
+    gz_drop_calls();
     pthread_mutex_init(&ode_lock, NULL);
 }
 

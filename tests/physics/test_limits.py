@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from engine_parts import INF, box, in_both_forms, solid, use_classic, use_form
+from engine_parts import INF, box, in_both_forms, solid, unsolvable, use_classic, use_form
 
 import libgz
 from libgz.errors import ParameterError
@@ -203,17 +203,6 @@ def test_a_pair_whose_collision_detection_fails_is_skipped(monkeypatch, caplog):
     fall = 9.8 * 0.02**2 * 15
     assert tuple(wide.GetPosition()) == pytest.approx((0, 0, 3.2 - fall))
     assert tuple(ball.GetPosition()) == pytest.approx((0, 0, 9 - fall))
-
-
-def unsolvable():
-    """A world whose steps ODE cannot solve, and the body whose rotation is the cause."""
-    engine = Engine(gravity=(0, 0, 0))
-    one, two = (solid(engine, box(0.1, 0.1, 0.1), position=(x, 0, 0)) for x in (0, 1))
-    joint = libgz.UniversalJoint(engine)
-    joint.Attach(one, two)
-    joint.SetAxes((0, 0, 1), (0, 1, 0))
-    two.SetRotation((0.5, 0.5, 0.5, 0.5))  # y to z, which brings the axes together
-    return engine, two
 
 
 def test_a_step_that_ode_cannot_solve_is_reported(monkeypatch, caplog):

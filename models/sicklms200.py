@@ -159,7 +159,7 @@ class SickLMS200(Model):
             return False
         requests = Exchange(self.laser)
         for name in ("cmd_new_angle", "cmd_new_length"):
-            requests.expect(name, ctypes.c_int64(0))
+            requests.switch(name, self.guard.switch_record(name))
         with rows.due(self.rate):
             rows.share(lambda _: self._take_command(), requests)
             cast = rows.cast(lambda _: self.rays.Update(), self.rays)

@@ -171,14 +171,18 @@ static void keep_commands(link_record *l)
     l->kept_any = 1;
 }
 
-static void give_back(link_record *l)
+static void release(link_record *l)
 {
     l->exchanges++;
-    if (l->descriptor < 0)
-        return;
-    if (l->keeps)
+    if (l->descriptor >= 0)
+        flock((int)l->descriptor, LOCK_UN);
+}
+
+static void give_back(link_record *l)
+{
+    if (l->keeps && l->descriptor >= 0)
         keep_commands(l);
-    flock((int)l->descriptor, LOCK_UN);
+    release(l);
 }
 
 /* Rows -------------------------------------------------------------------------------------------------------- */
@@ -751,7 +755,7 @@ static int exchange(const tables *t, const clock_record *clock, const share *s)
     while ((x = unmet(t, s))) {
         int overwritten = l->descriptor >= 0 && !is_intact(l);
         if (!left-- || !(overwritten ? restore(l) : ignore(x, l->memory))) {
-            give_back(l);
+            release(l); /* Python clears the request and then keeps the commands: a request acts once */
             return 0;
         }
     }

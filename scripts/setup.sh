@@ -51,3 +51,5 @@ if [ ! -d build ] || [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" 
     .venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev]' --config-settings editable_mode=strict
     echo "$state" >.venv/installed
 fi
+# Compiled here, since where Python may not write its bytecode each command would compile the whole package anew.
+.venv/bin/python -m compileall -q build

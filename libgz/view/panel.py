@@ -12,6 +12,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from libgz.view.log_slider import LogSlider
 from libgz.view.marks import SWITCHES
 from libgz.view.parts import Part
 
@@ -115,8 +116,7 @@ class Panel:
             self.speed = gui.add_slider("Speed", min=0.1, max=5.0, step=0.1, initial_value=1.0)
             self._on(self.speed, handler.set_speed)
         if "seek" in can:
-            self.log_time = gui.add_slider("Log [s]", min=0.0, max=1.0, step=0.01, initial_value=0.0)
-            self._on(self.log_time, handler.seek)
+            self.log = LogSlider(self.page, self._do, handler.seek)
 
     def _drive_tab(self) -> None:
         gui, handler = self.page.gui, self._handler
@@ -263,18 +263,6 @@ class Panel:
             handle = gui.add_slider(part.label, min=least, max=most, step=step, initial_value=start)
         self._on(handle, part.action)
         return handle
-
-    def set_log(self, status: Mapping[str, Any]) -> None:
-        """Show where a log that is played is: its `begin`, `end` and `time` [s]."""
-        slider = getattr(self, "log_time", None)
-        if slider is None:
-            return
-        begin, end = float(status["begin"]), max(float(status["end"]), float(status["begin"]) + 0.01)
-        if (slider.min, slider.max) != (begin, end):
-            slider.min, slider.max = begin, end
-        here = round(min(max(float(status["time"]), begin), end), 2)
-        if slider.value != here:
-            slider.value = here
 
     def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
         """Show the cameras' images."""

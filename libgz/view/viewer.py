@@ -104,7 +104,7 @@ class Viewer(Closing):
         self._held = False  # whether a user holds the handles
         self._history: deque[tuple[float, float, int]] = deque(maxlen=12)
         self._wanted_time: float | None = None
-        self._next = dict.fromkeys(("status", "image", "ask", "move", "log", "slider"), 0.0) | {"shadows": math.inf}
+        self._next = dict.fromkeys(("status", "image", "ask", "move", "log"), 0.0) | {"shadows": math.inf}
         self._due = self._shown = 0.0
         self._gone = False
         self._aimed = False
@@ -299,7 +299,7 @@ class Viewer(Closing):
         except (ServerGoneError, InterfaceError):
             return
         self._gone, self._revision, self._state, self._aimed = False, -1, None, False
-        self._selected, self._robots = "", {}
+        self._selected, self._robots, self._wanted_time = "", {}, None
         if self.controls is not None and self.controls.abilities != self._can:
             self._can = self.controls.abilities
             self.page.gui.reset()
@@ -389,14 +389,13 @@ class Viewer(Closing):
     def seek(self, moment: float) -> None:
         """Go to a time of the log that is played [s]."""
         self._wanted_time = moment
-        self._next["slider"] = time.monotonic() + 4.0 * STATUS_PERIOD  # it is the user's meanwhile
         self._seek_on()
 
     def _seek_on(self) -> None:
         """Send the last time that was wanted, once the request before has been answered."""
         if self._wanted_time is not None and "seek" not in self._pending:
             moment, self._wanted_time = self._wanted_time, None
-            self.ask("seek", f"{moment:g}", then=lambda _: self._seek_on())
+            self.ask("seek", f"{moment:g}")
 
     def choose_robot(self, label: str) -> None:
         """Drive another robot, or none."""
@@ -618,9 +617,10 @@ class Viewer(Closing):
             self._show_info(state)
             if self._overlays is not None:
                 self.panel.set_overlays(self._overlays())
+        self._seek_on()
         if "seek" in self._can and now >= self._next["log"] and "status" not in self._pending:
             self._next["log"] = now + STATUS_PERIOD
-            self.ask("status", then=self._learn_log)
+            self._ask_log()
         if "contacts" in self.marks.on and now >= self._next["ask"] and "contacts" not in self._pending:
             self._next["ask"] = now + ASK_PERIOD
             self.ask("contacts", then=self._learn_contacts)
@@ -658,9 +658,12 @@ class Viewer(Closing):
             name: np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for name, data in answer["images"].items()
         }
 
-    def _learn_log(self, answer: Any) -> None:
-        if time.monotonic() >= self._next["slider"]:
-            self.panel.set_log(answer)
+    def _ask_log(self) -> None:
+        """Ask where the log is, unless it has to follow the user first; the server answers in the order of asking."""
+        if self._wanted_time is None:
+            slider = self.panel.log
+            moves = slider.moves
+            self.ask("status", then=lambda answer: slider.show(answer, moves))
 
     def _learn_contacts(self, answer: Any) -> None:
         self.marks.contacts = answer or []

@@ -134,6 +134,11 @@ def test_only_what_was_asked_for_is_in_a_replay(recorded, tmp_path):
     assert "replay.html' cannot be written: No such file or directory" in done.stderr
 
 
+def shown(page):
+    """Where the slider of a log stands [s]."""
+    return float(page.get_by_role("slider").last.get_attribute("aria-valuenow"))
+
+
 @needs_chromium
 def test_the_viewer_of_a_log_has_a_slider_for_its_time(chromium, recorded):
     server_id = free_server_id(300 + os.getpid() % 500)
@@ -147,6 +152,7 @@ def test_the_viewer_of_a_log_has_a_slider_for_its_time(chromium, recorded):
             page.get_by_role("slider").last.focus()
             page.keyboard.press(key)
             wait_for(lambda moment=moment: abs(observer.state().sim_time - moment) < 0.05, f"the moment {moment}")
+            wait_for(lambda moment=moment: abs(shown(page) - moment) < 0.05, f"the slider at {moment}")
         page.get_by_text("Run", exact=True).click()
         wait_for(lambda: not observer.state().paused, "the run")
         assert not page.errors

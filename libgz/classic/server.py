@@ -497,6 +497,8 @@ class WorldServer:
             self.sensors.load(saved["sensors"])
         if quiet is not None:
             self._load_quiet(quiet["activity"], quiet["scene"])
+        else:
+            self.activity.refresh_controllers()
         others = saved["plugins"] is not None and self._load_plugins(*saved["plugins"])
         if saved["quiet"] != self._quiet():
             quiet = dict(zip(QUIET, decode(saved["quiet"]), strict=True))

@@ -304,6 +304,7 @@ class WorldTopics:
         self._parts.clear()
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]
         if not any(core.topic_space == name for core in others):
+            drop_waiting(self._prefix)  # another world of this name would get them
             self._manager.RemoveTopicNamespace(name)
 
 

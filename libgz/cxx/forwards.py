@@ -57,9 +57,7 @@ def Object_destroyed(handle: int, pointer: int, made: bool) -> None:
     thing = forget(handle)
     if not made or thing is None:
         return
-    if isinstance(thing, RayProximity):
-        thing.engine.ray_bundles.discard(thing)
-    elif isinstance(thing, Body | Geom | Joint | JointGroup | CxxCamera | CxxStereoCamera):
+    if isinstance(thing, Body | Geom | Joint | JointGroup | RayProximity | CxxCamera | CxxStereoCamera):
         thing.close()
 
 

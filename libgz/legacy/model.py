@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+import weakref
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -79,6 +80,7 @@ class Model(Entity):
         self.poses: list[GzPose] = []
         self.initialized: bool | None = None  # by Init; None before it is called
         self._unregistered: list[Body] = []  # made by Load and not registered with AddBody
+        self._parts: list[weakref.ref[Any]] = []  # joints and rays made by Load and Init
         self._pick_id = 0
         self._gravity = True
         self._enabled = True
@@ -110,7 +112,8 @@ class Model(Entity):
         self._enabled = node.GetBool("enable", node.GetBool("enabled", True))
         before = next(reversed(self.world.engine.bodies.values()), None)
         try:
-            result = self.Load(file, node)
+            with self.world.engine.making(self._parts):
+                result = self.Load(file, node)
         finally:
             self._unregistered = self._unregistered_since(before)
         if result:
@@ -146,7 +149,8 @@ class Model(Entity):
         Raises:
             GazeboError: it returned something but 0.
         """
-        result = self.Init(file, node)
+        with self.world.engine.making(self._parts):
+            result = self.Init(file, node)
         if result:
             raise GazeboError(f"it returned {result}, which is not 0")
 
@@ -345,6 +349,9 @@ class Model(Entity):
             weld.close()
         for body in (*self.bodies, *self._unregistered):
             body.close()
+        for part in self._parts:  # those on no body of the model: detached joints, rays fixed to the parent
+            if (made := part()) is not None:
+                made.close()
         self.modelSpaceId.close()
 
 

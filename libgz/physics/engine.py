@@ -6,10 +6,11 @@ native call fills after each step; bodies, joints and sensors read the tables, n
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from threading import get_ident
 from typing import Any, Protocol
 
@@ -149,6 +150,7 @@ class Engine:
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
+        self._made: list[weakref.ref[Any]] | None = None  # where joints and rays that are made are noted
         self.moved_dummies: set[Any] = set()
         self.dummy_moves = 0
         self.collisions = 0
@@ -624,6 +626,20 @@ class Engine:
     ) -> None:
         """Cast rays; the arguments are those of a `RayScan`. `geoms` maps rows to geoms."""
         self.scanner(RayScan(frame, rays, owner, ranges, rows))()
+
+    @contextlib.contextmanager
+    def making(self, parts: list[weakref.ref[Any]]) -> Iterator[None]:
+        """Note the joints and ray bundles that are made meanwhile in `parts`, and only there."""
+        outer, self._made = self._made, parts
+        try:
+            yield
+        finally:
+            self._made = outer
+
+    def note_made(self, part: Any) -> None:
+        """Note a joint or ray bundle for whoever wants to know what is made."""
+        if self._made is not None:
+            self._made.append(weakref.ref(part))
 
     def scanner(self, scan: RayScan) -> Callable[[], None]:
         """A prepared scan that can be run again and again, at less cost than as many calls of `scan`."""

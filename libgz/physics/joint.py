@@ -127,6 +127,7 @@ class Joint(Edited):
         self.row = self.engine.tables.add_joint(self, self.kind)
         if group is not None:
             group.add(self)
+        self.engine.note_made(self)
 
     @staticmethod
     def _ode_functions(lib: OdeLibrary) -> JointFunctions:

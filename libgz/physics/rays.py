@@ -43,6 +43,11 @@ class RayProximity:
         self._frame = np.zeros(7)
         self._scan = self.engine.scanner(RayScan(self._frame, self._rays, body.number, self.ranges, self.rows))
         self.engine.ray_bundles.add(self)
+        self.engine.note_made(self)
+
+    def close(self) -> None:
+        """Take the rays out of what renderers show. Can be called twice."""
+        self.engine.ray_bundles.discard(self)
 
     @property
     def _numbers(self) -> bytes:

@@ -22,6 +22,7 @@ from libgz.classic.rendering import Visual, get_scene
 from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
+from libgz.classic.transport.publisher import queue_message
 from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.simulation.event import owner
 from libgz.simulation.state import FORMAT, decode, encode, large
@@ -611,6 +612,28 @@ def test_plugins_of_a_clone_find_its_topics_by_the_name_of_the_world():
             assert node.EncodeTopicName(f"/gazebo/{clone.topic_space}/a") == "~/a"
         finally:
             owner.reset(token)
+
+
+def test_messages_that_wait_end_with_their_world():
+    for _ in range(2):
+        with World.from_string(TEXT) as world:
+            topics = attach(world).topics
+            assert topics.save() == []
+            topic = f"/gazebo/{world.topic_space}/request"
+            queue_message(topic, msgs.Request(id=1, request="nothing"))
+            assert topics.save()
+
+
+def test_a_removed_link_gets_no_space_of_its_own(run):
+    state = run.world.get_state()
+    link = run.view.ModelByName("three").GetLink("arm")
+    run.view.RemoveModel("three")
+    with pytest.raises(ClosedError, match="arm"):
+        link.SetSelfCollide(True)
+    later = run.world.get_state()
+    run.world.set_state(state)
+    run.world.set_state(later)
+    assert run.world.get_state() == later
 
 
 def test_groups_lines_and_shapes_of_visuals(run):

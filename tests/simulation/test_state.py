@@ -16,6 +16,8 @@ import libgz
 from libgz.errors import ClosedError, GazeboError, ParameterError, PluginError, StateError
 from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.legacy.world import LegacyWorld
+from libgz.models.simplesolid import SimpleSolid
 from libgz.physics.joint import HingeJoint
 
 WORLDS = sorted(installed_worlds().glob("*.world"))
@@ -670,3 +672,60 @@ def test_to_look_at_a_world_does_not_change_its_state():
         assert world.get_state() == state
         with world.clone() as clone:
             assert clone.get_state() == state
+
+
+def test_rays_that_a_model_fixed_to_its_parent_end_with_it():
+    sonars = "<model:Pioneer2Sonars><id>sonars</id></model:Pioneer2Sonars>"
+    robot = f"<model:Pioneer2DX><id>robot</id><xyz>0 0 0.24</xyz>{sonars}</model:Pioneer2DX>"
+    with libgz.World.from_string(f"{HEAD}{robot}</gz:world>") as world:
+        bundles = len(world.engine.ray_bundles)
+        state = world.get_state()
+        rays = world.model("sonars").sonars.rays
+        world.DeleteModel("sonars")
+        assert rays not in world.engine.ray_bundles
+        assert len(world.engine.ray_bundles) == bundles - 1
+        world.set_state(state)
+        assert len(world.engine.ray_bundles) == bundles
+        assert world.get_state() == state
+
+
+class Jointed(SimpleSolid):
+    """A model that makes a joint in Load and one in Init, and attaches neither."""
+
+    STATE = ()
+
+    def Load(self, file, node):
+        super().Load(file, node)
+        self.made = [HingeJoint(self.world, name="loaded")]
+
+    def Init(self, file, node):
+        super().Init(file, node)
+        self.made.append(HingeJoint(self.world, name="started"))
+
+
+def test_detached_joints_of_a_model_end_with_it():
+    with libgz.World.from_string(f"{HEAD}</gz:world>") as world:
+        world.extension(LegacyWorld).factory.RegisterModel("Jointed", "Jointed", Jointed)
+        world.InsertModel("<model:Jointed><id>one</id></model:Jointed>")
+        later = HingeJoint(world, name="later")
+        made = world.model("one").made
+        world.DeleteModel("one")
+        assert [joint.closed for joint in made] == [True, True]
+        assert list(world.engine.joints.values()) == [later]
+
+
+def test_a_model_with_detached_joints_comes_back_to_the_bit():
+    with libgz.World.from_string(f"{HEAD}</gz:world>") as world:
+        world.extension(LegacyWorld).factory.RegisterModel("Jointed", "Jointed", Jointed)
+        start = world.get_state()
+        world.InsertModel("<model:Jointed><id>one</id></model:Jointed>")
+        world.step(3)
+        state = world.get_state()
+        for leave in (lambda: world.DeleteModel("one"), world.reset):
+            leave()
+            assert not world.engine.joints
+            world.set_state(state)
+            assert [joint.name for joint in world.engine.joints.values()] == ["loaded", "started"]
+            assert world.get_state() == state
+        world.reset()
+        assert world.get_state() == start

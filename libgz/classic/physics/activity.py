@@ -60,6 +60,14 @@ class Activity:
                 self._controllers = {one: known[one] for one in self._world.all_models() if one in known}
         return found
 
+    def refresh_controllers(self) -> None:
+        """Match the controllers with joints that were built again; those that no state has become as new."""
+        for controller in self._controllers.values():
+            if controller.blank:
+                controller.LoadState(None)
+            else:
+                controller.match()
+
     def joint_added(self, joint: Joint) -> None:
         """Add a joint to the controllers of its model and of the models around that."""
         for controller in self._controllers_of(joint):

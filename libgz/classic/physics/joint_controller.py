@@ -47,6 +47,7 @@ class JointController:
         for name, joint in joints.items():
             if name not in self._joints:
                 self.AddJoint(joint)
+        self._joints = {name: self._joints[name] for name in joints}  # Update acts in this order
 
     @property
     def blank(self) -> bool:

@@ -14,7 +14,7 @@ from libgz.classic.physics.inertial import Inertial
 from libgz.classic.physics.insertion import described
 from libgz.classic.physics.shape import shape_of
 from libgz.classic.physics.state import LinkState
-from libgz.errors import ParameterError
+from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
@@ -387,7 +387,13 @@ class Link(Entity):
         self.body.set_auto_disable(disable)
 
     def SetSelfCollide(self, collide: bool) -> None:
-        """Enable or disable contacts with other links of its model."""
+        """Enable or disable contacts with other links of its model.
+
+        Raises:
+            ClosedError: the link was removed.
+        """
+        if self.body.closed:  # a space made for it now would never be removed
+            raise ClosedError(f"link {self.GetScopedName()!r} was removed")
         if isinstance(self.model.core, SdfModel):
             self.model.core.set_self_collide(self.body, bool(collide))
 

@@ -90,7 +90,9 @@ class Wind:
         if self._function is None:
             return None
         iteration, found = self._at_links
-        return iteration, [(link.GetScopedName(), *velocity) for link, velocity in found.items()]
+        return iteration, [
+            (link.GetScopedName(), *velocity) for link, velocity in found.items() if not link.body.closed
+        ]
 
     def load(self, saved: Any) -> None:
         """Take what `save` returned."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,6 +111,7 @@ class WorldServer:
         self._new: list[CoreModel] = list(core.entities)
         self._started = self._reloading = False
         self._first: Sequence[Any] | None = None  # the state at the start, if the world ran before
+        self._first_plugins: dict[tuple[str, str, str, str], int] = {}  # their numbers at the start
         self._kept = Kept()  # of `_settings`
         self._kept_at = -1  # the count of changes then
         self._kept_quiet = Kept()  # of `_quiet`
@@ -141,6 +143,9 @@ class WorldServer:
                 self.load_world_plugin(*_names(element), element)
             self._load_model_plugins(added)
             self._open_topics(added, announce=False)
+        self._first_plugins = {
+            (kind, holder, plugin.filename, plugin.name): plugin.number for kind, holder, plugin in self._present()
+        }
 
     def start_late(self) -> None:
         """Start beside a world that runs: the world's state at its start has no part of this."""
@@ -431,6 +436,7 @@ class WorldServer:
 
     def reset(self) -> None:
         """Reset the plugins; all else was returned to the start with the world, or has no part in a start state."""
+        self._arrange_as_at_start()
         for model in self.world.all_models():
             self.reset_plugins(model)
         for plugin in (*self._other_plugins(), *system_plugins):
@@ -566,6 +572,11 @@ class WorldServer:
             if part is not None:
                 yield from part.plugins_by_holder()
 
+    def _present(self) -> Iterator[tuple[str, str, LoadedPlugin]]:
+        """(kind, name of the holder, plugin) of all plugins that run."""
+        for kind, holder, plugins in self._plugins_by_holder():
+            yield from ((kind, holder, plugin) for plugin in plugins if plugin.plugin is not None)
+
     def _saved_plugins(self) -> tuple[bytes, list[Any]]:
         """Which plugins there are, encoded, and the states of those that keep one."""
         listed = self._list_plugins()
@@ -624,6 +635,17 @@ class WorldServer:
             if any(other.number < plugin.number for other in order[place + 1 :]):
                 plugin.precede(set(order[place + 1 :]))
             plugin.number = number
+
+    def _arrange_as_at_start(self) -> None:
+        """Have the plugins of the start called in its order, which a state may have changed; later ones come last."""
+        present = [
+            (self._first_plugins.get((kind, holder, plugin.filename, plugin.name), math.inf), plugin.number, plugin)
+            for kind, holder, plugin in self._present()
+        ]
+        self._arrange([plugin for *_, plugin in sorted(present, key=itemgetter(0, 1))])
+        for *_, plugins in self._plugins_by_holder():
+            plugins.sort(key=attrgetter("number"))
+        changes.count()
 
     def _match(
         self, kind: str, holder: str, present: list[LoadedPlugin], rows: Sequence[Any]

@@ -124,6 +124,24 @@ def test_a_new_initial_pose_applies_to_nested_models(run):
     assert tuple(nested.InitialRelativePose().Pos()) == pytest.approx((1, 0, 0))
 
 
+def test_a_reset_calls_plugins_in_the_order_of_the_start(run, plugin):
+    text = """def Load(self, world, sdf):
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: notes.append(self.GetHandle()))
+def Reset(self):
+    notes.append(f"reset {self.GetHandle()}")"""
+    first = plugin("each", text)
+    core, view = run(first.replace("name='each'", "name='first'") + first.replace("name='each'", "name='second'"))
+    view.RemovePlugin("first")
+    view.LoadPlugin("libeach.so", "late")
+    view.LoadPlugin("libeach.so", "first")
+    core.step(1)
+    assert notes("each") == ["second", "late", "first"]
+    notes("each").clear()
+    core.reset()
+    core.step(1)
+    assert notes("each") == ["reset first", "reset second", "reset late", "first", "second", "late"]
+
+
 def test_two_world_plugins_of_one_name_are_two(run, plugin):
     text = """def Load(self, world, sdf):
     self.c = event.Events.ConnectWorldUpdateBegin(lambda: notes.append("update"))

@@ -15,14 +15,17 @@ from classic_runs import Run, first_difference
 from trials.table import trial
 
 from libgz import World
+from libgz.classic import server
 from libgz.classic.math import PID, Pose3d, Rand, Vector3d
 from libgz.errors import GazeboError
+from libgz.simulation.state import decode
 
 pytestmark = pytest.mark.trial
 
 SHARE = float(os.environ.get("TRIAL_SHARE") or 1.0)
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STEPS = 20
+SERVER = f"{server.WorldServer.__module__}.{server.WorldServer.__qualname__}"  # the name of its part of a state
 SHAPES = ("<sphere><radius>0.2</radius></sphere>", "<box><size>0.3 0.3 0.3</size></box>")
 PARTS = (
     "",
@@ -147,6 +150,14 @@ class Changing(Run):
         return record
 
 
+def without_plugins(state: bytes) -> list[Any]:
+    """The parts of a state but that of the plugins, which a reset does not load again, but calls."""
+    parts = [*decode(state)]
+    at = next(number for number, part in enumerate(parts) if isinstance(part, dict) and SERVER in part)
+    parts[at] = {**parts[at], SERVER: parts[at][SERVER][: server.PARTS.index("plugins")]}
+    return parts
+
+
 def check(path: Path, seed: int) -> str | None:
     """What differs after a restore; None if nothing does."""
     Rand.Seed(5)
@@ -171,7 +182,11 @@ def check(path: Path, seed: int) -> str | None:
             if clone.get_state() != state:
                 return "the clone has another state"
         world.reset()
-        return None if world.get_state() == fresh else "the state after a reset is not that at the start"
+        return (
+            None
+            if without_plugins(world.get_state()) == without_plugins(fresh)
+            else "the state after a reset is not that at the start"
+        )
 
 
 def test_random_changes_are_in_states():

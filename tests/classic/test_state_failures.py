@@ -405,8 +405,8 @@ def test_all_calls_in_a_thread_of_a_plugin_wait_for_the_step(world, control):
         try:
             for _ in range(3):
                 world.set_state(world.get_state())
-                world.rewind(0.0)
                 world.keep_rewind(1.0, 0.0)
+                world.rewind(0.0)
                 world.Reset()
                 world.reseed(3)
                 with world.clone() as clone:

@@ -67,38 +67,51 @@ static double dot(const double *one, const double *other)
     return one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
 }
 
+/* The least product of range and cosine to the normal, from the cosine one pixel from the limb; see `_least`. */
+static double least(double facing, double radius, double tangent)
+{
+    double side = radius * sqrt(facing);
+    return sqrt(facing) * tangent / (sqrt(tangent + side * side) + side);
+}
+
 /* The least product of range and cosine to the normal of a near round geom; see `_steepest` in selection.py. */
 static double steepest(const selection *s, int64_t number, const double *matrix)
 {
     const double *centre = s->round_centres + 3 * number, *axis = s->round_halves + 3 * number;
-    double radius = s->round_radii[number], middle[3], half[3];
+    double radius = s->round_radii[number], middle[3], half[3], point[3], foot[3];
     for (int row = 0; row < 3; row++) {
         const double *by = matrix + row;
         middle[row] = by[0] * centre[0] + by[4] * centre[1] + by[8] * centre[2] + by[12];
         half[row] = by[0] * axis[0] + by[4] * axis[1] + by[8] * axis[2];
     }
-    double square = dot(half, half), share = 0.0;
-    if (square > 0.0) {
-        share = -dot(middle, half) / square;
-        share = share < -1.0 ? -1.0 : share > 1.0 ? 1.0 : share;
+    double square = dot(half, half), line = square > 0.0 ? -dot(middle, half) / square : 0.0;
+    double share = line < -1.0 ? -1.0 : line > 1.0 ? 1.0 : line;
+    for (int row = 0; row < 3; row++) {
+        point[row] = middle[row] + share * half[row];
+        foot[row] = middle[row] + line * half[row];
     }
-    double x = middle[0] + share * half[0], y = middle[1] + share * half[1], z = middle[2] + share * half[2];
     double corner = 1.0 / sqrt(1.0 + s->across * s->across + s->up * s->up);
-    double away = x * x + y * y + z * z, tangent = away - radius * radius;
+    double away = dot(point, point), tangent = away - radius * radius;
     if (!(tangent > s->near * s->near))
         return INFINITY;
-    double distance = sqrt(away), length = sqrt(tangent), cosine = -z / distance;
+    double distance = sqrt(away), length = sqrt(tangent), cosine = -point[2] / distance;
     double rest = 1.0 - cosine * cosine, sine = sqrt(rest > 0.0 ? rest : 0.0);
     double angle = cosine * length / distance - sine * radius / distance;
     angle = angle > corner ? angle : corner;
-    double facing = 2.0 * length * angle * angle / (radius * s->focal);
+    double pixel = 2.0 * angle * angle / (radius * s->focal), facing = pixel * length;
     facing = facing < 1.0 ? facing : 1.0;
     double farthest = cosine * corner - sine * sqrt(1.0 - corner * corner);
     double inside = 1.0 - away / (radius * radius) * (1.0 - farthest * farthest);
     if (square == 0.0 && farthest > length / distance && inside > facing)
         facing = inside;
-    double side = radius * sqrt(facing);
-    return sqrt(facing) * tangent / (sqrt(tangent + side * side) + side);
+    double result = least(facing, radius, tangent), across = sqrt(dot(foot, foot));
+    if (line == share || !(across > radius))
+        return result;
+    double edge = radius + sqrt((line - share) * (line - share) * square) / s->focal;
+    across = across > edge ? across : edge;
+    double flat = across * across - radius * radius, wide = pixel * sqrt(flat) * distance / across;
+    double beyond = least(wide < 1.0 ? wide : 1.0, radius, flat);
+    return beyond < result ? beyond : result;
 }
 
 /* The level with which depth is right of a round geom of an item; see `needed_segments` in selection.py. */

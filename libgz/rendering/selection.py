@@ -272,6 +272,10 @@ def _steepest(view: View, matrices: Floats, rounds: Rounds) -> Floats:
     length of f pixels, is cos(a)^2 / f [rad] wide, and a ray one pixel from the limb has c^2 = 2 L cos(a)^2 / (r f).
     Where the corners of the image are nearer to a sphere's middle than its limb, they decide. There is no limit, so
     infinity, if all that faces the camera is nearer than the near plane.
+
+    Seen from beyond the end of its axis, a side is seen at a flat angle. t c is that of the projection along the axis,
+    where D is the distance to the axis' line, and a pixel as wide as before; the part of a side that is less than a
+    pixel wide is left out.
     """
     poses = matrices[rounds.items]
     centres, halves, radii = rounds.centres, rounds.halves, rounds.radii
@@ -280,28 +284,41 @@ def _steepest(view: View, matrices: Floats, rounds: Rounds) -> Floats:
         by = poses[:, row]
         middle[:, row] = by[:, 0] * centres[:, 0] + by[:, 1] * centres[:, 1] + by[:, 2] * centres[:, 2] + by[:, 3]
         half[:, row] = by[:, 0] * halves[:, 0] + by[:, 1] * halves[:, 1] + by[:, 2] * halves[:, 2]
-    # The point of the axis that is nearest to the camera.
+    # The points of the axis, and of its line, that are nearest to the camera.
     square, along = _dot(half, half), _dot(middle, half)
-    share = np.where(square > 0.0, np.clip(-along / np.where(square > 0.0, square, 1.0), -1.0, 1.0), 0.0)
-    x, y, z = (middle + share[:, None] * half).T
-    across, up = view.tangents
-    corner = 1.0 / math.sqrt(1.0 + across * across + up * up)
-    away = x * x + y * y + z * z
+    line = np.where(square > 0.0, -along / np.where(square > 0.0, square, 1.0), 0.0)
+    share = np.clip(line, -1.0, 1.0)
+    point, foot = middle + share[:, None] * half, middle + line[:, None] * half
+    width, up = view.tangents
+    corner = 1.0 / math.sqrt(1.0 + width * width + up * up)
+    away = _dot(point, point)
     tangent = away - radii * radii
     seen = tangent > view.near * view.near
     away, tangent = np.where(seen, away, 1.0), np.where(seen, tangent, 1.0)
     distance, length = np.sqrt(away), np.sqrt(tangent)
-    cosine = -z / distance
+    cosine = -point[:, 2] / distance
     sine = np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0))
     angle = np.maximum(cosine * length / distance - sine * radii / distance, corner)
-    facing = np.minimum(2.0 * length * angle * angle / (radii * view.focal), 1.0)
+    pixel = 2.0 * angle * angle / (radii * view.focal)
+    facing = np.minimum(pixel * length, 1.0)
     farthest = cosine * corner - sine * math.sqrt(1.0 - corner * corner)
     cut = (square == 0.0) & (farthest > length / distance)
     inside = 1.0 - away / (radii * radii) * (1.0 - farthest * farthest)
     facing = np.where(cut & (inside > facing), inside, facing)
+    result = _least(facing, radii, tangent)
+    across = np.sqrt(_dot(foot, foot))
+    beyond = (line != share) & (across > radii)
+    across = np.maximum(across, radii + np.sqrt((line - share) * (line - share) * square) / view.focal)
+    flat = np.where(beyond, across * across - radii * radii, 1.0)
+    wide = np.minimum(pixel * np.sqrt(flat) * distance / across, 1.0)
+    result = np.where(beyond, np.minimum(_least(wide, radii, flat), result), result)
+    return np.where(seen, result, math.inf)
+
+
+def _least(facing: Floats, radii: Floats, tangents: Floats) -> Floats:
+    """t c of a ray, see `_steepest`, from c^2 and L^2."""
     side = radii * np.sqrt(facing)
-    least = np.sqrt(facing) * tangent / (np.sqrt(tangent + side * side) + side)
-    return np.where(seen, least, math.inf)
+    return np.sqrt(facing) * tangents / (np.sqrt(tangents + side * side) + side)
 
 
 def _dot(one: Floats, other: Floats) -> Floats:

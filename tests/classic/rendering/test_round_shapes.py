@@ -101,3 +101,31 @@ def test_a_sphere_that_touches_the_near_plane_is_cut_within_the_error_of_depth()
     assert expected[~np.isfinite(found)].max() < 0.05 * 1.001
     seen = np.isfinite(found)
     check(np.where(seen, found, expected), expected)
+
+
+def tilted_depth(radius, half, x, pitch, width, height, fov):
+    """Depth of a cylinder whose axis is turned about y: of its side or of its ends."""
+    u, v = rays(width, height, fov)
+    # The ray and the camera's place, in the frame of the cylinder.
+    ahead = np.cos(pitch) - v * np.sin(pitch), -x * np.cos(pitch)
+    along = np.sin(pitch) + v * np.cos(pitch), -x * np.sin(pitch)
+    square = ahead[0] ** 2 + u**2
+    side = first_root(square, -ahead[0] * ahead[1], ahead[1] ** 2 - radius**2)
+    with np.errstate(invalid="ignore"):
+        found = np.where(np.abs(along[1] + side * along[0]) < half, side, np.inf)
+    for end in (-half, half):
+        depth = (end - along[1]) / along[0]
+        inside = (ahead[1] + depth * ahead[0]) ** 2 + (depth * u) ** 2 < radius**2
+        found = np.where(inside & (depth > 0.0), np.minimum(found, depth), found)
+    return found
+
+
+@pytest.mark.parametrize("pitch", [0.6, 1.0, 1.3, 1.45])
+@pytest.mark.parametrize(
+    ("radius", "half", "x", "fov"),
+    [(0.5, 2.0, 3.0, 1.0), (0.5, 1.0, 2.0, 2.0), (2.0, 5.0, 9.0, 1.5), (0.1, 0.5, 1.0, 0.5)],
+)
+def test_depth_of_cylinders_whose_end_is_near(radius, half, x, fov, pitch):
+    text = f"<cylinder><radius>{radius}</radius><length>{2.0 * half}</length></cylinder>"
+    found = depth_image(text, x, 400, 300, f"<pose>0 0 0 0 {pitch} 0</pose>", fov)
+    check(found, tilted_depth(radius, half, x, pitch, 400, 300, fov))

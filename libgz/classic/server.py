@@ -6,6 +6,7 @@ import contextlib
 import logging
 import math
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from operator import attrgetter, itemgetter
 from pathlib import Path
@@ -477,6 +478,20 @@ class WorldServer:
         plugins = state[-1] if state else None  # the last of the PARTS
         return bool(plugins and (plugins[0] != self._list_plugins() or self._runs_code))
 
+    def loads_plugins(self, state: Sequence[Any] | None) -> bool:
+        """Whether plugins of a state do not run."""
+        plugins = state[-1] if state else None
+        return bool(plugins and plugins[0] != self._list_plugins() and any(True for _ in self._missing(plugins[0])))
+
+    def _missing(self, listed: bytes) -> Iterator[tuple[str, str, str, str, str]]:
+        """(kind, name of the holder, file, name, text) of plugins in a list that do not run."""
+        running = Counter((kind, holder, one.filename, one.name) for kind, holder, one in self._present())
+        for kind, holder, rows in decode(listed):
+            for filename, name, source, *_ in rows:
+                running[kind, holder, filename, name] -= 1
+                if running[kind, holder, filename, name] < 0:
+                    yield kind, holder, filename, name, source
+
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None
@@ -543,13 +558,29 @@ class WorldServer:
             self._kept_at = count
         return self._kept.encoded
 
-    def entities_rebuilt(self) -> None:
-        """Entities were built again: make their sensors, and load their plugins."""
+    def entities_rebuilt(self, state: Sequence[Any] | None) -> None:
+        """Entities were built again: make their sensors, and load their plugins, and others that a state has.
+
+        Plugins are loaded before joints and links that they made return with the state.
+        """
         self._not_loaded.clear()
         if self._new and self.scene is not None:
             self.scene.shape_again()
         with self._discarded():
             self.finish_added()
+            self._load_missing(self._first if state is None else state)
+
+    def _load_missing(self, state: Sequence[Any] | None) -> None:
+        """Load the plugins of a state that do not run, but those that need its sensors and visuals."""
+        saved: dict[str, Any] = dict(zip(PARTS, state, strict=True)) if state is not None else {"plugins": None}
+        if saved["plugins"] is None or saved["plugins"][0] == self._list_plugins():
+            return
+        self.ids.load_names(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"], of_models=True)
+        for kind, *names in [*self._missing(saved["plugins"][0])]:
+            if kind in ("World", "Model"):
+                self._load_again(kind, *names)
+        for *_, plugins in self._plugins_by_holder():
+            plugins[:] = [plugin for plugin in plugins if plugin.plugin is not None]
 
     @contextlib.contextmanager
     def _discarded(self) -> Iterator[None]:

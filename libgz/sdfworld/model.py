@@ -452,6 +452,12 @@ class SdfModel(Entity):
         return type(self) is SdfModel and not (self._has_parts or self.grippers)
 
     @property
+    def is_extended(self) -> bool:  # type: ignore[override]
+        """Whether it has joints or links that its file does not have."""
+        own = {joint.Get(str, "name") for joint in self.sdf.named("joint")} if self.sdf_joints else ()
+        return bool(self._added) or any(name not in own for name in self.sdf_joints)
+
+    @property
     def _has_parts(self) -> bool:
         return bool(self._canonical is None or self._added or self.sdf_joints.count or self._spaces)
 

@@ -31,7 +31,10 @@ class Companion(Protocol):
     def reset(self) -> None:
         """Clock and entities were reset."""
 
-    def entities_rebuilt(self) -> None:
+    def loads_plugins(self, state: Any) -> bool:
+        """Whether plugins must be loaded again for a state: on entities as their files have them."""
+
+    def entities_rebuilt(self, state: Any) -> None:
         """The entities of a state are there, some of them built again; their states come next."""
 
     def reseed(self, seed: int) -> None:
@@ -67,7 +70,11 @@ class Stateless:
     def reseed(self, seed: int) -> None:
         """Nothing to do."""
 
-    def entities_rebuilt(self) -> None:
+    def loads_plugins(self, state: object) -> bool:
+        """False: it has no plugins."""
+        return False
+
+    def entities_rebuilt(self, state: object) -> None:
         """Nothing to do."""
 
     def get_state(self) -> object:

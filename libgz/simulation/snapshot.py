@@ -204,16 +204,17 @@ class Snapshots:
     def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
         """Set a state; whether a companion asks for setting it once more."""
         world = self._world
-        listed = state.decode(saved["list"]) if anew or saved["list"] != self._list() else None
+        keep = 0 if anew else self._fit_for_plugins(saved)
+        listed = state.decode(saved["list"]) if keep < len(world.entities) or saved["list"] != self._list() else None
         if listed is not None:
-            _restore_entities(world, listed, anew)
+            _restore_entities(world, listed, keep)
             now = state.decode(self._list())
             if (now["kinds"], now["fields"]) != (listed["kinds"], listed["fields"]):
                 raise StateError(
                     "models of this state are of other classes now, or their classes declare another STATE"
                 )
         for companion in world.companions:
-            companion.entities_rebuilt()
+            companion.entities_rebuilt(saved["companions"].get(_name(companion)))
         seldom, often = saved["world"]
         if seldom != self._seldom_of_world:
             state.readers(_type(world))[0].set(world, state.decode(seldom))
@@ -247,6 +248,14 @@ class Snapshots:
             if interface is not None:
                 interface.set_bytes(content)
         return again
+
+    def _fit_for_plugins(self, saved: dict[str, Any]) -> int:
+        """How many entities may stay: a Load that makes a joint fails, or has none, where that joint is there."""
+        world, kept = self._world, saved["companions"]
+        if not any(companion.loads_plugins(kept.get(_name(companion))) for companion in world.companions):
+            return len(world.entities)
+        extended = (i for i, entity in enumerate(world.entities) if entity.is_extended)
+        return next(extended, len(world.entities))
 
     def _extensions(self) -> list[tuple[str, Any]]:
         """The extensions of the world that declare state, and their names."""
@@ -449,8 +458,11 @@ def _text_of(error: object) -> str | None:
     return str(error) if isinstance(error, StoppedError) else f"{type(error).__name__}: {error}"
 
 
-def _restore_entities(world: World, listed: dict[str, Any], anew: bool) -> None:
-    """Make the world's entities those of a state: from the first one that differs, all are built again, in order."""
+def _restore_entities(world: World, listed: dict[str, Any], keep: int) -> None:
+    """Make the world's entities those of a state: from the first one that differs, all are built again, in order.
+
+    At most so many are kept.
+    """
     sources = [Source(*fields) for fields in listed["sources"]]
     wanted = [
         Origin(sources[kept["origin"][0]], kept["origin"][1]) if kept["origin"] is not None else None
@@ -459,10 +471,10 @@ def _restore_entities(world: World, listed: dict[str, Any], anew: bool) -> None:
     number = {entity: index for index, entity in enumerate(world.entities)}
     present = [(entity.origin, *_holder(entity, number)) for entity in world.entities]
     then = [(origin, kept["parent"], kept["body"]) for origin, kept in zip(wanted, listed["entities"], strict=True)]
-    if present == then and not anew:
+    if present == then and keep >= len(present):
         return
     pairs = enumerate(zip(present, then, strict=False))
-    same = 0 if anew else next((i for i, (old, new) in pairs if old != new), min(len(present), len(then)))
+    same = min(keep, next((i for i, (old, new) in pairs if old != new), min(len(present), len(then))))
     # Whoever was attached to one of those that go is built again, too: the order of joints is part of the state.
     while (
         held := next((i for i, (_, at, _) in enumerate(present[:same]) if at is not None and at >= same), None)

@@ -820,3 +820,70 @@ def test_changes_of_joints_and_links_are_in_a_state_and_undone_by_one(change):
         world.reset()
         world.set_state(changed)
         assert world.get_state() == changed
+
+
+ROPE = """
+from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.event import Events
+
+
+class Rope(ModelPlugin):
+    STATE = ("count",)
+    ends = False
+
+    def Load(self, model, sdf):
+        self.count = 0
+        self.joint = model.CreateJoint("rope", "revolute", None, model.GetLink("l"))
+        self.c = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnUpdate(self):
+        self.count += 1
+        self.joint.SetForce(0, 0.5)
+        if type(self).ends:
+            raise RuntimeError("at an end")
+
+
+GZ_REGISTER_MODEL_PLUGIN(Rope)
+"""
+
+
+@pytest.mark.parametrize("at_run_time", [False, True])
+def test_a_plugin_that_made_a_joint_and_ended_is_loaded_again(tmp_path, at_run_time):
+    path = tmp_path / "rope.py"
+    path.write_text(ROPE)
+    plugin = f"<plugin name='r' filename='{path}'/>"
+    text = f"<sdf version='1.6'><world name='default'>{box('a', '0 0 1 0 0 0', plugin='' if at_run_time else plugin)}"
+    with World.from_string(f"{text}{box('b', '3 0 1 0 0 0')}</world></sdf>") as world:
+        run = Run(world)
+        view = run.view.ModelByName("a")
+        if at_run_time:
+            attach(world).load_model_plugin(view, str(path), "r", None)
+        run.steps(10)
+        state = world.get_state()
+        first = run.steps(20)
+        (loaded,) = attach(world).model_plugins(view)
+        loaded.plugin_class.ends = True
+        run.steps(2)
+        assert len(world.errors) == 1
+        loaded.plugin_class.ends = False
+        world.set_state(state)
+        assert world.get_state() == state
+        assert run.steps(20) == first
+        with world.clone() as clone:
+            assert clone.get_state() == world.get_state()
+        assert len(world.errors) == 1
+
+
+def test_renamed_models_and_lights_are_found_by_their_new_names(run):
+    one, inner = run.view.ModelByName("one"), run.view.ModelByName("four::inner")
+    assert run.view.ModelByName("inner") is inner
+    one.SetName("other")
+    assert run.view.ModelByName("other") is one
+    assert run.view.ModelByName("one") is None
+    run.view.ModelByName("four").SetName("five")
+    assert run.view.ModelByName("five::inner") is inner
+    run.steps(2)
+    state = run.world.get_state()
+    one.SetName("third")
+    run.world.set_state(state)
+    assert run.view.ModelByName("other") is one

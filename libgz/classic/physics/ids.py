@@ -59,12 +59,13 @@ class Ids:
         numbers = sorted((row for row in rows if row[0] is not None), key=lambda row: row[1])
         return self._last, numbers, sorted((row for row in names if row[0] is not None), key=repr)
 
-    def load_names(self, state: Sequence[Any]) -> None:
-        """Take the names of what `save` returned: sensors and plugins are found by them."""
+    def load_names(self, state: Sequence[Any], *, of_models: bool = False) -> None:
+        """Take the names of a state, or of models and lights alone; sensors and plugins are found by them."""
         _, _, names = state
         for view, name in [*self._names.items()]:
             self.rename(view, name)
-        for view, name in [(self._at(place), name) for place, name in names]:
+        rows = [row for row in names if not of_models or row[0][1:] == (-1, -1)]
+        for view, name in [(self._at(place), name) for place, name in rows]:
             if view is not None:
                 self.rename(view, name)
 
@@ -98,6 +99,6 @@ class Ids:
             return self._world
         if len(place) == 3:
             return found_at(self._world, (place[0], place[1], place[2]))
-        model = self._world.ModelByName(place[0])
+        model = self._world.model_of(place[0])
         joints: Iterable[Joint] = model.GetJoints() if model is not None else ()
         return next((joint for joint in joints if joint.core.name == place[1]), None)

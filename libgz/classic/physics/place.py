@@ -47,7 +47,7 @@ def found_at(world: World, place: Place) -> Any:
         if core.GetId() != owner:
             continue
         if link < 0:
-            return world.view(core) if core.is_model else world.LightByName(owner)
+            return world.view_of(core)
         if link < len(core.bodies) and geom < len(core.bodies[link].geoms):
             body = core.bodies[link]
             return world.link_of(body) if geom < 0 else world.collision_of(body.geoms[geom])

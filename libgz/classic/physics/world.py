@@ -257,10 +257,17 @@ class World(Base):
     GetModelCount = ModelCount
 
     def ModelByName(self, name: str) -> Model | Any:
-        """A model by its name or scoped name; None if there is none."""
+        """A model by its scoped name, else the first with this name, nested ones included; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        found = (c for c in self.core.models if c.GetId() == name)
-        core = next(found, None)
+        found = self.model_of(name)
+        if found is not None and found.GetScopedName() == name:
+            return found
+        model: Model | Any = find_named(self.all_models(), name)  # renamed, or nested
+        return model
+
+    def model_of(self, identifier: str) -> Model | None:
+        """The model with this id in the engine, which is its scoped name until it is renamed; None if there is none."""
+        core = next((core for core in self.core.models if core.GetId() == identifier), None)
         return None if core is None else self.view(core)
 
     def ModelByIndex(self, index: int) -> Model | Any:

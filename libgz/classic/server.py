@@ -492,6 +492,16 @@ class WorldServer:
                 if running[kind, holder, filename, name] < 0:
                     yield kind, holder, filename, name, source
 
+    def _surplus(self, listed: bytes) -> Iterator[tuple[str, LoadedPlugin]]:
+        """(kind, plugin) of plugins that run and are not in a list."""
+        wanted = Counter(
+            (kind, holder, filename, name) for kind, holder, rows in decode(listed) for filename, name, *_ in rows
+        )
+        for kind, holder, plugin in self._present():
+            wanted[kind, holder, plugin.filename, plugin.name] -= 1
+            if wanted[kind, holder, plugin.filename, plugin.name] < 0:
+                yield kind, plugin
+
     def _quiet(self) -> bytes:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None
@@ -576,6 +586,9 @@ class WorldServer:
         if saved["plugins"] is None or saved["plugins"][0] == self._list_plugins():
             return
         self.ids.load_names(dict(zip(QUIET, decode(saved["quiet"]), strict=True))["ids"], of_models=True)
+        for kind, plugin in [*self._surplus(saved["plugins"][0])]:
+            if kind in ("World", "Model"):  # drop it before others are loaded, which may serve what it does
+                plugin.drop()
         for kind, *names in [*self._missing(saved["plugins"][0])]:
             if kind in ("World", "Model"):
                 self._load_again(kind, *names)
@@ -692,7 +705,7 @@ class WorldServer:
             same = next((one for one in left if (one.filename, one.name) == (filename, name)), None)
             left = [other for other in left if other is not same]
             kept.append(same)
-        for plugin in left:  # before others are loaded, which may serve what these do
+        for plugin in left:  # before others are loaded, as in `_load_missing`
             plugin.drop()
         found = []
         for same, (filename, name, source, number, saved) in zip(kept, rows, strict=True):

@@ -43,8 +43,8 @@ def places() -> list[tuple[float, float]]:
 def libgz_frame(width: int, height: int, shadows: bool = False) -> Render:
     """One frame of a MonoCam: take a shot, render it, and copy the image into the interface."""
     import libgz
-    from libgz.files import installed_worlds
-    from libgz.geometry import GzPosePointAt, GzVector
+    from libgz.base.files import installed_worlds
+    from libgz.base.geometry import GzPosePointAt, GzVector
 
     robots = "".join(
         f"<model:Pioneer2AT><id>r{i}</id><xyz>{x} {y} 0</xyz></model:Pioneer2AT>" for i, (x, y) in enumerate(places())

@@ -8,7 +8,7 @@ import libgz
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import add_body, fit
 from libgz.models.wheels import add_hinge
-from libgz.records import numbers
+from libgz.ode.records import numbers
 from libgz.simulation.updates import UpdateRows
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

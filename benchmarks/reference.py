@@ -16,9 +16,7 @@ from numpy.typing import ArrayLike
 
 import libgz
 from libgz.ode.lib import ode
-from libgz.physics.engine import Engine
-from libgz.physics.geom import Geom
-from libgz.records import (
+from libgz.ode.records import (
     CastRecord,
     Kind,
     LinkRecord,
@@ -29,6 +27,8 @@ from libgz.records import (
     TransferRecord,
     What,
 )
+from libgz.physics.engine import Engine
+from libgz.physics.geom import Geom
 
 __all__ = ["Reference", "Spent", "scene_of"]
 

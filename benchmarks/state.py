@@ -17,7 +17,7 @@ from typing import Any
 from scale import text
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.physics.engine import Engine
 
 ROUNDS = 41

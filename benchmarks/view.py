@@ -29,7 +29,7 @@ from laser_robots import ratio_text
 from PIL import Image
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.recording.capture import Capture
 from libgz.transport.server import free_server_id
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from libgz.errors import ParameterError, nearest
+from libgz.base.errors import ParameterError, nearest
 from libgz.interfaces.actarray import Actarray
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.factory import Factory

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Any, TypeVar
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.interfaces.actarray import Actarray
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.factory import Factory

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from libgz.errors import ParameterError
-from libgz.files import xml_text
+from libgz.base.errors import ParameterError
+from libgz.base.files import xml_text
 from libgz.transport.interface import Interface, View
 from libgz.transport.layout import CLIENT, SERVER, Array, Data, byte, double, layout
 from libgz.transport.legacy import LegacyFunctions

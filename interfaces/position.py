@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.geometry import pose_text
+from libgz.base.geometry import pose_text
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.physics.check import finite
 from libgz.transport.interface import View

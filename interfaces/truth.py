@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector, pose_text
+from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector, pose_text
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.physics.check import finite_tuple, rotation_tuple
 from libgz.transport.interface import View

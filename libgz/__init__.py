@@ -32,7 +32,7 @@ def __getattr__(name: str) -> Any:
     if name == "__all__":  # from libgz import *
         return sorted(_exports())
     if name.startswith("_") or name not in _exports():
-        from libgz.errors import nearest
+        from libgz.base.errors import nearest
 
         hint = nearest(name, _exports())
         if name.endswith("Plugin") or name.startswith("GZ_REGISTER_"):

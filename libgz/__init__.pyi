@@ -1,7 +1,7 @@
 """The public names of libgz, and the one module that each comes from."""
 
 from libgz._version import __version__ as __version__
-from libgz.errors import (
+from libgz.base.errors import (
     ClosedError as ClosedError,
     GazeboError as GazeboError,
     InterfaceError as InterfaceError,
@@ -15,8 +15,7 @@ from libgz.errors import (
     StrictError as StrictError,
     WorldFileError as WorldFileError,
 )
-from libgz.front import World as World
-from libgz.geometry import (
+from libgz.base.geometry import (
     DTOR as DTOR,
     NORMALIZE as NORMALIZE,
     RTOD as RTOD,
@@ -63,6 +62,7 @@ from libgz.geometry import (
     GzVectorUnit as GzVectorUnit,
     GzVectorZero as GzVectorZero,
 )
+from libgz.front import World as World
 from libgz.interfaces.actarray import (
     GAZEBO_ACTARRAY_ACTSTATE_BRAKED as GAZEBO_ACTARRAY_ACTSTATE_BRAKED,
     GAZEBO_ACTARRAY_ACTSTATE_IDLE as GAZEBO_ACTARRAY_ACTSTATE_IDLE,

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
 import libgz.models as models  # `from libgz import` would look among the public names first
-from libgz.errors import GazeboError, LibraryError, NotFoundError, WorldFileError, nearest
-from libgz.files import exists
-from libgz.geometry import GzPose
+from libgz.base.errors import GazeboError, LibraryError, NotFoundError, WorldFileError, nearest
+from libgz.base.files import exists
+from libgz.base.geometry import GzPose
 from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
 from libgz.legacy.plugin_search import register_compiled
@@ -273,7 +273,7 @@ class World(world.World):
             LibraryError: matplotlib is not installed.
             ParameterError: there is nothing to plot.
         """
-        from libgz.charts import figure_of
+        from libgz.interfaces.charts import figure_of
 
         served = {key: one for key, one in self.gz_server.interfaces.items() if key[0] not in ("sim", "factory")}
         if not names:

@@ -6,7 +6,7 @@ Dimensions were chosen for libgz to match the mesh of its original world.
 
 from __future__ import annotations
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.skin import SkinAttributes, add_skin

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
 from libgz.models.parts import BLACK, DARK, add_body, fit
 from libgz.models.sonars import SonarRing

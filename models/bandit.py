@@ -8,18 +8,18 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
+from libgz.base.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
 from libgz.legacy.model import Model
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import GREY, add_body, fit
 from libgz.models.serving import Seen, serve
 from libgz.models.wheels import add_hinge
+from libgz.ode.records import numbers
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import FixedJoint, HingeJoint
 from libgz.physics.two_axes import UniversalJoint
-from libgz.records import numbers
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.updates import Exchange, UpdateRows, is_plain, replaced
 from libgz.transport.guard import Guard

@@ -7,7 +7,7 @@ from typing import ClassVar
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.serving import serve
-from libgz.records import BatteryRecord
+from libgz.ode.records import BatteryRecord
 from libgz.simulation.updates import Exchange, UpdateRows, is_plain
 
 __all__ = ["Battery"]

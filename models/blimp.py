@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzColor, GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternToEuler
+from libgz.base.geometry import GzColor, GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternToEuler
 from libgz.interfaces.position import PositionData
 from libgz.models.motion import Motion
 from libgz.models.parts import GREY, add_body, fit

@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, ParameterError
-from libgz.geometry import GzPose
+from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.geometry import GzPose
 from libgz.interfaces.camera import GAZEBO_CAMERA_MAX_IMAGE_SIZE, Camera
 from libgz.legacy.model import Model
 from libgz.models.serving import serve

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.interfaces.position import PositionData
 from libgz.models.motors import Axis, Servo
 from libgz.models.odometry import Odometry
@@ -18,8 +18,8 @@ from libgz.models.parts import DARK, add_body, fit
 from libgz.models.robot import MobileRobot, RobotAttributes, clamp
 from libgz.models.skin import SkinAttributes, add_skin
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge, on_hinge2
+from libgz.ode.records import numbers
 from libgz.physics.geoms import BoxGeom
-from libgz.records import numbers
 from libgz.simulation.updates import Exchange, UpdateRows, is_plain, replaced
 from libgz.worldfile.attributes import color
 

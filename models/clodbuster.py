@@ -10,15 +10,15 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motors import Servo
 from libgz.models.parts import DARK, add_body, fit
 from libgz.models.robot import RobotAttributes, clamp
 from libgz.models.wheels import Tire, add_steered_wheel
+from libgz.ode.records import numbers
 from libgz.physics.geoms import BoxGeom
-from libgz.records import numbers
 from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.worldfile.attributes import boolean
 

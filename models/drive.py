@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from libgz.geometry import NORMALIZE, VectorLike
+from libgz.base.geometry import NORMALIZE, VectorLike
 from libgz.interfaces.position import PositionData
 from libgz.models.battery import Battery
 from libgz.models.motors import Axis

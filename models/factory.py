@@ -8,7 +8,7 @@ import re
 from typing import ClassVar
 from xml.sax.saxutils import unescape
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.interfaces.factory import GAZEBO_FACTORY_MAX_STRING, Factory as FactoryInterface
 from libgz.legacy.model import Model
 from libgz.legacy.world import LegacyWorld

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.interfaces.gps import Gps
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body, fit

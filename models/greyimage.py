@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, ParameterError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.physics.image_files import open_image
 
 __all__ = ["read_grey"]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.geometry import GzColor, GzVector
+from libgz.base.geometry import GzColor, GzVector
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.physics.geoms import PlaneGeom

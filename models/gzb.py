@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.physics.meshes import triangle_normals
 
 __all__ = ["GzbFile", "read_gzb", "write_gzb"]

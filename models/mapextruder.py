@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
 from libgz.legacy.model import Model
 from libgz.models.contours import outlines, simplified
 from libgz.models.greyimage import read_grey

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from libgz.geometry import GzColor, GzQuaternFromAxis
+from libgz.base.geometry import GzColor, GzQuaternFromAxis
 from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
 from libgz.models.parts import GREY, add_body, fit

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from libgz.geometry import GzPose, GzQuatern, GzQuaternInverse, GzQuaternToEuler, GzVector, rotate
+from libgz.base.geometry import GzPose, GzQuatern, GzQuaternInverse, GzQuaternToEuler, GzVector, rotate
+from libgz.ode.records import MotionRecord
 from libgz.physics.body import Body
-from libgz.records import MotionRecord
 from libgz.simulation.updates import UpdateRows, is_plain
 
 __all__ = ["Motion"]

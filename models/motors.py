@@ -75,7 +75,7 @@ class Servo:
 
         Args:
             rows: to add to.
-            targets: an array of `libgz.records.numbers`, which the row reads [rad].
+            targets: an array of `libgz.ode.records.numbers`, which the row reads [rad].
             index: of the target in it.
             sign: 1, or -1 to turn to the opposite angle.
         """

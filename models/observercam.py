@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import (
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,

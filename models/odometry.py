@@ -6,7 +6,7 @@ import math
 from typing import ClassVar
 
 from libgz.interfaces.position import PositionData
-from libgz.records import OdometryRecord
+from libgz.ode.records import OdometryRecord
 from libgz.simulation.updates import Exchange
 
 __all__ = ["Odometry"]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
+from libgz.base.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
 from libgz.interfaces.ptz import Ptz
 from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics

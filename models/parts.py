@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector, VectorLike
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector, VectorLike
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom

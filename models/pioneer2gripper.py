@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzColor, GzVector
+from libgz.base.geometry import GzColor, GzVector
 from libgz.interfaces import gripper as codes
 from libgz.interfaces.gripper import Gripper
 from libgz.legacy.model import Model

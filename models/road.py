@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzColor
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.roadfile import read_road

@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzVector
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzVector
 
 __all__ = ["RoadFile", "read_road"]
 

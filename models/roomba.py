@@ -6,7 +6,7 @@ The original source is lost. Diameter, axle and speed are those in Player's driv
 
 from __future__ import annotations
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
 from libgz.models.parts import BLACK, DARK, add_body, fit
 from libgz.models.wheels import Tire, add_caster

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Generic, NamedTuple
 
-from libgz.geometry import GzColor, GzVector
+from libgz.base.geometry import GzColor, GzVector
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motion import Motion
@@ -17,10 +17,10 @@ from libgz.models.odometry import Odometry
 from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import HARD, Tire
+from libgz.ode.records import numbers
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
-from libgz.records import numbers
 from libgz.simulation.formula import Formula, Number, clamp
 from libgz.simulation.updates import Exchange, UpdateRows, replaced
 

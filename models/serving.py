@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from libgz.legacy.model import Model
-from libgz.records import numbers
+from libgz.ode.records import numbers
 from libgz.simulation.updates import Exchange
 from libgz.transport.interface import Interface
 

@@ -10,16 +10,16 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motors import Servo
 from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import Tire, Wheel, add_hinge, add_steered_wheel
+from libgz.ode.records import numbers
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
-from libgz.records import numbers
 from libgz.simulation.updates import UpdateRows, replaced
 
 YELLOW = GzColor(0.9, 0.7, 0.1)

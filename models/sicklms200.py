@@ -10,16 +10,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial
 from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser
 from libgz.legacy.model import Model
 from libgz.models.parts import BLACK, add_body, fit
 from libgz.models.serving import serve
+from libgz.ode.records import CastRecord, ScannerRecord
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.physics.rays import RayProximity
-from libgz.records import CastRecord, ScannerRecord
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.transport.guard import Guard

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.geometry import GzPose, GzVector, GzVectorSub
+from libgz.base.geometry import GzPose, GzVector, GzVectorSub
 from libgz.legacy.model import Model
 from libgz.physics.geom import Geom
 from libgz.worldfile.attributes import file, rotation, vector

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.physics.geoms import DomeGeom

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzPose, GzVector
+from libgz.base.geometry import GzPose, GzVector
 from libgz.interfaces.stereo import Stereo
 from libgz.legacy.model import Model
 from libgz.models.camera import FrameSaver, RobotCameraAttributes, add_frustum, check_optics, make_eye, set_view

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzColor
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb

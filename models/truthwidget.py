@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
 from libgz.interfaces.truth import Truth
 from libgz.legacy.model import Model
 from libgz.models.motion import Motion

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from libgz.geometry import GzColor
+from libgz.base.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motors import Axis
 from libgz.models.parts import BLACK, DARK, GREY, add_body, fit

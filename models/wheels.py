@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from libgz.geometry import GzColor, GzQuaternFromAxis, VectorLike
+from libgz.base.geometry import GzColor, GzQuaternFromAxis, VectorLike
 from libgz.legacy.model import Model
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import GREY, add_body, fit

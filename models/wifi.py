@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzVectorMag, GzVectorSub
+from libgz.base.geometry import GzVectorMag, GzVectorSub
 from libgz.interfaces.wifi import GAZEBO_WIFI_MAX_LINKS, GAZEBO_WIFI_QUAL_DBM, Wifi
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body

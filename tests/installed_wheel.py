@@ -15,7 +15,7 @@ from pathlib import Path
 WHEELS, *OPTIONS = sys.argv[1:]
 HOME = Path.home()
 BIN = HOME / "venv" / "bin"
-WORLDS = "import libgz.files; print(libgz.files.installed_worlds())"
+WORLDS = "import libgz.base.files; print(libgz.base.files.installed_worlds())"
 CLIENT = """
 import libgz
 with libgz.Client(server_id=0) as client:

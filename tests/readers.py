@@ -9,8 +9,8 @@ from pathlib import Path
 from sample_files import TEXTURE_FORMATS, sample, with_library, with_texture, worlds
 
 from libgz import GazeboError, GzVector, World
-from libgz.errors import UNFORESEEN
-from libgz.files import installed_worlds
+from libgz.base.errors import UNFORESEEN
+from libgz.base.files import installed_worlds
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.models.roadfile import read_road

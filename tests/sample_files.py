@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 __all__ = ["TEXTURE_FORMATS", "chunk", "model_3ds", "sample", "with_library", "with_texture"]
 

@@ -1,8 +1,8 @@
 """What can be set in a world while it runs, for tests that change it around a state."""
 
+from libgz.base.geometry import GzColor
 from libgz.classic.common import Time
 from libgz.classic.math import Angle, Rand
-from libgz.geometry import GzColor
 
 
 def _sensors(world):

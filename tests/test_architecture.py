@@ -14,16 +14,17 @@ ROOT = Path(__file__).parent.parent
 
 # From the bottom up; imports go downwards only, and not between packages of one row.
 LAYERS = [
-    ["errors", "files", "closing", "digest", "waiting", "_version"],
-    ["entities", "geometry", "records"],
+    ["_version"],
+    ["base"],
     ["ode"],
     ["physics", "transport", "worldfile", "sdf"],
-    ["interfaces", "charts"],
+    ["interfaces"],
     ["clib", "simulation", "rendering"],
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
     ["front"],
-    ["convert", "recording", "reference", "images", "view", "distribution", "signals", "variant"],
+    ["convert", "recording", "reference", "view"],
+    ["study"],
     ["gym", "sweep"],
     ["testing"],
     ["apps"],

@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 import libgz
+from libgz.base.errors import ClosedError, LibraryError, NotFoundError, ParameterError
+from libgz.base.files import installed_worlds
 from libgz.classic.server import attach
-from libgz.errors import ClosedError, LibraryError, NotFoundError, ParameterError
-from libgz.files import installed_worlds
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples" / "notebooks").glob("*.ipynb"))
 RUN = """

@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 import json
 
-from libgz.errors import Diagnostic
+from libgz.base.errors import Diagnostic
 from libgz.reference.check import check
 
 __all__ = ["configure", "run"]

@@ -13,11 +13,11 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import Hints, LogFile
+from libgz.base.closing import Closing
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import Missing, new_plugin
 from libgz.classic.server import system_plugins
 from libgz.classic.transport import Link, publicized_address
-from libgz.closing import Closing
 from libgz.rendering.choice import prefer
 
 __all__ = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.transport.stale_files import remove_stale
 
 __all__ = ["configure", "run"]

@@ -9,11 +9,11 @@ import sys
 from pathlib import Path
 
 from libgz.apps.console import wire_version
+from libgz.base.errors import ParameterError
 from libgz.clib import FOLDER
 from libgz.clib.install import install
 from libgz.clib.library import FOR_I386, library_folder
 from libgz.cxx.build import cxxflags, for_installation
-from libgz.errors import ParameterError
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
 __all__ = ["configure", "run"]

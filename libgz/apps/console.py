@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TextIO, TypeAlias, TypeVar
 
-from libgz.errors import GazeboError, Interrupted, ParameterError, nearest
+from libgz.base.errors import GazeboError, Interrupted, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",

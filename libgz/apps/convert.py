@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 from libgz.apps.console import writing
+from libgz.base.files import write_whole
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
-from libgz.files import write_whole
 from libgz.front import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.search import find_worldfile

@@ -6,8 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from libgz.base.errors import ParameterError
 from libgz.cxx.build import STANDARD, CompileError, build, check
-from libgz.errors import ParameterError
 
 __all__ = ["configure", "run"]
 

@@ -15,10 +15,10 @@ from pathlib import Path
 
 from libgz.apps.console import number_above_zero, number_from_zero
 from libgz.apps.view_process import add_view_options
-from libgz.errors import GazeboError, ServerError
-from libgz.files import installed_worlds
+from libgz.base.errors import GazeboError, ServerError
+from libgz.base.files import installed_worlds
+from libgz.base.waiting import PERIOD
 from libgz.interfaces.client import Client
-from libgz.waiting import PERIOD
 
 __all__ = ["configure", "run"]
 

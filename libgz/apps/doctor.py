@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from libgz._version import __version__
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.ode.lib import ode
 from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine

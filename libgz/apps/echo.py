@@ -14,7 +14,7 @@ from typing import Any
 from libgz.apps.plot import pyplot, save_plot
 from libgz.apps.series import InterfaceValues, Series
 from libgz.apps.target import add_target, connect, element_values, find_field, open_target, values_of
-from libgz.errors import GazeboError, ParameterError, ServerGoneError
+from libgz.base.errors import GazeboError, ParameterError, ServerGoneError
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
 

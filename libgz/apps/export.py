@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from libgz.apps.series import Series, read_log
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.recording.capture import check_packages
 
 if TYPE_CHECKING:  # needs the extra `log`

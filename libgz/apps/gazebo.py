@@ -29,8 +29,8 @@ from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.apps.view_process import add_view_options, view_process
-from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
-from libgz.files import exists, is_file
+from libgz.base.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
+from libgz.base.files import exists, is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES, prefer

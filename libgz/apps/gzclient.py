@@ -15,10 +15,10 @@ from libgz.apps.console import as_command, number_above_zero
 from libgz.apps.view import make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.apps.view_process import add_view_options
+from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
 from libgz.classic.transport import TopicManager, connect
-from libgz.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.rendering.choice import CHOICES
 from libgz.rendering.image import write_image
 from libgz.simulation.event import everywhere

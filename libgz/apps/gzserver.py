@@ -20,13 +20,13 @@ from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.apps.view_process import add_view_options, view_process
+from libgz.base.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError, nearest
+from libgz.base.files import is_file
 from libgz.classic.common import gzlog
 from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import get_master_uri, serve
-from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError, nearest
-from libgz.files import is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES

@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from libgz.apps.target import add_server, connect
-from libgz.errors import InterfaceError, ParameterError
+from libgz.base.errors import InterfaceError, ParameterError
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from libgz.apps.console import finite_number
 from libgz.apps.server_link import add_world, ask, publish, world_node
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import msgs
-from libgz.errors import NotFoundError, ParameterError, nearest
 
 __all__ = ["configure", "run"]
 

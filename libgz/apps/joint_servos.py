@@ -6,7 +6,7 @@ import contextlib
 import math
 from collections.abc import Iterator
 
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import SdfModel
 from libgz.simulation.world import World

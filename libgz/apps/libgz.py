@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 
 __all__ = ["main"]
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.apps.server_link import add_world, publish, world_node
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs
 from libgz.classic.log import ENCODINGS, LogReader, LogState, LogWriter, NamePattern, read_states
-from libgz.errors import ParameterError
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.rate import TIME_SLACK
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from libgz.apps.console import finite_number, read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.transport import Node
-from libgz.errors import NotFoundError, ParameterError
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.recognition import is_robot_text, is_sdf_text
 from libgz.sdf.upgrade import NEWEST, upgraded

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from libgz.apps.console import writing
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.models import MODELS
 
 __all__ = ["KINDS", "configure", "run", "write_starter"]

@@ -13,8 +13,8 @@ import weakref
 from typing import Any
 
 from libgz.apps.world_control import WorldControl
-from libgz.closing import Closing
-from libgz.errors import GazeboError, LibraryError
+from libgz.base.closing import Closing
+from libgz.base.errors import GazeboError, LibraryError
 from libgz.front import World
 from libgz.simulation.pacing import Pacer
 from libgz.transport.control import Request

@@ -8,9 +8,9 @@ import math
 
 from libgz.apps.console import number_above_zero, number_from_zero
 from libgz.apps.server_link import add_world, publish, world_node
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs
 from libgz.classic.math import Vector3d
-from libgz.errors import ParameterError
 
 __all__ = ["configure", "run"]
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from libgz.apps.view_options import GL_HELP, pose, size
-from libgz.errors import LibraryError, NotFoundError, ParameterError, nearest
+from libgz.base.errors import LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
-from libgz.images import FreeView, ImageSource, cameras_of
+from libgz.recording.images import FreeView, ImageSource, cameras_of
 from libgz.rendering.choice import CHOICES, prefer
 from libgz.rendering.image import write_image
 

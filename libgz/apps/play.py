@@ -19,9 +19,9 @@ from libgz.apps.console import number_above_zero, number_from_zero, whole_number
 from libgz.apps.server_option import add_server_options
 from libgz.apps.view import make_viewer
 from libgz.apps.view_process import add_view_options, view_process
+from libgz.base.errors import GazeboError, ParameterError, ServerError
+from libgz.base.files import write_whole
 from libgz.classic.transport import serve
-from libgz.errors import GazeboError, ParameterError, ServerError
-from libgz.files import write_whole
 from libgz.recording.capture import check_packages
 from libgz.transport.control import ask
 from libgz.transport.observer import Observer

@@ -12,7 +12,7 @@ from typing import Any
 from libgz.apps.console import number_above_zero
 from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, observe, read_log
 from libgz.apps.target import add_server, connect, open_target
-from libgz.errors import LibraryError, ParameterError, ServerGoneError
+from libgz.base.errors import LibraryError, ParameterError, ServerGoneError
 from libgz.recording.capture import check_packages
 from libgz.transport.observer import Observer
 

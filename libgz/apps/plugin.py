@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from libgz.errors import ServerError
+from libgz.base.errors import ServerError
 from libgz.transport.control import ask
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
 

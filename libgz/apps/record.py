@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
+from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
 from libgz.models.camera import eye_of
 from libgz.rendering.framing import free_camera
@@ -68,7 +68,7 @@ def _sensors_of(world: World) -> dict[str, CameraSensor]:
     """The camera sensors of a world of SDF by their full names and, the first of each, by their short ones."""
     if world.sdf is None:
         return {}
-    from libgz.images import camera_sensors  # it loads classic, which legacy worlds do without
+    from libgz.recording.images import camera_sensors  # it loads classic, which legacy worlds do without
 
     found = camera_sensors(world)
     short = {sensor.Name(): sensor for sensor in reversed(found)}

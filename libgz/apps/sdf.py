@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from libgz.apps import upgrade
-from libgz.errors import Diagnostic, ParameterError, WorldFileError
+from libgz.base.errors import Diagnostic, ParameterError, WorldFileError
 from libgz.reference.check import check_sdf
 from libgz.reference.sdf_format import sdf_page, sdf_text
 from libgz.sdf.description import NEWEST, VERSIONS

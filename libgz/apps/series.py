@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.apps.target import element_values, find_field, unit_of, values_of
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternToEuler, GzVector
 from libgz.classic.msgs.message import Message
-from libgz.errors import NotFoundError, ParameterError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternToEuler, GzVector
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.recording.own_messages import read_tables
 from libgz.transport.interface import Interface

@@ -9,11 +9,11 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+from libgz.base.errors import GazeboError, NotFoundError
 from libgz.classic import msgs
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.transport import Link, Node, TopicManager, connect
 from libgz.classic.transport.functions import request
-from libgz.errors import GazeboError, NotFoundError
 
 __all__ = ["PATIENCE", "add_duration", "add_world", "ask", "publish", "receive", "world_node"]
 

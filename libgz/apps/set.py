@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 from libgz.apps.target import add_target, connect, find_field, open_target
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.transport.interface import Interface
 from libgz.transport.layout import SERVER, fields_of
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from libgz.apps.console import number_from_zero
 from libgz.apps.target import add_server
-from libgz.errors import ParameterError
-from libgz.files import write_whole
+from libgz.base.errors import ParameterError
+from libgz.base.files import write_whole
 from libgz.transport.control import MOST, ask
 
 __all__ = ["configure", "run"]

@@ -8,7 +8,7 @@ from types import TracebackType
 
 from libgz.apps.console import number_above_zero
 from libgz.apps.world_control import WorldControl
-from libgz.errors import GazeboError, PluginError, ServerError
+from libgz.base.errors import GazeboError, PluginError, ServerError
 from libgz.front import World
 from libgz.transport.control import Control, Request
 from libgz.transport.server import Server

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import INTERRUPTED, whole_number
-from libgz.errors import GazeboError, LibraryError, ParameterError
+from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.sweep import driver
 from libgz.sweep.results import FORMATS, open_results, read_results
 from libgz.sweep.study import Study

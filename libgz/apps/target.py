@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from libgz.errors import ParameterError, nearest
+from libgz.base.errors import ParameterError, nearest
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface

@@ -12,10 +12,10 @@ from typing import Any
 
 from libgz.apps.console import read_text
 from libgz.apps.server_link import PATIENCE, publish, receive
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import msgs
 from libgz.classic.transport import Link, Node, TopicManager, connect, getAdvertisedTopics
 from libgz.classic.transport.functions import request
-from libgz.errors import NotFoundError, ParameterError, nearest
 
 __all__ = ["configure", "run"]
 

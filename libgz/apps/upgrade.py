@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from libgz.apps.console import writing
-from libgz.errors import Remark, WorldFileError
-from libgz.files import read_limited, write_whole
+from libgz.base.errors import Remark, WorldFileError
+from libgz.base.files import read_limited, write_whole
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.recognition import is_sdf
 from libgz.sdf.xml import ROBOT

@@ -12,7 +12,7 @@ from typing import Any
 
 from libgz.apps.console import number_above_zero, whole_number
 from libgz.apps.view_process import add_view_options
-from libgz.errors import GazeboError, LibraryError, ServerGoneError
+from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.transport.observer import Observer
 from libgz.transport.paths import server_directory
 

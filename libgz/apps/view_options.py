@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzVector
 
 __all__ = ["GL_HELP", "pose", "size"]
 

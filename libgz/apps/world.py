@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from libgz.apps.server_link import add_world, publish, world_node
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs
-from libgz.errors import ParameterError
 
 __all__ = ["configure", "run"]
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, NotFoundError, ParameterError
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
 from libgz.front import World
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
 from libgz.rendering.image import jpeg_text

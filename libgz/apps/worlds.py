@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 
-from libgz.errors import NotFoundError
-from libgz.files import is_file
+from libgz.base.errors import NotFoundError
+from libgz.base.files import is_file
 from libgz.worldfile.search import find_worldfile, ready_worlds, why_missing
 
 __all__ = ["configure", "run"]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import nearest
+from libgz.base.errors import nearest
 
 __all__ = ["ApiName", "classic_api", "serves_instead", "without"]
 

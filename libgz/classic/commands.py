@@ -7,6 +7,8 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.geometry import GzColor
 from libgz.classic import msgs
 from libgz.classic.common import PID
 from libgz.classic.describe import (
@@ -27,8 +29,6 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.geometry import GzColor
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile

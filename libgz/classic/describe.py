@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from libgz.base.geometry import GzCoordPoseSub, GzPose
 from libgz.classic import msgs
 from libgz.classic.common import Time
 from libgz.classic.looks import (
@@ -26,7 +27,6 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.shape import BoxShape, CylinderShape, HeightmapShape, SphereShape
 from libgz.classic.physics.world import World
-from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 

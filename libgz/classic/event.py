@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from libgz.base.errors import nearest
 from libgz.classic.api import without
 from libgz.classic.common import Time, UpdateInfo
-from libgz.errors import nearest
 from libgz.simulation.event import Connection, Event, WorldEvents, everywhere, owner
 
 __all__ = ["Connection", "ConnectionPtr", "Event", "EventNames", "EventT", "Events"]

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakSet
 
+from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
 from libgz.classic.transport.subscriber import Subscriber
-from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Connection, Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search

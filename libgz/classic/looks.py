@@ -6,8 +6,8 @@ import zlib
 from collections.abc import Iterator
 from typing import Any
 
+from libgz.base.geometry import GzColor, GzPose, GzVector
 from libgz.classic import msgs
-from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.sdf.element import Element
 
 __all__ = [

@@ -11,7 +11,7 @@ import re
 from types import FunctionType
 from typing import Any, TypeVar
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 
 __all__ = ["takes_names"]
 

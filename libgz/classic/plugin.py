@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
+from libgz.base.errors import ParameterError
 from libgz.classic.plugin_base import PluginT
-from libgz.errors import ParameterError
 from libgz.simulation.plugins import collect
 
 if TYPE_CHECKING:

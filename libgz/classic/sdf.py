@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+from libgz.base.errors import GazeboError, ParameterError, nearest
 from libgz.classic.api import without
 from libgz.classic.names import takes_names
-from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.sdf.description import NEWEST, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.reader import SdfFile

@@ -12,6 +12,7 @@ from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import GazeboError, NotFoundError, PluginError, StateError, nearest
 from libgz.classic.commands import PausedSteps
 from libgz.classic.describe import entity_message
 from libgz.classic.loading import LoadedPlugin, Missing, called, is_ready, new_plugin, reload_all
@@ -24,7 +25,6 @@ from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.world import World
 from libgz.classic.ros_names import is_ros_name, notice
 from libgz.classic.topics import WorldTopics
-from libgz.errors import GazeboError, NotFoundError, PluginError, StateError, nearest
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded

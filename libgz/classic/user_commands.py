@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic import msgs
 from libgz.classic.physics.world import World
-from libgz.errors import GazeboError, ParameterError
 
 __all__ = ["Handlers", "UserCommands"]
 

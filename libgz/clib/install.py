@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from libgz.base.errors import LibraryError
+from libgz.base.files import write_whole
 from libgz.clib import FOLDER
 from libgz.clib.header import version_macro
 from libgz.clib.library import ARCHIVE, FOR_I386, SHARED, library_folder
-from libgz.errors import LibraryError
-from libgz.files import write_whole
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
 __all__ = ["install"]

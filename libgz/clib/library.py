@@ -10,8 +10,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from libgz.base.errors import LibraryError
 from libgz.clib import FOLDER
-from libgz.errors import LibraryError
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
 __all__ = ["ARCHIVE", "FOR_I386", "SHARED", "SOURCES", "compiler", "library_folder"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
-from libgz.geometry import GzColor, GzHomoFromQuatern, GzPose, GzQuaternNormal
+from libgz.base.geometry import GzColor, GzHomoFromQuatern, GzPose, GzQuaternNormal
 
 __all__ = ["Notes", "add", "color", "name_of", "number", "pose"]
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from lxml import etree
 
+from libgz.base.geometry import GzCoordPositionSub, GzPose, GzQuaternInverse, GzVector, rotate
 from libgz.convert.element import Notes, add, pose
-from libgz.geometry import GzCoordPositionSub, GzPose, GzQuaternInverse, GzVector, rotate
 from libgz.ode.types import (
     dParamFMax,
     dParamFMax2,

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseSub, GzPose
 from libgz.convert.element import Notes, add, color, name_of, pose
 from libgz.convert.joints import add_joint, ends_of
 from libgz.convert.sensors import add_sensors
 from libgz.convert.shapes import CORRECTING_VELOCITY, Meshes, add_geom, is_shape
-from libgz.errors import ParameterError
 from libgz.front import World
-from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.legacy.model import Model
 from libgz.ode.types import dParamFMax, dParamFMax2, dParamHiStop, dParamLoStop
 from libgz.physics.body import Body

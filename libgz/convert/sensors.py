@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 
 from lxml import etree
 
+from libgz.base.geometry import GzPose, GzQuaternFromAxis, GzVector
 from libgz.convert.element import Notes, add, name_of, pose
-from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector
 from libgz.legacy.model import Model
 from libgz.models.camera import CameraAttributes
 from libgz.models.sicklms200 import EYE_HEIGHT, SickAttributes, SickLMS200

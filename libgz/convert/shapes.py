@@ -10,9 +10,8 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
-from libgz.convert.element import Notes, add, color, name_of, pose
-from libgz.errors import ParameterError
-from libgz.geometry import (
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzCoordPositionSub,
@@ -22,6 +21,7 @@ from libgz.geometry import (
     GzVectorMul,
     rotate,
 )
+from libgz.convert.element import Notes, add, color, name_of, pose
 from libgz.ode.types import Surface
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import (

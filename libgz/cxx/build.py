@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from libgz.base.errors import LibraryError, ParameterError, nearest
 from libgz.cxx import FOLDER
 from libgz.cxx.headers import INCLUDE
-from libgz.errors import LibraryError, ParameterError, nearest
 
 __all__ = ["STANDARD", "CompileError", "build", "check", "compiler", "cxxflags", "for_installation"]
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, ParameterError
-from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
+from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
 from libgz.rendering.camera import Camera
 from libgz.rendering.image import write_pnm
 from libgz.rendering.shot import RenderOptions

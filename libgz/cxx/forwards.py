@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, WorldFileError
+from libgz.base.geometry import GzPose, GzQuatern
 from libgz.cxx.camera import CxxCamera
 from libgz.cxx.objects import current, enter, forget, running
 from libgz.cxx.ray import CxxRay
 from libgz.cxx.stereo_camera import CxxStereoCamera
-from libgz.errors import GazeboError, NotFoundError, ParameterError, WorldFileError
-from libgz.geometry import GzPose, GzQuatern
 from libgz.legacy.model import Model
 from libgz.legacy.world import LegacyWorld
 from libgz.ode.lib import ode

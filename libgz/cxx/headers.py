@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from libgz._version import __version__
+from libgz.base.errors import ParameterError
 from libgz.cxx import FOLDER
 from libgz.cxx.declarations import CLASSES, FUNCTIONS, CxxClass
 from libgz.cxx.ode_header import ode_header
-from libgz.errors import ParameterError
 
 __all__ = ["INCLUDE", "Function", "Parameter", "functions", "generated", "interface_hash", "mark"]
 

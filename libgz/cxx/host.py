@@ -12,10 +12,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from libgz.base.errors import USER_ERRORS, GazeboError, InterfaceError, LibraryError
 from libgz.cxx import FOLDER
 from libgz.cxx.objects import running
 from libgz.cxx.shadow import Shadow
-from libgz.errors import USER_ERRORS, GazeboError, InterfaceError, LibraryError
 from libgz.interfaces.catalog import INTERFACES
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from ctypes import c_bool, c_double, c_float, c_int, c_void_p
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import PluginError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.cxx.host import HostedServer
 from libgz.cxx.objects import LoadedFile, Session, enter, running
-from libgz.errors import PluginError
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.legacy.model import Model
 from libgz.simulation.entity import packed_pose
 from libgz.simulation.world import World

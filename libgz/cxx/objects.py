@@ -10,7 +10,7 @@ import threading
 from pathlib import Path
 from typing import Any, Protocol
 
-from libgz.errors import ClosedError, PluginError
+from libgz.base.errors import ClosedError, PluginError
 from libgz.legacy.model import Model
 from libgz.ode.lib import ode
 from libgz.physics.body import Body

@@ -10,14 +10,14 @@ from ctypes import c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any
 
+from libgz.base.errors import PluginError
+from libgz.base.files import read_limited
 from libgz.cxx.headers import mark
 from libgz.cxx.host import install, loading
 from libgz.cxx.model import CxxModel
 from libgz.cxx.objects import running
 from libgz.cxx.shared_object import SharedObject
 from libgz.cxx.table import table
-from libgz.errors import PluginError
-from libgz.files import read_limited
 from libgz.ode.lib import ode
 from libgz.simulation.plugins import Plugin
 

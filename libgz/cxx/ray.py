@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.geometry import VectorLike
+from libgz.base.geometry import VectorLike
 from libgz.ode.lib import ode
 from libgz.physics.body import Body
 from libgz.physics.geoms import RayGeom

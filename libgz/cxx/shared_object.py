@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import PluginError
-from libgz.files import read_limited
+from libgz.base.errors import PluginError
+from libgz.base.files import read_limited
 
 __all__ = ["SharedObject"]
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.cxx.camera import CxxCamera
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.physics.check import positive
 from libgz.rendering.disparity import disparities
 from libgz.simulation.world import World

@@ -8,12 +8,12 @@ from ctypes import CFUNCTYPE, c_char_p, c_double, c_int, c_long, c_uint, c_void_
 from functools import cache
 from typing import Any
 
+from libgz.base.errors import ClosedError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.cxx import forwards
 from libgz.cxx.headers import PARTS, Function, Parameter, functions
 from libgz.cxx.host import ended_address, fail, frames_address, offer
 from libgz.cxx.objects import OBJECTS, current, known, running
-from libgz.errors import ClosedError
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = ["table"]
 

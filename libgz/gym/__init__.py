@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import os
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 
 try:
     import gymnasium

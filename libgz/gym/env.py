@@ -13,17 +13,17 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from libgz.distribution import Distribution
-from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.base.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.base.geometry import GzPose
 from libgz.front import World
-from libgz.geometry import GzPose
 from libgz.physics.check import finite
-from libgz.signals import Command, Reading, activate, commands_of, reading_of
+from libgz.study.distribution import Distribution
+from libgz.study.signals import Command, Reading, activate, commands_of, reading_of
+from libgz.study.variant import Variant
 from libgz.transport.server import on_free_server_id
-from libgz.variant import Variant
 
 if TYPE_CHECKING:
-    from libgz.images import FreeView
+    from libgz.recording.images import FreeView
 
 __all__ = ["Fields", "Observe", "Page", "WorldEnv"]
 
@@ -51,7 +51,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """A world that a learning program acts in and observes.
 
     One step of the environment writes the action, runs the world for `period`, and reads the observation. Names of
-    actions and observations are those of `libgz.signals`: fields of interfaces, or of models, joints, links and
+    actions and observations are those of `libgz.study.signals`: fields of interfaces, or of models, joints, links and
     sensors.
 
     Args:
@@ -69,8 +69,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         update: ``update(world)``, called before the steps of each period, such as to move what no physics moves.
         info: ``info(world)``: more entries of the info table, which has ``sim_time`` [s].
         randomise: path of an element of the file -> its distribution, sampled at each reset; see
-            `libgz.variant.Variant`
-            and `libgz.distribution.Distribution`. The world is then built anew at each reset.
+            `libgz.study.variant.Variant`
+            and `libgz.study.distribution.Distribution`. The world is then built anew at each reset.
         period: sim time of one step of the environment [s]; a multiple of the world's step.
         settle: sim time that passes at a reset, before the first observation [s]; None for one period if interfaces or
             sensors are observed, which measure at their rates, else 0.
@@ -372,7 +372,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return image.copy()
 
     def _open_eye(self) -> Callable[[], NDArray[np.uint8]]:
-        from libgz.images import FreeView, cameras_of  # only who renders loads OpenGL
+        from libgz.recording.images import FreeView, cameras_of  # only who renders loads OpenGL
 
         if isinstance(self._camera, str):
             cameras = cameras_of(self.world)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.front import World
 from libgz.transport.observer import Observer
 from libgz.view.viewer import Viewer

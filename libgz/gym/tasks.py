@@ -10,9 +10,17 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import (
+    GzPose,
+    GzPosePointAt,
+    GzQuaternFromEuler,
+    GzQuaternToEuler,
+    GzVector,
+    GzVectorAdd,
+    rotate,
+)
 from libgz.front import World
-from libgz.geometry import GzPose, GzPosePointAt, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorAdd, rotate
 from libgz.gym.env import WorldEnv
 from libgz.models.pantilt import EYE
 from libgz.physics.check import finite

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from libgz.geometry import rotate
+from libgz.base.geometry import rotate
 from libgz.legacy.model import Model
 from libgz.ode.lib import ode
 from libgz.ode.types import JointType, Surface

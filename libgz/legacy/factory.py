@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from libgz.errors import ParameterError, PluginError
+from libgz.base.errors import ParameterError, PluginError
 from libgz.legacy.model import Model
 from libgz.simulation.plugins import Plugin, collect
 from libgz.simulation.world import World

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 from weakref import WeakSet
 
-from libgz.errors import (
+from libgz.base.errors import (
     USER_ERRORS,
     GazeboError,
     InterfaceError,
@@ -15,7 +15,7 @@ from libgz.errors import (
     nearest,
     pass_interrupt,
 )
-from libgz.geometry import GzPose
+from libgz.base.geometry import GzPose
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_world

@@ -8,8 +8,8 @@ import weakref
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, pass_interrupt
-from libgz.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVectorSub
+from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, pass_interrupt
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVectorSub
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.legacy.model import Model
 
 __all__ = ["to_file", "to_world"]

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from libgz.errors import PluginError
+from libgz.base.errors import PluginError
 from libgz.legacy.factory import builtin_folder
 from libgz.simulation.plugins import Plugin, load_plugin, reload_plugin, search
 

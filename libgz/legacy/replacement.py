@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
+from libgz.base.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.physics.body import Body

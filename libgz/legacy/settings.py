@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from libgz.errors import nearest
-from libgz.geometry import GzColor, GzVector
+from libgz.base.errors import nearest
+from libgz.base.geometry import GzColor, GzVector
 from libgz.worldfile.attributes import boolean, color, integer, number, read, text, vector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -6,7 +6,7 @@ import ctypes
 import math
 from collections.abc import Collection, Iterable, Iterator
 
-from libgz.geometry import GzPose, GzQuatern, GzQuaternFromAxis, GzQuaternMul, GzVector, rotate
+from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromAxis, GzQuaternMul, GzVector, rotate
 from libgz.legacy.checks import Part, may_touch, parts_of
 from libgz.legacy.model import Model
 from libgz.ode.lib import ode

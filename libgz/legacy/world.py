@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
-from libgz.digest import blake2b
-from libgz.entities import encoded
-from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
-from libgz.geometry import GzPose, GzVector
+from libgz.base.digest import blake2b
+from libgz.base.entities import encoded
+from libgz.base.errors import GazeboError, ParameterError, StateError, WorldFileError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, rotate
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, rotate
 from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.two_axes import UniversalJoint
 

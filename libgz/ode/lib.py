@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import LibraryError, nearest
+from libgz.base.errors import LibraryError, nearest
 from libgz.ode.prototypes import PROTOTYPES
 from libgz.ode.types import ContactGeom
 

@@ -18,8 +18,8 @@ from contextlib import contextmanager
 from ctypes import c_int64
 from typing import NamedTuple
 
-from libgz.digest import sha256
-from libgz.errors import LibraryError
+from libgz.base.digest import sha256
+from libgz.base.errors import LibraryError
 from libgz.ode.lib import ADVICE, OdeLibrary, ode
 from libgz.ode.types import Mass
 

@@ -7,8 +7,8 @@ import threading
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.waiting import wait_for
 from libgz.ode.lib import ode
-from libgz.waiting import wait_for
 
 __all__ = ["LARGE", "new_mesh_data"]
 

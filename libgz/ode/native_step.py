@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
-from libgz.records import check_sizes
+from libgz.ode.records import check_sizes
 
 __all__ = ["NativeStep", "native_path"]
 
@@ -152,7 +152,7 @@ class NativeStep:
         """Nothing to do: step.c caches no geoms."""
 
     def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[], int]]]:
-        """The function that does rows, see `libgz.records`; and one that prepares a call for whole steps.
+        """The function that does rows, see `libgz.ode.records`; and one that prepares a call for whole steps.
 
         Such a call makes as many steps as the number that it is prepared with says, and leaves there how many it did
         not make.

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import rotate
+from libgz.base.geometry import rotate
 from libgz.ode import python_state
 from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, Publication, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode

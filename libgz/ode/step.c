@@ -1110,7 +1110,7 @@ static void collide(void *data, void *geom1, void *geom2)
         collide_geoms(data, geom1, geom2);
 }
 
-/* v rotated by the quaternion q; the same operations in the same order as libgz.geometry.rotate. */
+/* v rotated by the quaternion q; the same operations in the same order as libgz.base.geometry.rotate. */
 static void rotate(const double *q, const double *v, double *out)
 {
     double tx = 2.0 * (q[2] * v[2] - q[3] * v[1]);

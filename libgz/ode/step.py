@@ -12,7 +12,7 @@ import logging
 import os
 from functools import lru_cache
 
-from libgz.errors import LibraryError, ParameterError
+from libgz.base.errors import LibraryError, ParameterError
 from libgz.ode.context import Step, StepContext
 from libgz.ode.native_step import NativeStep, native_path
 from libgz.ode.tables import Tables

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import rotate
+from libgz.base.geometry import rotate
 from libgz.ode.context import StepContext
 from libgz.ode.lib import OdeLibrary
+from libgz.ode.records import TableRecord
 from libgz.ode.types import SURFACE_COLUMNS, JointType, Surface, dInfinity
-from libgz.records import TableRecord
 
 __all__ = ["BodyTable", "GeomTable", "JointTable", "Tables", "unwound"]
 

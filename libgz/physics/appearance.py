@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.base.geometry import GzColor, GzPose, GzVector
 from libgz.physics.edits import edits
 
 __all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "Appearance", "Backdrop"]

@@ -12,8 +12,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import ClosedError, ParameterError
-from libgz.geometry import (
+from libgz.base.errors import ClosedError, ParameterError
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzPose,
     GzQuatern,

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.physics.skeletons import Figure, SkeletonAnimation, matrix_turns, turn_matrices
 
 __all__ = ["fitted", "read_motion"]

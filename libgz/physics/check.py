@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.ode.types import JOINT_PARAMETERS
 
 __all__ = [

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from libgz.geometry import (
+from libgz.base.geometry import (
     GzCoordPositionSub,
     GzPose,
     GzQuaternInverse,

@@ -17,8 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ClosedError, GazeboError, ParameterError
-from libgz.geometry import VectorLike
+from libgz.base.errors import ClosedError, GazeboError, ParameterError
+from libgz.base.geometry import VectorLike
 from libgz.ode.context import RayScan, Step, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare

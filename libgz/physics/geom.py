@@ -7,9 +7,9 @@ import itertools
 from pathlib import Path
 from typing import Any, ClassVar
 
-from libgz.errors import ClosedError, ParameterError
-from libgz.files import is_file
-from libgz.geometry import (
+from libgz.base.errors import ClosedError, ParameterError
+from libgz.base.files import is_file
+from libgz.base.geometry import (
     GzColor,
     GzCoordPoseAdd,
     GzPose,

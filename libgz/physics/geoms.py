@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
 from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.ode.mesh_data import new_mesh_data

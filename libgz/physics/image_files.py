@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -15,8 +15,8 @@ import math
 from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, NamedTuple
 
-from libgz.errors import ClosedError, GazeboError, ParameterError
-from libgz.geometry import GzVector, VectorLike
+from libgz.base.errors import ClosedError, GazeboError, ParameterError
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import clear_joint
 from libgz.ode.types import (

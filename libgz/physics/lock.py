@@ -13,7 +13,7 @@ from collections.abc import Callable
 from ctypes import c_int64
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
-from libgz.waiting import PERIOD
+from libgz.base.waiting import PERIOD
 
 __all__ = ["WorldLock", "built", "exclusive"]
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzHomoFromQuatern, GzPose
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzHomoFromQuatern, GzPose
 from libgz.ode.lib import ode
 from libgz.ode.types import Mass
 from libgz.physics.check import LARGEST, finite_tuple, positive

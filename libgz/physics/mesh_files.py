@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
-from libgz.files import is_file
+from libgz.base.errors import GazeboError
+from libgz.base.files import is_file
 from libgz.physics.meshes import triangle_normals, units
 
 __all__ = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 
 __all__ = ["extrude", "triangulate"]
 

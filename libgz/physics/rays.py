@@ -8,14 +8,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPositionAdd, GzVector, VectorLike, rotate
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPositionAdd, GzVector, VectorLike, rotate
 from libgz.ode.context import RayScan
+from libgz.ode.records import CastRecord
 from libgz.physics.body import Body
 from libgz.physics.check import finite_tuple
 from libgz.physics.engine import HasEngine
 from libgz.physics.geom import Geom
-from libgz.records import CastRecord
 
 __all__ = ["RayProximity"]
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
-from libgz.files import is_file
+from libgz.base.errors import GazeboError
+from libgz.base.files import is_file
 from libgz.physics.mesh_files import Collada, Texture, reading, step_matrix
 
 __all__ = ["Figure", "SkeletonAnimation", "SkinPart", "matrix_turns", "read_figure", "turn_matrices"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from libgz.errors import ClosedError
+from libgz.base.errors import ClosedError
 from libgz.ode.context import Step
 from libgz.ode.lib import ode
 from libgz.physics.edits import Edited

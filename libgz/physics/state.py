@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import ParameterError, StateError
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.base.errors import ParameterError, StateError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.ode.context import StepContext
 from libgz.ode.lib import ode
 from libgz.ode.memory import layout, order_bodies

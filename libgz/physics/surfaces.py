@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzVector, VectorLike
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.physics.body import Body
 from libgz.physics.check import finite, finite_tuple, positive, table
 from libgz.physics.geom import Geom

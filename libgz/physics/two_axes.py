@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ctypes
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzVector, VectorLike
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz._version import __version__
-from libgz.closing import Closing
-from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError
+from libgz.base.closing import Closing
+from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message

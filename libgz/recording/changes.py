@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.ode.records import LinkRecord
 from libgz.recording.frames import END_FRAME, Kind, frame, tick_frame
-from libgz.records import LinkRecord
 
 __all__ = ["Changes", "Piece", "apply_patches"]
 

@@ -20,7 +20,7 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from PIL import Image
 
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector
 from libgz.recording.own_messages import States
 from libgz.recording.templates import Encoded, joints_template, packed_field, transforms_template
 

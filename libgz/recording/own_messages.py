@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 from libgz.transport.tables import BODY_COLUMNS, HEADER, JOINT_COLUMNS
 
 __all__ = [

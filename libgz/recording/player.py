@@ -17,8 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Protocol
 
-from libgz.closing import Closing
-from libgz.errors import GazeboError, ParameterError, ServerError
+from libgz.base.closing import Closing
+from libgz.base.errors import GazeboError, ParameterError, ServerError
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
 from libgz.interfaces.sim import Sim

@@ -18,8 +18,8 @@ from mcap.reader import SeekingReader
 from mcap.records import Channel, Chunk, Message, Metadata, Schema
 from mcap.stream_reader import breakup_chunk
 
-from libgz.closing import Closing
-from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.base.closing import Closing
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 
 __all__ = ["LogChannel", "LogMessage", "LogReader"]
 

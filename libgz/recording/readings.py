@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from libgz.base.errors import GazeboError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.transport.topic import decode
-from libgz.errors import GazeboError
 from libgz.recording.reader import LogChannel
 from libgz.rendering.image import jpeg_text
 

@@ -6,9 +6,9 @@ import contextlib
 import logging
 from typing import Any
 
+from libgz.base.errors import GazeboError
 from libgz.classic import msgs
 from libgz.classic.transport import Node, Publisher, TopicManager
-from libgz.errors import GazeboError
 from libgz.recording.reader import LogChannel
 from libgz.recording.topics import type_of_topic
 

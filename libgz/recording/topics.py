@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from libgz.base.errors import NotFoundError
 from libgz.classic.msgs.declare import declare, message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport import Node, Subscriber, TopicManager
-from libgz.errors import NotFoundError
 from libgz.simulation.world import World
 
 __all__ = ["TopicTap", "type_of_topic"]

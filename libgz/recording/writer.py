@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from libgz._version import __version__
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.interfaces.catalog import new_interface
 from libgz.recording.changes import apply_patches
 from libgz.recording.foxglove import Converter, Output

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from libgz.errors import NotFoundError, nearest
+from libgz.base.errors import NotFoundError, nearest
 from libgz.front import World
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import CommonAttributes, Model

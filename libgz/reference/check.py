@@ -9,10 +9,10 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from libgz.base.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
+from libgz.base.files import exists
 from libgz.classic.loading import find_plugin
 from libgz.classic.ros_names import absence
-from libgz.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
-from libgz.files import exists
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.rendering.choice import prefer, preferred

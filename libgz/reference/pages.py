@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from libgz.files import write_whole
+from libgz.base.files import write_whole
 from libgz.legacy.factory import ModelFactory
 from libgz.models import MODELS
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries

@@ -8,9 +8,9 @@ from concurrent.futures import Future
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.closing import Closing
-from libgz.errors import LibraryError, ParameterError
-from libgz.geometry import GzPose
+from libgz.base.closing import Closing
+from libgz.base.errors import LibraryError, ParameterError
+from libgz.base.geometry import GzPose
 from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, Shot, View
 

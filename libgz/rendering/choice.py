@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from libgz.errors import ParameterError, nearest
+from libgz.base.errors import ParameterError, nearest
 
 __all__ = ["CHOICES", "check_choice", "chosen", "prefer", "preferred"]
 

@@ -10,7 +10,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from ctypes import c_char_p, c_int, c_uint, c_void_p
 from typing import ClassVar, ParamSpec, TypeVar
 
-from libgz.errors import ClosedError, LibraryError
+from libgz.base.errors import ClosedError, LibraryError
 from libgz.rendering.chain import advice
 from libgz.rendering.choice import check_choice, chosen
 from libgz.rendering.gl import GL, Constant

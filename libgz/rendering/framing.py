@@ -8,8 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, ParameterError
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
+from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom

@@ -15,7 +15,7 @@ from typing import Any
 
 from OpenGL import platform  # type: ignore[import-untyped]
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 
 __all__ = ["GL", "Constant", "floats"]
 

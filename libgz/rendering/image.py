@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.physics.image_files import open_image
 
 __all__ = ["jpeg_text", "pyramid", "read_image", "write_image", "write_pnm"]

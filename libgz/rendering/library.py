@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import TriMeshGeom
 from libgz.rendering.geom_meshes import meshes_of

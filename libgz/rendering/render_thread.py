@@ -7,7 +7,7 @@ from concurrent.futures import Future
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ClosedError
+from libgz.base.errors import ClosedError
 from libgz.rendering.context import Context
 from libgz.rendering.renderer import Renderer
 from libgz.rendering.shot import Content, Shot

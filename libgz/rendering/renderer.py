@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import LibraryError
-from libgz.geometry import GzColor
+from libgz.base.errors import LibraryError
+from libgz.base.geometry import GzColor
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import PlaneGeom
 from libgz.rendering.dome import dome_mesh

@@ -14,7 +14,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzColor, GzCoordPositionAdd, GzQuaternMul, rotate
+from libgz.base.geometry import GzColor, GzCoordPositionAdd, GzQuaternMul, rotate
 from libgz.physics.appearance import RENDER_TRANSPARENT, Backdrop
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import LibraryError
-from libgz.geometry import rotate
+from libgz.base.errors import LibraryError
+from libgz.base.geometry import rotate
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import CylinderGeom
 from libgz.rendering.geom_meshes import round_radius

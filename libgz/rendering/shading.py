@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 from libgz.rendering.gl import GL, Constant
 from libgz.rendering.shadows import FIRST_UNIT, MAPS, SIZE, Fit
 from libgz.rendering.shot import Shot

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 from libgz.rendering.gl import GL, Constant
 from libgz.rendering.library import Table
 from libgz.rendering.selection import LARGE, SMALL

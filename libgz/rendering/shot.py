@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzColor, GzPose
+from libgz.base.geometry import GzColor, GzPose
 from libgz.physics.geom import Geom
 
 __all__ = ["Content", "Fog", "Item", "Light", "Lines", "RenderOptions", "Shot", "View", "pose_matrices", "pose_matrix"]

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.physics.mesh_files import trimesh_parts
 from libgz.rendering import mesh
 from libgz.rendering.mesh import Material, Mesh

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 from libgz.rendering.gl import GL
 from libgz.rendering.native import address
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import Diagnostics, Remark, WorldFileError
+from libgz.base.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
 from libgz.sdf.macros import expanded
 from libgz.sdf.urdf import sdf_of

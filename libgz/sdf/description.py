@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 
 __all__ = ["LATER", "NEWEST", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
 

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any, TypeVar, overload
 
-from libgz.errors import NotFoundError, ParameterError, nearest
-from libgz.files import xml_attribute, xml_text
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.files import xml_attribute, xml_text
 from libgz.sdf.description import Description
 from libgz.sdf.value import format_value, parse
 

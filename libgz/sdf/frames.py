@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from libgz.errors import Diagnostics, ParameterError, nearest
-from libgz.geometry import (
+from libgz.base.errors import Diagnostics, ParameterError, nearest
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,

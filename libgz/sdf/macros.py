@@ -10,7 +10,7 @@ from typing import Any
 
 from lxml import etree
 
-from libgz.errors import Diagnostics, GazeboError, NotFoundError, WorldFileError
+from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, WorldFileError
 from libgz.sdf.paths import find_uri
 from libgz.sdf.xml import parse_document
 

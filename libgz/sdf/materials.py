@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from libgz.errors import NotFoundError
-from libgz.files import installed_worlds, is_file, is_folder
+from libgz.base.errors import NotFoundError
+from libgz.base.files import installed_worlds, is_file, is_folder
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]

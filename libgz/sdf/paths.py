@@ -7,8 +7,8 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import NotFoundError
-from libgz.files import exists, expand, is_file, xml_parser
+from libgz.base.errors import NotFoundError
+from libgz.base.files import exists, expand, is_file, xml_parser
 
 __all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
 

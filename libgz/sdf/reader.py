@@ -9,10 +9,10 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.entities import encoded
-from libgz.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
-from libgz.files import read_limited
-from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
+from libgz.base.entities import encoded
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
+from libgz.base.files import read_limited
+from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
 from libgz.sdf.conversion import OLDEST, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param

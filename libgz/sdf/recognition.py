@@ -9,7 +9,7 @@ from typing import IO
 
 from lxml import etree
 
-from libgz.entities import encoded
+from libgz.base.entities import encoded
 from libgz.sdf.xml import READABLE, ROBOT, local_name
 
 __all__ = ["is_robot_text", "is_sdf", "is_sdf_text"]

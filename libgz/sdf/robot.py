@@ -11,8 +11,8 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
-from libgz.errors import Diagnostics, Place, nearest
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector, rotate
+from libgz.base.errors import Diagnostics, Place, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector, rotate
 from libgz.sdf.value import repaired
 from libgz.sdf.xml import child_of, line_of, local_name
 

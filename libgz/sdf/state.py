@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
-from libgz.errors import ParameterError
-from libgz.files import xml_attribute, xml_text
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.errors import ParameterError
+from libgz.base.files import xml_attribute, xml_text
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 
 __all__ = ["SdfState"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from libgz.errors import Diagnostics
+from libgz.base.errors import Diagnostics
 from libgz.sdf.element import Element
 
 __all__ = ["ABSENT_SENSORS", "warn_of_unsimulated"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 
-from libgz.errors import NotFoundError
-from libgz.files import is_file
+from libgz.base.errors import NotFoundError
+from libgz.base.files import is_file
 from libgz.sdf.description import NEWEST
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from lxml import etree
 
-from libgz.errors import Diagnostics, nearest
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.errors import Diagnostics, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.sdf.description import NEWEST
 from libgz.sdf.robot import (
     TRUE,

@@ -7,8 +7,8 @@ import re
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzColor, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzColor, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 
 __all__ = ["check", "exact_pose", "format_value", "parse", "repaired"]
 

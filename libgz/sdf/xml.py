@@ -8,9 +8,9 @@ from typing import Any
 
 from lxml import etree
 
-from libgz.entities import Entities
-from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
-from libgz.files import xml_parser
+from libgz.base.entities import Entities
+from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
+from libgz.base.files import xml_parser
 
 __all__ = ["READABLE", "ROBOT", "ROOTS", "child_of", "line_of", "local_name", "parse_document", "tag_name"]
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
-from libgz.geometry import (
+from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.geometry import (
     GzColor,
     GzCoordPoseAdd,
     GzCoordPoseSub,

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from libgz.errors import Diagnostics, ParameterError
-from libgz.geometry import GzVector
+from libgz.base.errors import Diagnostics, ParameterError
+from libgz.base.geometry import GzVector
 from libgz.physics.check import finite_tuple
 from libgz.sdf.element import Element
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 

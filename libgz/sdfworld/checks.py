@@ -6,7 +6,7 @@ import bisect
 import math
 from collections.abc import Iterable
 
-from libgz.errors import Diagnostics
+from libgz.base.errors import Diagnostics
 from libgz.ode.types import Surface
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from libgz.geometry import GzPose
+from libgz.base.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.joint import Joint
 from libgz.sdf.element import Element

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPoseSub, GzVector
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.geometry import GzCoordPoseSub, GzVector
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint import SdfJoint

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
 from typing import Any
 
-from libgz.errors import GazeboError, ParameterError, nearest
-from libgz.geometry import (
+from libgz.base.errors import GazeboError, ParameterError, nearest
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,

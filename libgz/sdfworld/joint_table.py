@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
-from libgz.errors import StateError
+from libgz.base.errors import StateError
 from libgz.sdfworld.joint import Place, SdfJoint
 from libgz.simulation.state import changes
 

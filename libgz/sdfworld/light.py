@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from libgz.errors import Diagnostics
-from libgz.geometry import GzPose
+from libgz.base.errors import Diagnostics
+from libgz.base.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element

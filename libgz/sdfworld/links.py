@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from libgz.geometry import (
+from libgz.base.geometry import (
     GzPose,
     GzQuaternFromAxis,
     GzQuaternMul,

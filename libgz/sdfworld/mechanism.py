@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.errors import ParameterError, nearest
-from libgz.geometry import GzVector, GzVectorAdd, GzVectorDot, GzVectorMag, GzVectorMul
+from libgz.base.errors import ParameterError, nearest
+from libgz.base.geometry import GzVector, GzVectorAdd, GzVectorDot, GzVectorMag, GzVectorMul
 from libgz.ode.types import (
     dParamBounce,
     dParamCFM,

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from urllib.parse import unquote
 
-from libgz.errors import NotFoundError
-from libgz.files import is_file
+from libgz.base.errors import NotFoundError
+from libgz.base.files import is_file
 from libgz.physics.mesh_files import NamedImage, Texture
 from libgz.sdf.paths import find_uri
 

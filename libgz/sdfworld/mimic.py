@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from libgz.errors import NotFoundError, ParameterError, nearest
-from libgz.geometry import GzVectorMag, GzVectorSub
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.geometry import GzVectorMag, GzVectorSub
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint import SdfJoint

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from libgz.errors import Diagnostics, NotFoundError, ParameterError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.joint import Joint

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from libgz.errors import Diagnostics, ParameterError
+from libgz.base.errors import Diagnostics, ParameterError
 from libgz.sdf.element import Element
 from libgz.simulation.world import World
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import Diagnostics, GazeboError, ParameterError, nearest
-from libgz.geometry import GzCoordPositionAdd, GzPose, GzVector
+from libgz.base.errors import Diagnostics, GazeboError, ParameterError, nearest
+from libgz.base.geometry import GzCoordPositionAdd, GzPose, GzVector
 from libgz.sdf.element import Element
 
 __all__ = ["MOST_MODELS", "populate"]

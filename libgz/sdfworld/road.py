@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzVector
+from libgz.base.geometry import GzVector
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.physics.geoms import TriMeshGeom

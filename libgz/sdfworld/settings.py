@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from libgz.errors import Diagnostics, ParameterError
-from libgz.geometry import GzVector
+from libgz.base.errors import Diagnostics, ParameterError
+from libgz.base.geometry import GzVector
 from libgz.sdf.description import NEWEST, describe
 from libgz.sdf.element import Element
 from libgz.sdfworld.air import Atmosphere, Wind, read_atmosphere, read_wind

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.files import is_file
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.files import is_file
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom

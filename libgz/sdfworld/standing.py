@@ -6,7 +6,7 @@ import bisect
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from libgz.geometry import GzPose, GzVector
+from libgz.base.geometry import GzPose, GzVector
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import PlaneGeom

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from libgz.errors import Diagnostics, NotFoundError, ParameterError
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdf.state import SdfState

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.ode.types import Surface
 from libgz.physics.check import LARGEST, finite, finite_tuple
 from libgz.physics.geom import Geom

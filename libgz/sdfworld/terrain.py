@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, NotFoundError
-from libgz.files import is_file
-from libgz.geometry import GzVector
+from libgz.base.errors import GazeboError, NotFoundError
+from libgz.base.files import is_file
+from libgz.base.geometry import GzVector
 from libgz.physics.check import positive
 from libgz.physics.image_files import open_image
 from libgz.physics.mesh_files import MeshPart

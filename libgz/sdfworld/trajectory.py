@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzPose, GzQuatern, GzVector
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
 
 __all__ = ["Trajectory"]
 

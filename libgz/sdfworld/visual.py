@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from libgz.errors import ParameterError, nearest
-from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.base.errors import ParameterError, nearest
+from libgz.base.geometry import GzColor, GzPose, GzVector
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from libgz.digest import blake2b
-from libgz.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, nearest
-from libgz.geometry import GzPose, GzVector
+from libgz.base.digest import blake2b
+from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, nearest
+from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from libgz.errors import USER_ERRORS, GazeboError, pass_interrupt
+from libgz.base.errors import USER_ERRORS, GazeboError, pass_interrupt
 from libgz.physics.lock import WorldLock
 from libgz.simulation.event import Owner, owner, report_failure
 

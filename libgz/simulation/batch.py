@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.physics.engine import Engine
 from libgz.physics.lock import WorldLock
 from libgz.simulation.clock import Clock

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
+from libgz.ode.records import ClockRecord
 from libgz.physics.check import finite
-from libgz.records import ClockRecord
 
 __all__ = ["Clock"]
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorSub, rotate
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorSub, rotate
 from libgz.ode.types import JointType
 from libgz.physics.appearance import RENDER_TRANSPARENT
 from libgz.physics.body import Body

@@ -6,8 +6,8 @@ import logging
 import struct
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
+from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback

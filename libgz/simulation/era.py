@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from libgz.errors import StateError
+from libgz.base.errors import StateError
 
 if TYPE_CHECKING:
-    from libgz.geometry import GzPose
+    from libgz.base.geometry import GzPose
     from libgz.simulation.world import World
 
 __all__ = ["Era"]

@@ -11,7 +11,7 @@ from contextvars import ContextVar
 from typing import Any, ClassVar, NamedTuple, Protocol
 from weakref import WeakSet
 
-from libgz.errors import USER_ERRORS, ParameterError, pass_interrupt
+from libgz.base.errors import USER_ERRORS, ParameterError, pass_interrupt
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 

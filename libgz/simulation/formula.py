@@ -10,9 +10,9 @@ import ctypes
 from enum import IntEnum
 from typing import Any, TypeVar
 
+from libgz.ode.records import FormulaRecord, OperationRecord, numbers
 from libgz.physics.body import Body
 from libgz.physics.joint import HingeJoint
-from libgz.records import FormulaRecord, OperationRecord, numbers
 from libgz.simulation.sources import address_of, check_size
 
 __all__ = ["Formula", "Number", "Term", "clamp"]

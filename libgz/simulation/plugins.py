@@ -15,8 +15,8 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
-from libgz.files import exists, expand, is_file, is_folder
+from libgz.base.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
+from libgz.base.files import exists, expand, is_file, is_folder
 
 __all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_traceback", "reload_plugin", "search"]
 

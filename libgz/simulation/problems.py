@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from weakref import WeakSet
 
-from libgz.errors import Severity, StrictError
+from libgz.base.errors import Severity, StrictError
 from libgz.simulation.plugins import own_traceback
 
 __all__ = ["NOTED", "Problem", "Problems", "note", "note_threads_of"]

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, NotFoundError
+from libgz.base.errors import GazeboError, NotFoundError
 from libgz.ode.context import Publication as Target
+from libgz.ode.records import PublishRecord
 from libgz.physics.body import Body
 from libgz.physics.geoms import DomeGeom, FrustrumGeom
-from libgz.records import PublishRecord
 from libgz.simulation.description import describe_body, offset_in, plain, pose_list
 from libgz.simulation.entity import Entity
 from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, LocalTables

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from libgz.errors import NotFoundError, nearest
+from libgz.base.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.simulation.world import World

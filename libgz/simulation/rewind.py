@@ -6,7 +6,7 @@ import math
 from collections import deque
 from typing import NamedTuple
 
-from libgz.errors import StateError
+from libgz.base.errors import StateError
 
 __all__ = ["Rewind"]
 

@@ -10,7 +10,7 @@ from itertools import chain
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
+from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.physics.edits import edits
 from libgz.physics.state import PARTS as ENGINE_PARTS
 from libgz.simulation import state

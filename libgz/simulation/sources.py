@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 
 __all__ = ["address_of", "check_size"]
 

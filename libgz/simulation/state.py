@@ -38,8 +38,8 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError, ParameterError, StateError
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.base.errors import GazeboError, ParameterError, StateError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.edits import Edits
 
 __all__ = [
@@ -88,11 +88,11 @@ TOO_DEEP = "it is nested too deeply, or contains itself"
 _ALLOWED = {
     ("builtins", "complex"),
     ("collections", "deque"),
-    ("libgz.geometry", "GzColor"),
+    ("libgz.base.geometry", "GzColor"),
     ("libgz.ode.types", "ContactRule"),
-    ("libgz.geometry", "GzPose"),
-    ("libgz.geometry", "GzQuatern"),
-    ("libgz.geometry", "GzVector"),
+    ("libgz.base.geometry", "GzPose"),
+    ("libgz.base.geometry", "GzQuatern"),
+    ("libgz.base.geometry", "GzVector"),
     ("libgz.simulation.state", "made"),
     ("numpy", "dtype"),
     ("numpy", "ndarray"),

@@ -18,16 +18,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import USER_ERRORS, ParameterError, nearest, pass_interrupt
-from libgz.geometry import STEEP
+from libgz.base.errors import USER_ERRORS, ParameterError, nearest, pass_interrupt
+from libgz.base.geometry import STEEP
 from libgz.ode.lib import ode
 from libgz.ode.native_step import NativeStep
-from libgz.physics.body import Body
-from libgz.physics.check import LARGEST
-from libgz.physics.engine import Engine
-from libgz.physics.joint import HingeJoint, Joint
-from libgz.physics.rays import RayProximity
-from libgz.records import (
+from libgz.ode.records import (
     AxisRecord,
     BatteryRecord,
     BeginRecord,
@@ -50,6 +45,11 @@ from libgz.records import (
     VectorRecord,
     What,
 )
+from libgz.physics.body import Body
+from libgz.physics.check import LARGEST
+from libgz.physics.engine import Engine
+from libgz.physics.joint import HingeJoint, Joint
+from libgz.physics.rays import RayProximity
 from libgz.simulation.clock import Clock
 from libgz.simulation.formula import Formula, Term
 from libgz.simulation.rate import OldRate, UpdateRate

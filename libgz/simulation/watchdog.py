@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import Interrupted
+from libgz.base.errors import Interrupted
 from libgz.physics.lock import LONG
 from libgz.simulation.running_code import describe_thread, describe_users
 from libgz.transport.ending import Relay

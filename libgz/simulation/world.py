@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overloa
 
 import numpy as np
 
-from libgz.closing import Closing
-from libgz.errors import (
+from libgz.base.closing import Closing
+from libgz.base.errors import (
     USER_ERRORS,
     ClosedError,
     GazeboError,
@@ -26,7 +26,7 @@ from libgz.errors import (
     nearest,
     pass_interrupt,
 )
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body

@@ -11,7 +11,7 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from libgz.errors import GazeboError, LibraryError
+from libgz.base.errors import GazeboError, LibraryError
 from libgz.sweep.results import Results
 from libgz.sweep.study import Study
 from libgz.sweep.worker import Worker, close_workers, execute

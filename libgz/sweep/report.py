@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from libgz.errors import GazeboError, ParameterError
+from libgz.base.errors import GazeboError, ParameterError
 
 __all__ = ["plot_measures"]
 

@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import GazeboError, LibraryError, ParameterError
-from libgz.files import write_whole
+from libgz.base.errors import GazeboError, LibraryError, ParameterError
+from libgz.base.files import write_whole
 from libgz.sweep.study import Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]

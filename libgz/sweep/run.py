@@ -17,13 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.front import World
-from libgz.signals import Reading, activate, reading_of, split_signal
+from libgz.study.signals import Reading, activate, reading_of, split_signal
+from libgz.study.variant import Variant
 from libgz.sweep.parent import end_with_parent
 from libgz.sweep.study import Controller, Measure, Run, Study
 from libgz.transport.server import on_free_server_id
-from libgz.variant import Variant
 
 __all__ = ["check", "function_of", "simulate"]
 

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from libgz.distribution import Distribution
-from libgz.errors import ParameterError, nearest
-from libgz.files import read_limited
-from libgz.signals import split_signal
-from libgz.variant import Variant
+from libgz.base.errors import ParameterError, nearest
+from libgz.base.files import read_limited
+from libgz.study.distribution import Distribution
+from libgz.study.signals import split_signal
+from libgz.study.variant import Variant
 
 __all__ = ["NO_CONTROLLER", "REDUCTIONS", "Controller", "Limits", "Measure", "Run", "Study"]
 
@@ -80,7 +80,7 @@ class Measure:
 
     Attributes:
         name: its column.
-        signal: ``KEY/FIELD``; see `libgz.signals`.
+        signal: ``KEY/FIELD``; see `libgz.study.signals`.
         reduce: one of `REDUCTIONS`, over the samples and the numbers of the signal.
         function: ``FILE.py:NAME`` instead of a signal.
     """

@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from typing import IO, Any, NoReturn
 
 from libgz._version import __version__
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.sweep.parent import end_with_parent
 from libgz.sweep.study import Study
 

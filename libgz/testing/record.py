@@ -7,10 +7,10 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.front import World
-from libgz.geometry import GzQuaternToEuler
-from libgz.images import FreeView, ImageSource, cameras_of
+from libgz.recording.images import FreeView, ImageSource, cameras_of
 from libgz.rendering.framing import overview
 from libgz.rendering.image import write_image
 

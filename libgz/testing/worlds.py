@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import Unpack
 
-from libgz.files import is_file
+from libgz.base.files import is_file
 from libgz.front import World, WorldOptions
 from libgz.transport.server import on_free_server_id
 

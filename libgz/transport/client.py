@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import InterfaceError, ParameterError, ServerError, nearest
+from libgz.base.errors import InterfaceError, ParameterError, ServerError, nearest
 from libgz.transport.interface import Interface
 from libgz.transport.paths import LOCK_FILE, check_server_id, server_directory
 from libgz.transport.semaphores import CLIENTS, SemaphoreSet

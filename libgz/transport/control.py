@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from libgz.errors import ServerError
+from libgz.base.errors import ServerError
+from libgz.base.waiting import wait_for
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
-from libgz.waiting import wait_for
 
 __all__ = ["Control", "Request", "ask"]
 

@@ -10,7 +10,7 @@ import mmap
 import os
 import stat
 
-from libgz.errors import ServerError
+from libgz.base.errors import ServerError
 from libgz.transport.paths import CONTROL_SOCKET, LOCK_FILE
 from libgz.transport.segment import Segment, raise_file_limit
 

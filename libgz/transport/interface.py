@@ -17,8 +17,8 @@ from typing import Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar, overloa
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ClosedError, InterfaceError
-from libgz.records import LinkRecord, SpanRecord
+from libgz.base.errors import ClosedError, InterfaceError
+from libgz.ode.records import LinkRecord, SpanRecord
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE,
     LIBGAZEBO_VERSION,

@@ -23,7 +23,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
-from libgz.errors import GazeboError, ParameterError
+from libgz.base.errors import GazeboError, ParameterError
 
 __all__ = [
     "ABIS",

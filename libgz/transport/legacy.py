@@ -9,7 +9,7 @@ import logging
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.transport.client import Client
 from libgz.transport.interface import Interface
 from libgz.transport.server import LocalServer, Server

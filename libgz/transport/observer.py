@@ -14,9 +14,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.closing import Closing
-from libgz.errors import ClosedError, InterfaceError, NotFoundError, ServerGoneError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzVector
+from libgz.base.closing import Closing
+from libgz.base.errors import ClosedError, InterfaceError, NotFoundError, ServerGoneError, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzVector
 from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_server_id, server_directory
 from libgz.transport.server import alive
 from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, JOINT_COLUMNS, MAGIC, Status, start_time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from libgz.errors import InterfaceError, ParameterError
+from libgz.base.errors import InterfaceError, ParameterError
 
 __all__ = [
     "CONTROL_SOCKET",

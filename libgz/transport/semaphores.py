@@ -11,9 +11,9 @@ import functools
 import os
 import time
 
-from libgz.errors import InterfaceError, ParameterError, ServerGoneError
-from libgz.records import PostRecord
-from libgz.waiting import PERIOD
+from libgz.base.errors import InterfaceError, ParameterError, ServerGoneError
+from libgz.base.waiting import PERIOD
+from libgz.ode.records import PostRecord
 
 __all__ = ["CLIENTS", "GZ_SEM_KEY", "SemaphoreSet"]
 

@@ -9,8 +9,8 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
-from libgz.errors import ParameterError, ServerError
-from libgz.records import PostRecord
+from libgz.base.errors import ParameterError, ServerError
+from libgz.ode.records import PostRecord
 from libgz.transport import ending
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.interface import Interface

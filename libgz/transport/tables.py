@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.digest import sha256
-from libgz.errors import NotFoundError
+from libgz.base.digest import sha256
+from libgz.base.errors import NotFoundError
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.paths import DATA_FILE, SCENE_FILE, TABLES_FILE
 from libgz.transport.truncation import Watch, watch

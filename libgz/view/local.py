@@ -9,7 +9,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from libgz.errors import ServerGoneError
+from libgz.base.errors import ServerGoneError
 from libgz.simulation.world import World
 from libgz.transport.observer import ObservedState, arrays_of, state_of
 

@@ -12,7 +12,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.transport.observer import ObservedState
 from libgz.view.scene import SceneView
 from libgz.view.shapes import compose

@@ -12,7 +12,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from libgz.errors import NotFoundError
+from libgz.base.errors import NotFoundError
 from libgz.physics.skeletons import matrix_turns
 from libgz.transport.observer import ObservedState
 from libgz.view.shapes import Form, Instance, Shapes, compose, extent_corners

@@ -6,7 +6,7 @@ import json
 import threading
 from typing import Any
 
-from libgz.errors import ServerError
+from libgz.base.errors import ServerError
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 from libgz.transport.control import ask

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.rendering import mesh
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.image import read_image

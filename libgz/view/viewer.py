@@ -20,8 +20,8 @@ import viser
 from numpy.typing import NDArray
 from PIL import Image
 
-from libgz.closing import Closing
-from libgz.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
+from libgz.base.closing import Closing
+from libgz.base.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
 from libgz.transport.observer import ObservedState
 from libgz.view.driving import Driver, Robot, robots_of
 from libgz.view.gate import Gate, may_control

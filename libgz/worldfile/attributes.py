@@ -21,9 +21,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from libgz.errors import nearest
-from libgz.files import installed_worlds
-from libgz.geometry import DTOR, RTOD, GzColor, GzPose, GzQuaternToEuler, GzVector, VectorLike
+from libgz.base.errors import nearest
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import DTOR, RTOD, GzColor, GzPose, GzQuaternToEuler, GzVector, VectorLike
 from libgz.worldfile.node import LARGEST, WorldFileNode
 from libgz.worldfile.number import malformed
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.entities import Entities, encoded
-from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
-from libgz.files import expand, read_limited, write_whole, xml_parser
+from libgz.base.entities import Entities, encoded
+from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
+from libgz.base.files import expand, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import element_spans, splice

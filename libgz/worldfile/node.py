@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from libgz.errors import Diagnostics, Place, nearest
-from libgz.files import expand, is_file
-from libgz.geometry import (
+from libgz.base.errors import Diagnostics, Place, nearest
+from libgz.base.files import expand, is_file
+from libgz.base.geometry import (
     DTOR,
     RTOD,
     GzColor,

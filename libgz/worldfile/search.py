@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.errors import WorldFileError, nearest
-from libgz.files import exists, expand, installed_worlds, is_file
+from libgz.base.errors import WorldFileError, nearest
+from libgz.base.files import exists, expand, installed_worlds, is_file
 
 __all__ = ["ReadyWorld", "find_worldfile", "is_ready_world", "ready_worlds", "why_missing"]
 

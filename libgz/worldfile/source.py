@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 from xml.parsers import expat
 
-from libgz.errors import WorldFileError
-from libgz.files import xml_attribute, xml_text
+from libgz.base.errors import WorldFileError
+from libgz.base.files import xml_attribute, xml_text
 
 __all__ = [
     "Edit",

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from libgz.errors import Remark
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
+from libgz.base.errors import Remark
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.source import (

@@ -9,7 +9,7 @@ from imageio import v3
 from PIL import Image
 
 from libgz import World
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 PTZ = installed_worlds() / "ptz.world"
 BODY = (

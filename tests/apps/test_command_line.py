@@ -16,7 +16,7 @@ from master_uri import free_master_uri
 from libgz.apps.command_line import EXIT_CODES, command_parsers
 from libgz.apps.completion import SHELLS, script
 from libgz.apps.libgz import main as libgz_main
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 ROOT = Path(__file__).parents[2]
 BASH = """

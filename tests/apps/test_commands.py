@@ -14,7 +14,7 @@ import pytest
 
 import libgz
 from libgz.apps import doctor
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
 

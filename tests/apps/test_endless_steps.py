@@ -12,7 +12,7 @@ import time
 import pytest
 from gzserver_process import SERVER, new_environment
 
-from libgz.errors import Interrupted
+from libgz.base.errors import Interrupted
 from libgz.simulation import watchdog
 from libgz.simulation.watchdog import Watchdog
 

@@ -15,8 +15,8 @@ import pytest
 import libgz
 from libgz.apps import gazebo as command, libgz as toolbox, model, record
 from libgz.apps.console import INTERRUPTED, LogFile, as_command
-from libgz.errors import GazeboError, ParameterError
-from libgz.files import installed_worlds
+from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.files import installed_worlds
 from libgz.transport import server
 
 WORLD = installed_worlds() / "pioneer2at.world"

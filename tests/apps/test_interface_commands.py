@@ -11,7 +11,7 @@ import pytest
 
 import libgz
 from libgz.apps import clean, libgz as toolbox
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
 from libgz.transport import stale_files
 from libgz.transport.paths import LOCK_FILE, server_directory

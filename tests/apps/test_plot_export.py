@@ -12,7 +12,7 @@ from log_kills import WORLD
 from PIL import Image
 
 import libgz
-from libgz.geometry import GzQuaternToEuler
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.recording.capture import Capture
 from libgz.rendering.framing import overview
 

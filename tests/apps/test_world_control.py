@@ -7,7 +7,7 @@ import pytest
 
 import libgz
 from libgz.apps.world_control import WorldControl
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.transport.control import Request
 
 SDF = """<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>

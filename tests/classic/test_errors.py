@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import libgz
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic import common, event, msgs, physics, sensors, transport
 from libgz.classic.common import PID
 from libgz.classic.math import Vector3d
 from libgz.classic.sdf import SDF
-from libgz.errors import GazeboError, ParameterError
 from libgz.simulation.event import Event
 
 BOX = """<model name='box'><pose>0 0 0.5 0 0 0</pose><link name='link'>

@@ -6,9 +6,9 @@ import textwrap
 import pytest
 
 import libgz
+from libgz.base.errors import ParameterError
 from libgz.classic import physics
 from libgz.classic.event import Events
-from libgz.errors import ParameterError
 
 BOX = """
 <model name='{name}'><pose>{pose}</pose>

@@ -5,8 +5,8 @@ import textwrap
 import pytest
 
 import libgz
+from libgz.base.errors import GazeboError, NotFoundError, PluginError
 from libgz.classic.server import attach, system_plugins
-from libgz.errors import GazeboError, NotFoundError, PluginError
 
 BEGIN = "from libgz.classic import *\nfrom libgz.classic.event import Events\n"
 WORLD_PLUGIN = """

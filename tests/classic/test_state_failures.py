@@ -7,8 +7,8 @@ import pytest
 from topics import send
 
 from libgz import World
+from libgz.base.errors import GazeboError, PluginError, StateError, StrictError
 from libgz.classic import msgs
-from libgz.errors import GazeboError, PluginError, StateError, StrictError
 
 CONTROL = """
 calls, where, what = [], "", None

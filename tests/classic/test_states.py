@@ -15,6 +15,7 @@ from classic_runs import Run, first_difference, opened
 from state_runs import forget_kept
 
 from libgz import World
+from libgz.base.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
 from libgz.classic.math import PID, Color, Pose3d, Rand, Vector3d
@@ -23,7 +24,6 @@ from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
 from libgz.classic.transport.publisher import queue_message
-from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.simulation.event import owner
 from libgz.simulation.state import FORMAT, decode, encode, large
 

@@ -4,10 +4,10 @@ import pytest
 from plugin_worlds import GROUND, body, collision, keep_to, worlds_of_elements
 from topics import Heard
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import event, msgs, transport
 from libgz.classic.log import LogPlay, LogRecord
 from libgz.classic.transport import Publisher
-from libgz.errors import NotFoundError, ParameterError
 
 
 @pytest.fixture(autouse=True)

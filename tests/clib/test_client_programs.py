@@ -10,9 +10,9 @@ from c_programs import COMPILER, WARNINGS, compile_c, config, needs_compiler, nu
 from wire_layout import LAYOUT
 
 import libgz
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzQuaternFromEuler
 from libgz.clib import FOLDER, header, library
-from libgz.files import installed_worlds
-from libgz.geometry import GzQuaternFromEuler
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
 from libgz.transport.server import Server

@@ -10,7 +10,7 @@ import pytest
 from c_programs import COMPILER, compile_c, config, needs_compiler, number_for, run, scalars_of
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import GripperDataCvs
 from libgz.transport.layout import ABIS, I386, c_name, fields_of, for_abi

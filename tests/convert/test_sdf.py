@@ -24,13 +24,13 @@ from libgz import (
     TriMeshGeom,
     UniversalJoint,
 )
+from libgz.base.errors import ParameterError
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzHomoFromQuatern, GzQuaternNormal
 from libgz.convert.element import name_of, number, pose
 from libgz.convert.joints import ends_of
 from libgz.convert.sdf import convert
 from libgz.convert.shapes import is_shape
-from libgz.errors import ParameterError
-from libgz.files import installed_worlds
-from libgz.geometry import GzHomoFromQuatern, GzQuaternNormal
 from libgz.legacy.factory import GZ_REGISTER_STATIC
 from libgz.models import MODELS
 from libgz.physics.geoms import HeightfieldGeom, PlaneGeom

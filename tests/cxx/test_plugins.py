@@ -13,10 +13,10 @@ import pytest
 from cxx_plugins import MODEL, compiled, load, needs_cxx, source, world_text
 
 import libgz
+from libgz.base.errors import PluginError, WorldFileError
 from libgz.cxx.headers import mark
 from libgz.cxx.model import CxxModel
 from libgz.cxx.objects import OBJECTS
-from libgz.errors import PluginError, WorldFileError
 
 pytestmark = needs_cxx
 

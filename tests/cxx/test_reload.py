@@ -3,8 +3,8 @@
 import pytest
 from cxx_plugins import compiled, load, needs_cxx
 
+from libgz.base.errors import PluginError
 from libgz.cxx.headers import mark
-from libgz.errors import PluginError
 
 pytestmark = needs_cxx
 

@@ -57,7 +57,7 @@ def test_what_is_not_in_the_code_is_noticed(messages):
 
 def test_every_class_of_errors_is_on_its_page():
     page = (ROOT / "docs" / "api" / "errors.md").read_text()
-    from libgz import errors
+    from libgz.base import errors
 
     for name in errors.__all__:
         thing = getattr(errors, name)

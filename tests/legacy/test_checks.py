@@ -6,7 +6,7 @@ import re
 import pytest
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 WORLD = """<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><param:Global><utmZone>1</utmZone></param:Global>
 <model:GroundPlane/>

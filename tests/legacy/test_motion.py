@@ -5,7 +5,7 @@ import itertools
 import pytest
 
 import libgz
-from libgz.geometry import GzQuaternToEuler
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.simulation.rate import OldRate
 
 GLOBAL = (

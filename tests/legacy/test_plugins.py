@@ -7,7 +7,7 @@ import textwrap
 import pytest
 
 import libgz
-from libgz.errors import PluginError, WorldFileError
+from libgz.base.errors import PluginError, WorldFileError
 from libgz.legacy.plugin_search import find_plugin
 
 WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>

@@ -5,7 +5,7 @@ import textwrap
 import pytest
 
 import libgz
-from libgz.errors import NotFoundError, PluginError
+from libgz.base.errors import NotFoundError, PluginError
 
 PLUGIN = """
 import libgz

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 ROBOT = """<model:Pioneer2DX><id>new</id><xyz>3 3 0.24</xyz><model:SickLMS200><id>scanner</id></model:SickLMS200>
 <model:MonoCam><id>eye</id><xyz>0 0 0.5</xyz></model:MonoCam></model:Pioneer2DX>"""

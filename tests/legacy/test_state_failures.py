@@ -3,7 +3,7 @@
 import pytest
 
 import libgz
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 
 CODE = """
 from libgz import Body, Model, SphereGeom, GZ_REGISTER_PLUGIN

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.interfaces import gripper as codes
 from libgz.models.utm import utm_to_geodetic
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.geometry import GzQuaternToEuler
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.models import MODELS
 from libgz.worldfile.attributes import attributes_of, installed_worlds
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.files import installed_worlds
-from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternMul, GzQuaternToEuler, GzVector
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternMul, GzQuaternToEuler, GzVector
 from libgz.ode.types import JointType, Surface
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"

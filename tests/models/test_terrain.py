@@ -8,7 +8,7 @@ from ground_worlds import ball, heights_below, world_of
 from PIL import Image
 
 import libgz
-from libgz.geometry import GzQuaternToEuler
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb, write_gzb
 from libgz.physics.body import Body

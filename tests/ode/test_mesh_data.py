@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.errors import Interrupted
+from libgz.base.errors import Interrupted
 from libgz.ode import mesh_data
 from libgz.ode.lib import ode
 from libgz.ode.mesh_data import LARGE, new_mesh_data

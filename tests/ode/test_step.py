@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from engine_parts import box, busy_world, ground, in_both_forms, solid
 
-from libgz.errors import LibraryError, ParameterError
+from libgz.base.errors import LibraryError, ParameterError
 from libgz.ode import step
 from libgz.physics.engine import Engine
 

@@ -6,8 +6,8 @@ import time
 import numpy as np
 import pytest
 
-from libgz.errors import ClosedError, GazeboError, ParameterError
-from libgz.geometry import GzPose, GzQuatern, GzVector
+from libgz.base.errors import ClosedError, GazeboError, ParameterError
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.ode.types import Surface
 from libgz.physics.body import Body
 from libgz.physics.engine import Engine

@@ -7,7 +7,7 @@ import pytest
 from engine_parts import G, box, busy_world, ground, solid
 
 import libgz
-from libgz.errors import ClosedError, GazeboError, ParameterError
+from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
 

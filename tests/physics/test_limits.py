@@ -9,8 +9,8 @@ import pytest
 from engine_parts import INF, box, in_both_forms, solid, unsolvable, use_classic, use_form
 
 import libgz
-from libgz.errors import ParameterError
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sample_files import sample
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.physics import mesh_files
 from libgz.physics.mesh_files import read_mesh
 

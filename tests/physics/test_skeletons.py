@@ -8,8 +8,8 @@ import pytest
 from bone_files import two_bones
 
 import libgz
-from libgz.errors import GazeboError
-from libgz.geometry import GzPose, GzQuatern, GzVector
+from libgz.base.errors import GazeboError
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geoms import SkinGeom
 from libgz.physics.mesh_files import read_mesh

@@ -11,8 +11,8 @@ import pytest
 from engine_parts import box, busy_world, cylinder, ground, in_both_forms, solid, use_classic
 
 import libgz
-from libgz.errors import StateError
-from libgz.geometry import GzPose, GzVector
+from libgz.base.errors import StateError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import Surface, dParamFMax, dParamHiStop, dParamLoStop, dParamVel
 from libgz.physics.couplings import Gears, PistonJoint, Thread
 from libgz.physics.engine import Engine

@@ -5,10 +5,10 @@ import random
 import pytest
 
 import libgz
+from libgz.ode.records import LinkRecord
 from libgz.recording import changes
 from libgz.recording.changes import Changes, Piece, apply_patches
 from libgz.recording.frames import Frames, Kind, tick_times
-from libgz.records import LinkRecord
 
 SIZES = (40, 96, 511, 512, 513, 5056, 20000)
 

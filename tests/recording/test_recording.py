@@ -25,9 +25,9 @@ from mcap.reader import make_reader
 from PIL import Image
 
 import libgz
+from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError, ServerError
 from libgz.classic import msgs
 from libgz.classic.msgs.declare import declare, known_types, message_type
-from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError, ServerError
 from libgz.interfaces.catalog import INTERFACES
 from libgz.interfaces.gripper import GripperDataCvs
 from libgz.recording import capture

@@ -3,7 +3,7 @@
 import pytest
 
 import libgz
-from libgz.errors import NotFoundError
+from libgz.base.errors import NotFoundError
 from libgz.interfaces.catalog import INTERFACES
 from libgz.legacy.model import CommonAttributes
 from libgz.models import MODELS

@@ -6,7 +6,7 @@ import re
 import pytest
 from commands import run_libgz
 
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.reference.check import check
 
 HEAD = '<gz:world xmlns:gz="g" xmlns:model="m" xmlns:param="p">\n'

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.models import MODELS
 from libgz.reference.catalogue import entry
 from libgz.reference.grammar import grammar

@@ -10,8 +10,8 @@ from camera_worlds import LIGHT, ROBOT_WITH_CAMERA, solid, world_of
 from PIL import Image
 
 import libgz
-from libgz.files import installed_worlds
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternToEuler, GzVector, rotate
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternToEuler, GzVector, rotate
 from libgz.interfaces.client import Client
 from libgz.models import observercam
 from libgz.models.observercam import SWITCHES

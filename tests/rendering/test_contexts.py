@@ -9,7 +9,7 @@ import pytest
 from camera_worlds import ROBOT_WITH_CAMERA, world_of
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 
 def test_cameras_can_be_left_blind(monkeypatch):
@@ -24,7 +24,7 @@ def test_cameras_can_be_left_blind(monkeypatch):
         assert world.interface("camera", "MonoCam").data.width == 320
         assert world.interface("ptz", "c").pan == pytest.approx(0.3, abs=0.02)
         assert all(model.failed is None for model in world.models)
-        with pytest.raises(libgz.errors.LibraryError, match="switched off"):
+        with pytest.raises(libgz.base.errors.LibraryError, match="switched off"):
             _ = world.model("MonoCam").camera.eye.depth
 
 
@@ -38,7 +38,7 @@ def test_what_does_not_work_says_why_and_auto_goes_on(monkeypatch, caplog):
     from libgz.rendering import context
 
     def absent(name, kind):
-        raise libgz.errors.LibraryError(f"{name} cannot be loaded (gone)")
+        raise libgz.base.errors.LibraryError(f"{name} cannot be loaded (gone)")
 
     real = context._library
     monkeypatch.setattr(context, "_library", lambda n, k: absent(n, k) if "OSMesa" in n else real(n, k))

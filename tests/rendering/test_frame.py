@@ -9,7 +9,7 @@ import pytest
 from camera_worlds import LIGHT, solid, world_of
 
 import libgz
-from libgz.geometry import GzPose, GzPosePointAt, GzQuatern, GzVector
+from libgz.base.geometry import GzPose, GzPosePointAt, GzQuatern, GzVector
 from libgz.rendering import renderer, selection
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import open_context

@@ -7,7 +7,7 @@ import pytest
 from camera_worlds import world_of
 from PIL import Image
 
-from libgz.geometry import GzPose, GzPosePointAt, GzVector
+from libgz.base.geometry import GzPose, GzPosePointAt, GzVector
 from libgz.rendering.camera import Camera
 from libgz.rendering.ground import Sight, rings
 from libgz.rendering.shot import View

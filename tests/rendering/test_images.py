@@ -15,9 +15,9 @@ from PIL import Image
 from sample_files import model_3ds
 
 import libgz
-from libgz.errors import GazeboError
-from libgz.files import installed_worlds
-from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
+from libgz.base.errors import GazeboError
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
 from libgz.physics.space import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
@@ -443,7 +443,7 @@ def test_a_damaged_skin_keeps_what_came_before(tmp_path, caplog):
         path.write_bytes(whole[:length])
         try:
             read_skin(path)
-        except libgz.errors.GazeboError as error:
+        except libgz.base.errors.GazeboError as error:
             assert str(path) in str(error)
 
 

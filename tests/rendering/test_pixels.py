@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from camera_worlds import LIGHT, solid, world_of
 
-from libgz.geometry import GzPosePointAt, GzVector
+from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.rendering.camera import Camera
 from libgz.rendering.pixels import find_drop_alpha
 

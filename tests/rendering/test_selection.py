@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.geometry import GzPose
+from libgz.base.geometry import GzPose
 from libgz.rendering.camera import Camera
 from libgz.rendering.library import MOST_FINE, Compiled, Look, Table
 from libgz.rendering.native import find_native

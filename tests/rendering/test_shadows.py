@@ -11,9 +11,9 @@ import pytest
 from golden_images import assert_golden
 
 import libgz
-from libgz.errors import LibraryError, ParameterError
-from libgz.files import installed_worlds
-from libgz.geometry import GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
+from libgz.base.errors import LibraryError, ParameterError
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
 from libgz.rendering import renderer
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS

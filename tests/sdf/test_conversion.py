@@ -7,7 +7,7 @@ from commands import run_libgz
 from lxml import etree
 
 import libgz
-from libgz.errors import WorldFileError
+from libgz.base.errors import WorldFileError
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.reader import SdfFile
 

@@ -6,8 +6,8 @@ import pytest
 from commands import run_libgz
 from hypothesis import given, strategies as st
 
-from libgz.errors import NotFoundError, ParameterError, WorldFileError
-from libgz.geometry import GzColor, GzPose, GzQuaternToEuler, GzVector
+from libgz.base.errors import NotFoundError, ParameterError, WorldFileError
+from libgz.base.geometry import GzColor, GzPose, GzQuaternToEuler, GzVector
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile

@@ -6,9 +6,9 @@ import pytest
 from commands import run_libgz
 
 import libgz
+from libgz.base.errors import WorldFileError
+from libgz.base.geometry import GzPose
 from libgz.classic import physics
-from libgz.errors import WorldFileError
-from libgz.geometry import GzPose
 from libgz.sdf.reader import SdfFile
 
 LINK = "<link name='l'/>"

@@ -4,7 +4,7 @@ import pytest
 from commands import run_libgz
 
 import libgz
-from libgz.errors import WorldFileError
+from libgz.base.errors import WorldFileError
 from libgz.reference.check import check_sdf
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.value import repaired

@@ -3,8 +3,8 @@
 import pytest
 from lxml import etree
 
-from libgz.errors import ParameterError
-from libgz.geometry import GzPose, GzVector
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.sdf.state import SdfState
 
 BODY = (

@@ -6,9 +6,9 @@ import pytest
 from sdf_worlds import collision, link, model, world
 
 import libgz
+from libgz.base.geometry import GzVector
 from libgz.classic import physics
 from libgz.classic.log import LogPlay, LogRecord
-from libgz.geometry import GzVector
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import upgraded
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.errors import WorldFileError
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.base.errors import WorldFileError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.recognition import is_sdf, is_sdf_text

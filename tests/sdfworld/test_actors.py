@@ -8,8 +8,8 @@ from bone_files import two_bones
 from sample_files import sample
 
 import libgz
-from libgz.errors import WorldFileError
-from libgz.geometry import GzQuaternToEuler
+from libgz.base.errors import WorldFileError
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.physics.geoms import SkinGeom
 
 FRAME = 0.034  # [s] between two poses at 1 ms

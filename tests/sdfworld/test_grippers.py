@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import libgz
+from libgz.base.errors import WorldFileError
 from libgz.classic.server import attach
-from libgz.errors import WorldFileError
 
 WORLD = Path(__file__).parents[2] / "examples/sdf/gripper.world"
 WEIGHT = 9.8

@@ -5,7 +5,7 @@ import math
 import pytest
 from sdf_worlds import GROUND, Loader, collision, inertial, joint, link, model, world
 
-from libgz.geometry import GzQuaternToEuler
+from libgz.base.geometry import GzQuaternToEuler
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ import math
 import pytest
 from sdf_worlds import inertial, joint, link, model, place, two_links, world
 
-from libgz.errors import ParameterError, WorldFileError
-from libgz.geometry import GzQuaternToEuler, GzVector
+from libgz.base.errors import ParameterError, WorldFileError
+from libgz.base.geometry import GzQuaternToEuler, GzVector
 from libgz.sdf.reader import SdfFile
 
 

@@ -8,7 +8,7 @@ from readers import problem
 from sample_files import sample
 
 from libgz import GazeboError, World
-from libgz.errors import MOST_LISTED, UNFORESEEN
+from libgz.base.errors import MOST_LISTED, UNFORESEEN
 
 MUTANTS = Path(__file__).parent.parent / "data" / "mutants"  # found by the trials
 

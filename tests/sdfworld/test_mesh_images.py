@@ -9,8 +9,8 @@ import trimesh
 from PIL import Image
 from sdf_worlds import collision, link, model, world
 
-from libgz.errors import GazeboError
-from libgz.geometry import GzPosePointAt, GzVector
+from libgz.base.errors import GazeboError
+from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.camera import Camera
 from libgz.view.local import LocalSource

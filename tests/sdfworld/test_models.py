@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from sdf_worlds import GROUND, collision, inertial, joint, link, model, place, two_links, world
 
-from libgz.errors import NotFoundError, WorldFileError
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.errors import NotFoundError, WorldFileError
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.ode.native_step import native_path
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sdf_worlds import GROUND, Loader, collision, friction, inertial, link, model, world
 
-from libgz.geometry import GzPose, GzVector, rotate
+from libgz.base.geometry import GzPose, GzVector, rotate
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from engine_parts import use_form
 from PIL import Image
 from sdf_worlds import GROUND, collision, friction, inertial, link, model, place, world
 
-from libgz.geometry import GzPosePointAt, GzVector
+from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.ode.types import Surface
 from libgz.physics.image_files import open_image
 from libgz.rendering.camera import Camera

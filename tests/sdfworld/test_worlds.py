@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.errors import WorldFileError
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.errors import WorldFileError
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 
 GROUND = "<include><uri>model://ground_plane</uri></include>"
 SHAPES = {

@@ -11,7 +11,7 @@ from state_runs import command
 
 import libgz
 import libgz.front  # registers the built-in models
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.legacy.factory import ModelFactory
 from libgz.models import MODELS
 from libgz.physics.body import Body

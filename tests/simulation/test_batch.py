@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.errors import ClosedError, NotFoundError, ParameterError
+from libgz.base.errors import ClosedError, NotFoundError, ParameterError
 
 SICK = "<model:SickLMS200><id>l{}</id><xyz>0.1 0 0.311</xyz></model:SickLMS200>"
 TEXT = "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>{}</gz:world>"

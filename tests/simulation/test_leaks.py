@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 LARGE = 1e6  # [byte]
 

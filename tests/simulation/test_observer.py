@@ -16,7 +16,7 @@ import pytest
 import sdf_worlds as sdf
 
 import libgz
-from libgz.geometry import GzPose, GzQuatern, GzVector
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld
 from libgz.transport.directory import ServerDirectory

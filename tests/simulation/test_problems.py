@@ -10,7 +10,7 @@ import pytest
 from gzserver_process import new_environment, run
 
 import libgz
-from libgz.errors import StrictError
+from libgz.base.errors import StrictError
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 MODEL = """

@@ -13,9 +13,9 @@ import state_runs
 from state_runs import difference, look, run
 
 import libgz
-from libgz.errors import ClosedError, GazeboError, ParameterError, PluginError, StateError
-from libgz.files import installed_worlds
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.base.errors import ClosedError, GazeboError, ParameterError, PluginError, StateError
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.legacy.world import LegacyWorld
 from libgz.models.simplesolid import SimpleSolid
 from libgz.physics.joint import HingeJoint

@@ -7,8 +7,8 @@ from classic_runs import Run
 from state_settings import KEPT_BY_RESET, OF_CLASSIC, OF_WORLDS
 
 from libgz import World
+from libgz.base.errors import ParameterError
 from libgz.classic.math import Rand
-from libgz.errors import ParameterError
 from libgz.simulation.state import changes
 
 LEGACY = (

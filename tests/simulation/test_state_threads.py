@@ -8,7 +8,7 @@ import state_runs
 from classic_runs import Run
 
 from libgz import World
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 PLUGIN = """
 import threading

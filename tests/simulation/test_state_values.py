@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import libgz
-from libgz.errors import ParameterError, PluginError, StateError
-from libgz.geometry import GzPose, GzVector
+from libgz.base.errors import ParameterError, PluginError, StateError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.simulation.state import Encoder
 
 TEXT = "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane><id>ground</id></model:GroundPlane></gz:world>"

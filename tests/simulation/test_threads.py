@@ -12,8 +12,8 @@ import traceback
 import pytest
 
 import libgz
-from libgz.errors import ClosedError
-from libgz.geometry import GzPose, GzQuatern, GzVector
+from libgz.base.errors import ClosedError
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics import lock as lock_module
 from libgz.physics.lock import WorldLock, exclusive
 from libgz.transport import semaphores

@@ -18,7 +18,7 @@ from libgz.models.bandit import JointServo
 from libgz.models.motion import Motion
 from libgz.models.pioneer2at import Pioneer2AT
 from libgz.ode.native_step import native_path
-from libgz.records import Kind, numbers
+from libgz.ode.records import Kind, numbers
 from libgz.simulation.formula import clamp
 from libgz.simulation.updates import Exchange
 

@@ -9,8 +9,8 @@ import textwrap
 import pytest
 
 import libgz
-from libgz.errors import NotFoundError, ParameterError, WorldFileError
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorSub
+from libgz.base.errors import NotFoundError, ParameterError, WorldFileError
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorSub
 
 HEAD = """<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p' xmlns:params='p'>"""
 

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from libgz.errors import GazeboError, ParameterError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.sweep.run import check
 from libgz.sweep.study import Study
 

@@ -11,7 +11,7 @@ import pytest
 from served import serve
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.position import Position
 from libgz.transport.control import Control

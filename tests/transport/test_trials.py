@@ -13,7 +13,7 @@ import pytest
 from trials.table import trial
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.transport.semaphores import SemaphoreSet
 
 pytestmark = pytest.mark.trial

@@ -25,7 +25,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><model:GroundPlane/>"
 STEP, HOUR = 0.02, 3600.0  # [s]

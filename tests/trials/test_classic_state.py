@@ -12,8 +12,8 @@ from state_runs import forget_kept
 from trials.table import trial
 
 from libgz import World
+from libgz.base.errors import GazeboError
 from libgz.classic.math import Rand
-from libgz.errors import GazeboError
 
 pytestmark = pytest.mark.trial
 

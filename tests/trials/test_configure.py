@@ -9,7 +9,7 @@ import pytest
 from c_programs import config, needs_compiler, run
 from trials.table import trial
 
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 TOOLS = ("autoreconf", "automake", "pkg-config", "make")
 pytestmark = [

@@ -18,7 +18,7 @@ from state_runs import command
 from trials.table import trial
 
 from libgz import World
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.simulation import state
 
 pytestmark = pytest.mark.trial

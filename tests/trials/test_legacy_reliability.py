@@ -17,7 +17,7 @@ import pytest
 from trials import legacy_runs
 from trials.table import trial
 
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 pytestmark = pytest.mark.trial
 

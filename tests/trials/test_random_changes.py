@@ -15,9 +15,9 @@ from classic_runs import Run, first_difference
 from trials.table import trial
 
 from libgz import World
+from libgz.base.errors import GazeboError
 from libgz.classic import server
 from libgz.classic.math import PID, Pose3d, Rand, Vector3d
-from libgz.errors import GazeboError
 from libgz.simulation.state import decode
 
 pytestmark = pytest.mark.trial

@@ -28,9 +28,9 @@ from state_runs import command, digest, forget_kept, look
 from trials.table import trial
 
 from libgz import World
-from libgz.errors import GazeboError, StateError
-from libgz.files import installed_worlds
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.base.errors import GazeboError, StateError
+from libgz.base.files import installed_worlds
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, SliderJoint
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 

@@ -15,9 +15,9 @@ from topics import send
 from trials.table import trial
 
 import libgz
+from libgz.base.errors import GazeboError, StateError
+from libgz.base.files import installed_worlds
 from libgz.classic import msgs
-from libgz.errors import GazeboError, StateError
-from libgz.files import installed_worlds
 
 pytestmark = pytest.mark.trial
 

@@ -21,7 +21,7 @@ from gzserver_process import SERVER, new_environment
 from trials.table import trial
 
 import libgz
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 from libgz.transport.control import ask
 
 pytestmark = pytest.mark.trial

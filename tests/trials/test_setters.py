@@ -13,8 +13,8 @@ from state_runs import forget_kept
 from trials.table import trial
 
 from libgz import World
+from libgz.base.errors import GazeboError
 from libgz.classic.math import PID, Pose3d, Quaterniond, Vector3d
-from libgz.errors import GazeboError
 
 pytestmark = pytest.mark.trial
 

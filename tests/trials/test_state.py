@@ -11,7 +11,7 @@ from state_runs import difference, digest, forget_kept, run
 from trials.table import trial
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 
 pytestmark = pytest.mark.trial
 

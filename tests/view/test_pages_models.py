@@ -7,7 +7,7 @@ import pytest
 from view_pages import PANEL, browser, needs_chromium, opened, picture, reddish, served, wait_for
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.transport.server import free_server_id
 
 pytestmark = [needs_chromium, pytest.mark.trial, pytest.mark.filterwarnings("ignore")]

@@ -12,9 +12,9 @@ import viser
 
 import libgz
 from libgz.apps.world_control import WorldControl
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError
+from libgz.base.files import installed_worlds
 from libgz.classic.gui import GUI
-from libgz.errors import GazeboError, NotFoundError, ParameterError
-from libgz.files import installed_worlds
 from libgz.transport.control import Request
 from libgz.view.panel import Panel
 from libgz.view.parts import Part, interface_parts, joint_parts, light_parts

@@ -12,7 +12,7 @@ from commands import run_libgz
 from view_pages import browser, needs_chromium, opened, picture, reddish, served, wait_for
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.recording.capture import Capture
 from libgz.transport.server import free_server_id
 

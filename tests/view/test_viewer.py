@@ -10,7 +10,7 @@ import trimesh
 from PIL import Image
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.rendering.image import jpeg_text
 from libgz.view.local import LocalSource
 from libgz.view.shapes import Shapes

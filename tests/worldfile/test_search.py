@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.reference.check import check
 from libgz.worldfile.search import find_worldfile, ready_worlds
 

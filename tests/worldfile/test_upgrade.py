@@ -7,7 +7,7 @@ import pytest
 from commands import run_libgz
 
 import libgz
-from libgz.files import installed_worlds
+from libgz.base.files import installed_worlds
 from libgz.legacy.settings import read_global
 from libgz.worldfile.attributes import read
 from libgz.worldfile.file import WorldFile

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 import libgz
-from libgz.errors import WorldFileError
-from libgz.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.base.errors import WorldFileError
+from libgz.base.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.attributes import angle, choice, color, length, number, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.number import atof, atoi, malformed

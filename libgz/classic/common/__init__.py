@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from libgz.base.errors import GazeboError
 from libgz.classic.api import without
 from libgz.classic.common.animation import Animation, NumericAnimation, PoseAnimation
 from libgz.classic.common.battery import Battery
@@ -32,7 +33,6 @@ from libgz.classic.common.timer import Timer
 from libgz.classic.common.update_info import UpdateInfo
 from libgz.classic.math.color import Color
 from libgz.classic.math.pid import PID
-from libgz.errors import GazeboError
 
 __all__ = [
     "PID",

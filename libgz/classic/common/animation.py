@@ -7,10 +7,10 @@ from bisect import bisect_right, insort
 from operator import attrgetter
 from typing import ClassVar, Generic, TypeVar
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic.common.key_frame import KeyFrame, NumericKeyFrame, PoseKeyFrame
 from libgz.classic.math.quaternion import Quaterniond
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import NotFoundError, ParameterError
 
 __all__ = ["Animation", "NumericAnimation", "PoseAnimation"]
 

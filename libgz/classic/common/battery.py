@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from libgz.errors import NotFoundError
+from libgz.base.errors import NotFoundError
 from libgz.physics.check import finite, not_negative
 from libgz.simulation.event import Callback
 

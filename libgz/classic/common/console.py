@@ -11,7 +11,7 @@ import sys
 from types import FrameType
 from typing import NoReturn, TextIO
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 
 __all__ = [
     "Console",

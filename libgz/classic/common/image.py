@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic.common.system_paths import SystemPaths
 from libgz.classic.math.color import Color
 from libgz.classic.names import takes_names
-from libgz.errors import GazeboError, ParameterError
 from libgz.physics.image_files import open_image
 
 __all__ = ["Image"]

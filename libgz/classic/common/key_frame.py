@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from libgz.base.geometry import QuaternLike, VectorLike
 from libgz.classic.math.quaternion import Quaterniond
 from libgz.classic.math.vector3 import Vector3d
-from libgz.geometry import QuaternLike, VectorLike
 
 __all__ = ["KeyFrame", "NumericKeyFrame", "PoseKeyFrame"]
 

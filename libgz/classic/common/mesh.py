@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.geometry import VectorLike
 from libgz.classic.common.console import gzerr
 from libgz.classic.common.system_paths import SystemPaths
 from libgz.classic.math.vector3 import Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import GazeboError, ParameterError
-from libgz.geometry import VectorLike
 from libgz.physics.mesh_files import read_mesh
 from libgz.physics.meshes import vertex_normals
 

@@ -6,9 +6,9 @@ import os
 
 from lxml import etree
 
+from libgz.base.errors import NotFoundError
+from libgz.base.files import is_file
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError
-from libgz.files import is_file
 from libgz.sdf.paths import find_model, find_uri, model_directories
 
 __all__ = ["ModelDatabase"]

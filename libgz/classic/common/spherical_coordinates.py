@@ -11,11 +11,11 @@ import math
 from enum import IntEnum
 from typing import ClassVar
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import VectorLike
 from libgz.classic.math.angle import Angle
 from libgz.classic.math.vector3 import Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import ParameterError
-from libgz.geometry import VectorLike
 
 __all__ = ["SphericalCoordinates"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from libgz.base.errors import NotFoundError
+from libgz.base.files import exists, expand
 from libgz.classic.common.console import gzwarn
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError
-from libgz.files import exists, expand
 from libgz.sdf import paths
 
 __all__ = ["SystemPaths"]

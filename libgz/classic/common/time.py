@@ -9,8 +9,8 @@ from enum import IntEnum
 from numbers import Real
 from typing import SupportsFloat
 
+from libgz.base.errors import ParameterError
 from libgz.classic.math.constant import Constant
-from libgz.errors import ParameterError
 
 __all__ = ["Time"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
+from libgz.base.errors import ParameterError
 from libgz.classic.common.time import Time
-from libgz.errors import ParameterError
 
 __all__ = ["Timer"]
 

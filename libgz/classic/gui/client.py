@@ -10,6 +10,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from libgz.base.closing import Closing
+from libgz.base.errors import NotFoundError, PluginError
+from libgz.base.geometry import GzPose
 from libgz.classic import msgs
 from libgz.classic.commands import reload_response
 from libgz.classic.gui import Events, MainWindow, set_main_window
@@ -19,9 +22,6 @@ from libgz.classic.math import Vector3d
 from libgz.classic.rendering.camera import render_frame
 from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
-from libgz.closing import Closing
-from libgz.errors import NotFoundError, PluginError
-from libgz.geometry import GzPose
 from libgz.sdf.element import Element
 
 __all__ = ["Client", "ini_plugins"]

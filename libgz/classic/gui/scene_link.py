@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import GazeboError, ServerError
 from libgz.classic import msgs
 from libgz.classic.commands import Commands, PausedSteps
 from libgz.classic.physics.base import Entity
 from libgz.classic.server import WorldServer
 from libgz.classic.transport import Node, TopicManager, request
-from libgz.errors import GazeboError, ServerError
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld

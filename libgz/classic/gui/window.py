@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.event import Event
 
 if TYPE_CHECKING:

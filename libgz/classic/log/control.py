@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from libgz.base.errors import GazeboError
 from libgz.classic import msgs
 from libgz.classic.log.play import LogPlay
 from libgz.classic.log.record import LogRecord, log_folder
@@ -15,7 +16,6 @@ from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
 from libgz.classic.transport.address import publicized_address
-from libgz.errors import GazeboError
 
 __all__ = ["PlaybackControl", "RecordControl"]
 

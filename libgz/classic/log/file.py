@@ -19,8 +19,8 @@ from typing import NamedTuple
 from lxml import etree
 
 from libgz._version import __version__
-from libgz.closing import Closing
-from libgz.errors import ParameterError, WorldFileError, nearest
+from libgz.base.closing import Closing
+from libgz.base.errors import ParameterError, WorldFileError, nearest
 
 __all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
 

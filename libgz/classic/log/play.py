@@ -9,13 +9,13 @@ from types import TracebackType
 
 from lxml import etree
 
+from libgz.base.errors import ParameterError, WorldFileError
 from libgz.classic.log.file import LogReader
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
-from libgz.errors import ParameterError, WorldFileError
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.state import SdfState
 from libgz.sdfworld.world import SdfWorld

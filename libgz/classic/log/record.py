@@ -11,14 +11,14 @@ from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
+from libgz.base.errors import ParameterError, WorldFileError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.classic.log.file import LogWriter
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
-from libgz.errors import ParameterError, WorldFileError
-from libgz.geometry import GzPose, GzVector
 from libgz.sdf.state import SdfState
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.simulation.companion import Stateless

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from numbers import Real
 
+from libgz.base.geometry import NORMALIZE
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import numbers_in, text_of
-from libgz.geometry import NORMALIZE
 
 __all__ = ["Angle"]
 

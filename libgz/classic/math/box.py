@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, overload
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import VectorLike
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import VectorLike
 
 __all__ = ["AxisAlignedBox", "Box"]
 

@@ -7,11 +7,11 @@ import math
 from collections.abc import Iterable, Iterator
 from numbers import Real
 
+from libgz.base.geometry import GzColor
 from libgz.classic.math.components import Componentwise
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import text_of
 from libgz.classic.math.vector3 import Vector3d
-from libgz.geometry import GzColor
 from libgz.sdf.value import parse
 
 __all__ = ["Color"]

@@ -6,10 +6,10 @@ import math
 from collections import deque
 from typing import Generic, TypeVar
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import QuaternLike, VectorLike
 from libgz.classic.math.quaternion import Quaterniond
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import QuaternLike, VectorLike
 
 __all__ = ["BiQuad", "BiQuadVector3", "OnePole", "OnePoleQuaternion", "OnePoleVector3", "RollingMean"]
 

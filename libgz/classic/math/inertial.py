@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
+from libgz.base.geometry import GzHomo, GzPose, QuaternLike, VectorLike
 from libgz.classic.math.matrix3 import Matrix3d
 from libgz.classic.math.pose import Pose3d
 from libgz.classic.math.vector3 import Vector3d
-from libgz.geometry import GzHomo, GzPose, QuaternLike, VectorLike
 
 __all__ = ["Inertiald", "MassMatrix3d"]
 

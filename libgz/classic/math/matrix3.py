@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from numbers import Real
 from typing import Any, overload
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzHomo, GzHomoFromQuatern, GzQuatern, GzVector, VectorLike
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.quaternion import Quaterniond
 from libgz.classic.math.row_matrix import RowMatrix
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import GzHomo, GzHomoFromQuatern, GzQuatern, GzVector, VectorLike
 
 __all__ = ["Matrix3", "Matrix3d"]
 

@@ -7,14 +7,14 @@ from typing import Any, overload
 
 import numpy as np
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzHomo, GzPose, GzQuatern, GzVector, VectorLike
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.matrix3 import Matrix3d
 from libgz.classic.math.pose import Pose3d
 from libgz.classic.math.quaternion import Quaterniond
 from libgz.classic.math.row_matrix import RowMatrix
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import GzHomo, GzPose, GzQuatern, GzVector, VectorLike
 
 __all__ = ["Matrix4", "Matrix4d"]
 

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Sequence
 from typing import TypeVar
 
-from libgz.errors import ParameterError
-from libgz.geometry import DTOR, NORMALIZE, RTOD
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import DTOR, NORMALIZE, RTOD
 
 __all__ = [
     "IGN_BOX_VOLUME",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from libgz.base.geometry import GzCoordPositionSub, GzPose, VectorLike
 from libgz.classic.math.pose import Pose3d
 from libgz.classic.math.vector3 import Vector3d
-from libgz.geometry import GzCoordPositionSub, GzPose, VectorLike
 
 __all__ = ["OrientedBox", "OrientedBoxd"]
 

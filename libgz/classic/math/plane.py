@@ -5,11 +5,11 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import VectorLike
 from libgz.classic.math.box import AxisAlignedBox
 from libgz.classic.math.vector2 import Vector2d
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import VectorLike
 
 __all__ = ["Plane", "PlaneSide", "Planed"]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, overload
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseSolve, GzPose, QuaternLike, VectorLike
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import numbers_in, text_of
 from libgz.classic.math.quaternion import Quaterniond, as_quaternion
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPoseSolve, GzPose, QuaternLike, VectorLike
 
 __all__ = ["Pose", "Pose3d"]
 

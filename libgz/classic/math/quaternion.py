@@ -7,12 +7,8 @@ from collections.abc import Iterator
 from numbers import Real
 from typing import Any, overload
 
-from libgz.classic.math.components import HasXYZ
-from libgz.classic.math.constant import Constant
-from libgz.classic.math.number import fixnan, numbers_in, text_of
-from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import (
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import (
     GzHomo,
     GzQuatern,
     GzQuaternFromAxis,
@@ -23,6 +19,10 @@ from libgz.geometry import (
     QuaternLike,
     VectorLike,
 )
+from libgz.classic.math.components import HasXYZ
+from libgz.classic.math.constant import Constant
+from libgz.classic.math.number import fixnan, numbers_in, text_of
+from libgz.classic.math.vector3 import Vector3d
 
 __all__ = ["Quaternion", "Quaterniond", "as_quaternion"]
 

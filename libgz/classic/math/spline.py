@@ -9,10 +9,10 @@ from itertools import accumulate
 
 import numpy as np
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import QuaternLike, VectorLike
 from libgz.classic.math.quaternion import Quaterniond
 from libgz.classic.math.vector3 import Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import QuaternLike, VectorLike
 
 __all__ = ["RotationSpline", "Spline"]
 

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
 from libgz.classic.math.components import Componentwise, HasXY
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import numbers_in, text_of
-from libgz.errors import ParameterError
 
 __all__ = ["Vector2", "Vector2d", "Vector2i"]
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable, Iterator
 from numbers import Real
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.classic.math.components import HasXYZ
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import fixnan, text_of
-from libgz.errors import ParameterError
-from libgz.geometry import GzVector, VectorLike
 from libgz.sdf.value import parse
 
 __all__ = ["Vector3", "Vector3d"]

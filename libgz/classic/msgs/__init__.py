@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import typing as _typing
 
+from libgz.base.errors import NotFoundError as _NotFoundError
 from libgz.classic.api import serves_instead as _serves_instead, without as _without
 from libgz.classic.msgs.convert import Convert, ConvertIgn, CreateRequest, Init, Set, Stamp
 from libgz.classic.msgs.declare import PREFIX as _PREFIX, declare, known_types, message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.msgs.text import Parse
-from libgz.errors import NotFoundError as _NotFoundError
 
 __all__ = [
     "Convert",

@@ -8,6 +8,8 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.classic.common.time import Time
 from libgz.classic.math.color import Color
 from libgz.classic.math.pose import Pose3d
@@ -16,8 +18,6 @@ from libgz.classic.math.vector2 import Vector2d
 from libgz.classic.math.vector3 import Vector3d
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
-from libgz.errors import ParameterError
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = ["Convert", "ConvertIgn", "CreateRequest", "Init", "Set", "Stamp"]
 

@@ -15,8 +15,8 @@ from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor import Descriptor
 from google.protobuf.descriptor_pb2 import DescriptorProto, FieldDescriptorProto, FileDescriptorProto
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.msgs.message import Message, extend
-from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.state import plain
 
 __all__ = ["PREFIX", "declarations", "declare", "known_types", "message_type", "restored"]

@@ -11,8 +11,8 @@ from google.protobuf import message as google, message_factory
 from google.protobuf.descriptor import Descriptor
 from google.protobuf.descriptor_pb2 import FileDescriptorProto
 
+from libgz.base.errors import ParameterError, nearest
 from libgz.classic.msgs import text
-from libgz.errors import ParameterError, nearest
 
 __all__ = ["Message", "extend"]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from google.protobuf import text_format
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 
 __all__ = ["Parse", "write"]
 

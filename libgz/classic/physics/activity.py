@@ -6,6 +6,8 @@ import logging
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose
 from libgz.classic.common import Battery
 from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Entity
@@ -15,8 +17,6 @@ from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.place import found_at, place_if_there, place_of
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose
 from libgz.sdf.element import Element
 from libgz.simulation.event import Event
 from libgz.simulation.state import get_state, set_state

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError, nearest
 from libgz.classic.common import SkeletonAnimation
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.model import Model
-from libgz.errors import ParameterError, nearest
 from libgz.physics.check import finite
 
 if TYPE_CHECKING:

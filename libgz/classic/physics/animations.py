@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.classic.common import NumericAnimation, PoseAnimation
 from libgz.classic.math import Pose3d
 from libgz.classic.physics.place import found_at, place_of
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.simulation.event import Callback
 from libgz.simulation.state import get_state, set_state
 

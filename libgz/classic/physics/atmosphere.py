@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import ParameterError, nearest
 from libgz.classic.names import takes_names
-from libgz.errors import ParameterError, nearest
 from libgz.physics.check import finite, not_negative
 from libgz.sdfworld.air import GAS_CONSTANT, MOLAR_MASS
 from libgz.sdfworld.world import SdfWorld

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, place_of
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, place_of
 
 if TYPE_CHECKING:
     from libgz.classic.common import PoseAnimation

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseSub, GzPose, VectorLike
 from libgz.classic.math import AxisAlignedBox, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity
 from libgz.classic.physics.shape import Shape, shape_of
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPoseSub, GzPose, VectorLike
 from libgz.ode.types import Surface
 from libgz.physics.check import finite_tuple, not_negative
 from libgz.physics.geom import Geom

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import msgs
 from libgz.classic.names import takes_names
 from libgz.classic.physics.contact import Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
-from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.event import unowned
 from libgz.simulation.state import changes, seldom
 

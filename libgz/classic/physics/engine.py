@@ -6,14 +6,14 @@ import itertools
 import logging
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError, nearest
+from libgz.base.geometry import GzPose, GzVector, VectorLike
 from libgz.classic.math import Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.ray_shape import RayShape
-from libgz.errors import ParameterError, nearest
-from libgz.geometry import GzPose, GzVector, VectorLike
 from libgz.physics.check import finite, not_negative
 from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint

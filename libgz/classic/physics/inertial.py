@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzPose, GzVector, VectorLike
 from libgz.classic.math import MassMatrix3d, Matrix3d, Pose3d, Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import GzPose, GzVector, VectorLike
 from libgz.ode.types import Mass as OdeMass
 from libgz.physics.body import Body
 from libgz.physics.check import finite

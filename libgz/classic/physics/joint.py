@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ import logging
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import GazeboError, ParameterError, nearest
 from libgz.classic.common import PID, Time
 from libgz.classic.names import takes_names
-from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.physics.check import finite
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.geometry import GzColor, GzPose, GzVector, VectorLike
 from libgz.classic.math import AxisAlignedBox, Color, Vector3d
 from libgz.classic.physics.base import Base, Entity
-from libgz.geometry import GzColor, GzPose, GzVector, VectorLike
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World

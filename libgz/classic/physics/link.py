@@ -6,16 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.classic.math import Matrix3d, Pose3d, Vector3d
-from libgz.classic.names import takes_names
-from libgz.classic.physics.base import Base, Entity, view_of
-from libgz.classic.physics.collision import Collision
-from libgz.classic.physics.inertial import Inertial
-from libgz.classic.physics.insertion import described
-from libgz.classic.physics.shape import shape_of
-from libgz.classic.physics.state import LinkState
-from libgz.errors import ClosedError, ParameterError
-from libgz.geometry import (
+from libgz.base.errors import ClosedError, ParameterError
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,
@@ -25,6 +17,14 @@ from libgz.geometry import (
     VectorLike,
     rotate,
 )
+from libgz.classic.math import Matrix3d, Pose3d, Vector3d
+from libgz.classic.names import takes_names
+from libgz.classic.physics.base import Base, Entity, view_of
+from libgz.classic.physics.collision import Collision
+from libgz.classic.physics.inertial import Inertial
+from libgz.classic.physics.insertion import described
+from libgz.classic.physics.shape import shape_of
+from libgz.classic.physics.state import LinkState
 from libgz.physics.geom import Geom
 from libgz.sdfworld.model import SdfModel
 

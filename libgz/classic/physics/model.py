@@ -6,6 +6,8 @@ import functools
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ClosedError
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
@@ -13,8 +15,6 @@ from libgz.classic.physics.gripper import Gripper
 from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.state import ModelState
-from libgz.errors import ClosedError
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
 from libgz.physics.geom import Geom
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import SdfModel

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import StateError
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.link import Link
-from libgz.errors import StateError
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World

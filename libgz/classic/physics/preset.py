@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, nearest
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError, nearest
 from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.state import decode, encode, seldom

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.geometry import GzCoordPositionAdd, GzPose, VectorLike, rotate
 from libgz.classic.math import Angle, Vector3d
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPositionAdd, GzPose, VectorLike, rotate
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.simulation.event import Connection, Event
 from libgz.simulation.state import Noted

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError
 from libgz.ode.types import ContactRule
 from libgz.simulation.event import owner
 from libgz.simulation.world import World as CoreWorld

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.classic.common import Image
 from libgz.classic.math import Vector2i, Vector3d
 from libgz.classic.physics.base import Base
-from libgz.errors import ParameterError
-from libgz.geometry import GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.sdf.value import parse

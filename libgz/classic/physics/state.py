@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, TypeVar
 
+from libgz.base.errors import NotFoundError, ParameterError, WorldFileError, nearest
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
-from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.sdf.element import Element
 from libgz.sdf.upgrade import NEWEST, upgraded
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.classic.math import Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import ParameterError
-from libgz.geometry import GzVector, VectorLike
 from libgz.physics.check import finite_tuple
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import Callback

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from libgz.base.errors import NotFoundError, nearest
+from libgz.base.geometry import GzVector, VectorLike
 from libgz.classic.common import SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
 from libgz.classic.names import takes_names
@@ -30,8 +32,6 @@ from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.state import WorldState, save_world
 from libgz.classic.physics.wind import Wind
 from libgz.classic.physics.world_services import WorldServices
-from libgz.errors import NotFoundError, nearest
-from libgz.geometry import GzVector, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
 from libgz.sdfworld.actor import SdfActor

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
 from libgz.classic.math import Pose3d, Vector3d
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

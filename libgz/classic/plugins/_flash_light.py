@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.geometry import GzColor
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Color
 from libgz.classic.plugin import ModelPlugin
-from libgz.errors import NotFoundError, ParameterError, nearest
-from libgz.geometry import GzColor
 from libgz.physics.geoms import LightGeom
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from libgz.errors import NotFoundError, nearest
+from libgz.base.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.common import Battery

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import NORMALIZE
 from libgz.classic.event import Events
 from libgz.classic.plugin import ModelPlugin
 from libgz.classic.plugins._wheels import Wheel, separation
-from libgz.errors import ParameterError
-from libgz.geometry import NORMALIZE
 from libgz.interfaces.position import Position
 from libgz.simulation.event import AtEnd
 from libgz.simulation.rate import UpdateRate

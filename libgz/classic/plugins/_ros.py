@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError, nearest
 from libgz.classic.math import Rand, Vector3d
-from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model

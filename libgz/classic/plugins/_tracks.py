@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugin import ModelPlugin
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link, Model

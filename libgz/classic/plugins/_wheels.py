@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
 from libgz.classic.physics import CylinderShape, SphereShape
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link

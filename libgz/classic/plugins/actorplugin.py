@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
 from libgz.classic.event import Events
 from libgz.classic.math import Angle, Pose3d, Quaterniond, Rand, Vector3d, clamp
 from libgz.classic.physics import Actor, TrajectoryInfo
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo

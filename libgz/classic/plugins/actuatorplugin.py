@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
-from libgz.errors import NotFoundError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model

@@ -5,10 +5,10 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import nearest
 from libgz.classic import transport
 from libgz.classic.math import Pose3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
-from libgz.errors import nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError, nearest
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Light, Link, Model

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
 from libgz.classic.common import Color, Time
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_VISUAL_PLUGIN, VisualPlugin
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.rendering import Visual

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
 from libgz.classic.sensors import ForceTorqueSensor
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.sensors import Sensor

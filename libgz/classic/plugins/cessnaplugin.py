@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import msgs, transport
 from libgz.classic.common import PID
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
-from libgz.errors import NotFoundError, ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo

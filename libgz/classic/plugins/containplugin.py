@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.classic.plugins._boxes import Box, box_of
-from libgz.errors import NotFoundError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World

@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
 from libgz.classic.plugins._pids import pid_of
-from libgz.errors import NotFoundError, ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from libgz.base.errors import NotFoundError
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
 from libgz.classic.plugins._wheels import Wheel, separation
 from libgz.classic.sensors import SensorManager
-from libgz.errors import NotFoundError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model

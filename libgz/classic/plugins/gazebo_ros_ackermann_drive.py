@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import PID, Quaterniond, Vector3d
@@ -12,7 +13,6 @@ from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._ros import ros_elements, ros_joints, ros_rate, ros_topic
 from libgz.classic.plugins._wheels import radius_of, separation
-from libgz.errors import ParameterError
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements, ros_topic
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model

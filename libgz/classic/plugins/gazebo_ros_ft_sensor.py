@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint, named_link
 from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
-from libgz.errors import NotFoundError
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
-from libgz.errors import NotFoundError
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._pids import pid_of
-from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import ParameterError
 from libgz.classic.plugin import SensorPlugin
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.sdf.element import Element

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError, nearest
 from libgz.classic.common import PID
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
-from libgz.errors import ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, nearest
 from libgz.classic import transport
 from libgz.classic.common import PID, gzwarn
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
-from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model

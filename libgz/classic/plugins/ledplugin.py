@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from libgz.base.errors import NotFoundError, nearest
+from libgz.base.geometry import GzColor
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._flash_light import FlashLightPlugin
-from libgz.errors import NotFoundError, nearest
-from libgz.geometry import GzColor
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_battery, named_link
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.common import Battery

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from libgz.base.errors import ParameterError
 from libgz.classic import rendering
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link, Model

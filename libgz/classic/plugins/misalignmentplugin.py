@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic import msgs, transport
 from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo

@@ -7,13 +7,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError
 from libgz.classic import msgs, transport
 from libgz.classic.common.console import gzerr, gzmsg
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.physics import get_world
 from libgz.classic.plugin import GZ_REGISTER_SYSTEM_PLUGIN, SystemPlugin
-from libgz.errors import NotFoundError
 from libgz.rendering.framing import free_camera
 from libgz.rendering.image import write_image
 

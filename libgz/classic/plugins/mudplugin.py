@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link, Model

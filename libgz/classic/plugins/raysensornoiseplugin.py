@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError
 from libgz.classic.math import Rand
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
-from libgz.errors import NotFoundError
 
 if TYPE_CHECKING:
     from libgz.classic.sensors import Sensor

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d
@@ -12,7 +13,6 @@ from libgz.classic.physics.shape import shape_of
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._boxes import Box
 from libgz.classic.plugins._sim_event import TOPIC, sim_event
-from libgz.errors import NotFoundError, ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
-from libgz.errors import ParameterError
 from libgz.sdfworld.population import MOST_MODELS
 
 if TYPE_CHECKING:

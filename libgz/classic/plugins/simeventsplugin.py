@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.classic.plugins._sim_event import TOPIC, sim_event
-from libgz.errors import NotFoundError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, World

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError, nearest
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._tracks import TrackedVehiclePlugin
-from libgz.errors import NotFoundError, nearest
 from libgz.ode.types import Surface
 
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError
 from libgz.classic.common import PID
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.errors import NotFoundError
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo

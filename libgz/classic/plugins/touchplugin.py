@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, nearest
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model

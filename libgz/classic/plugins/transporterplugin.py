@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import transport
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
-from libgz.errors import NotFoundError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model, World

@@ -5,11 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
-from libgz.errors import NotFoundError, ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, Model

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._wheels import radius_of
-from libgz.errors import NotFoundError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, Model

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.geometry import GzPose, GzQuaternIdent, GzVector
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.rendering.lines import placed
-from libgz.geometry import GzPose, GzQuaternIdent, GzVector
 from libgz.physics.geom import Geom
 from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.gl import Constant

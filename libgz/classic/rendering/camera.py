@@ -13,15 +13,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.classic.common import Time
-from libgz.classic.math import Angle, Planed, Pose3d, Quaterniond, Vector2i, Vector3d
-from libgz.classic.names import takes_names
-from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, pack
-from libgz.classic.rendering.mount import Mount
-from libgz.classic.rendering.visual import Visual
-from libgz.closing import Closing
-from libgz.errors import GazeboError, ParameterError
-from libgz.geometry import (
+from libgz.base.closing import Closing
+from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.geometry import (
     GzCoordPositionAdd,
     GzCoordPositionSub,
     GzPose,
@@ -31,6 +25,12 @@ from libgz.geometry import (
     place_of,
     rotate,
 )
+from libgz.classic.common import Time
+from libgz.classic.math import Angle, Planed, Pose3d, Quaterniond, Vector2i, Vector3d
+from libgz.classic.names import takes_names
+from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, pack
+from libgz.classic.rendering.mount import Mount
+from libgz.classic.rendering.visual import Visual
 from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
 from libgz.rendering.image import write_image
 from libgz.simulation.event import Connection, Event

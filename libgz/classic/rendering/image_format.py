@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError, nearest
+from libgz.base.errors import ParameterError, nearest
 
 __all__ = ["bytes_per_pixel", "check_format", "pack"]
 

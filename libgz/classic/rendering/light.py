@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError, nearest
+from libgz.base.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.classic.math import Color, Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import ParameterError, nearest
-from libgz.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.physics.geoms import LightGeom
 from libgz.sdfworld.visual import KINDS
 

@@ -9,10 +9,10 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import NotFoundError
+from libgz.base.geometry import GzColor, GzCoordPositionSub, GzPose, VectorLike
 from libgz.classic.math import Color, Vector3d
 from libgz.classic.names import takes_names
-from libgz.errors import NotFoundError
-from libgz.geometry import GzColor, GzCoordPositionSub, GzPose, VectorLike
 from libgz.rendering.shot import Lines, pose_matrix
 from libgz.sdf.materials import find_material
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import NotFoundError, nearest
-from libgz.geometry import GzCoordPoseSub, GzPose, GzVector, VectorLike
+from libgz.base.errors import NotFoundError, nearest
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector, VectorLike
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom

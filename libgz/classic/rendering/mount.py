@@ -7,8 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from libgz.classic.common.animation import PoseAnimation
-from libgz.geometry import (
+from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,
@@ -20,6 +19,7 @@ from libgz.geometry import (
     GzVectorSub,
     rotate,
 )
+from libgz.classic.common.animation import PoseAnimation
 from libgz.rendering.camera import Camera as CoreCamera
 from libgz.simulation.event import Connection, Event
 from libgz.simulation.state import Noted

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from libgz.base.errors import LibraryError, ParameterError, StateError, nearest
+from libgz.base.geometry import GzColor, GzPose, VectorLike
 from libgz.classic.common import Time
 from libgz.classic.math import Color
 from libgz.classic.names import takes_names
@@ -23,8 +25,6 @@ from libgz.classic.rendering.lines import DynamicLines, placed
 from libgz.classic.rendering.meshes import distance_along
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
-from libgz.errors import LibraryError, ParameterError, StateError, nearest
-from libgz.geometry import GzColor, GzPose, VectorLike
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.rendering.overlay import CORNERS, EDGES

@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from libgz.base.geometry import (
+    GzCoordPositionAdd,
+    GzPose,
+    GzPosePointAt,
+    GzVector,
+    GzVectorAdd,
+    GzVectorMul,
+    VectorLike,
+)
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.rendering.camera import Camera
-from libgz.geometry import GzCoordPositionAdd, GzPose, GzPosePointAt, GzVector, GzVectorAdd, GzVectorMul, VectorLike
 
 __all__ = ["UserCamera"]
 

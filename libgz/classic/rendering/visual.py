@@ -9,13 +9,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.geometry import (
+    GzColor,
+    GzCoordPoseAdd,
+    GzCoordPoseSub,
+    GzPose,
+    GzVector,
+    QuaternLike,
+    VectorLike,
+    place_of,
+)
 from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.rendering.aids import edges_of
 from libgz.classic.rendering.lines import DynamicLines
 from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
-from libgz.errors import NotFoundError, ParameterError, nearest
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.physics.geom import Geom
 from libgz.rendering.shot import Lines
 from libgz.sdf.element import Element

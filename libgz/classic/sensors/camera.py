@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.geometry import GzCoordPoseAdd
 from libgz.classic import msgs
 from libgz.classic.rendering.camera import Camera as CameraView, render_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
 from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
-from libgz.geometry import GzCoordPoseAdd
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link

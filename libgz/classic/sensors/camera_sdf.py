@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzPose
 from libgz.classic import msgs
 from libgz.classic.common import Image
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.image_format import check_format
 from libgz.classic.sensors.noise import Noise
 from libgz.classic.sensors.read import UNSET, clip, count, first, known_children, number, wrong
-from libgz.errors import ParameterError
-from libgz.geometry import GzPose
 from libgz.rendering.camera import LONGEST_SIDE, MOST_PIXELS
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from libgz.base.errors import StateError
 from libgz.classic import msgs
 from libgz.classic.names import takes_names
 from libgz.classic.physics.contact import RECORD, Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
-from libgz.errors import StateError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link

@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
+from libgz.base.geometry import (
+    GzCoordPoseAdd,
+    GzPose,
+    GzQuatern,
+    GzQuaternIdent,
+    GzQuaternInverse,
+    GzQuaternMul,
+    rotate,
+)
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics import Joint as JointView
 from libgz.classic.sensors.read import choice
 from libgz.classic.sensors.sensor import Sensor, SensorOwner
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternIdent, GzQuaternInverse, GzQuaternMul, rotate
 from libgz.simulation.event import Connection
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.geometry import QuaternLike
 from libgz.classic import msgs
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.read import choice, custom_topic, first, known_children, wrong
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
-from libgz.geometry import QuaternLike
 from libgz.sdf.element import Element
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.geometry import GzCoordPoseSub, rotate
 from libgz.classic import msgs
 from libgz.classic.math import Angle, Pose3d
 from libgz.classic.sensors.read import clip, number
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
-from libgz.geometry import GzCoordPoseSub, rotate
 
 if TYPE_CHECKING:
     from libgz.classic.math import AxisAlignedBox

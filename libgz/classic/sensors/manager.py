@@ -7,11 +7,11 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
 from libgz.classic import msgs
 from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.event import unowned

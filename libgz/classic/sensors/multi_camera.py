@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import NotFoundError
+from libgz.base.geometry import GzCoordPoseAdd
 from libgz.classic import msgs
 from libgz.classic.rendering.camera import Camera as CameraView, render_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
 from libgz.classic.sensors.noise import Noise as NoiseModel, new_noise
 from libgz.classic.sensors.read import first, wrong
 from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
-from libgz.errors import NotFoundError
-from libgz.geometry import GzCoordPoseAdd
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link

@@ -11,9 +11,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
 from libgz.classic.names import takes_names
 from libgz.classic.sensors.read import choice, number
-from libgz.errors import ParameterError
 from libgz.physics.check import finite
 from libgz.sdf.element import Element
 from libgz.simulation.event import Callback

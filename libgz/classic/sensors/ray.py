@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.geometry import GzPose
 from libgz.classic import msgs
 from libgz.classic.math import Angle
 from libgz.classic.physics.ray_shape import MultiRayShape, ScanGrid
 from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.read import clip, count, number, wrong
 from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
-from libgz.geometry import GzPose
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable
 
-from libgz.errors import Diagnostic, ParameterError, nearest
+from libgz.base.errors import Diagnostic, ParameterError, nearest
 from libgz.sdf.element import Element
 
 __all__ = ["UNSET", "choice", "clip", "count", "custom_topic", "first", "known_children", "number", "wrong"]

@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, place_of
 from libgz.classic import msgs
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType, new_noise
 from libgz.classic.sensors.read import custom_topic, first, number
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose, place_of
 from libgz.simulation.event import Connection, Event
 from libgz.simulation.state import Noted
 

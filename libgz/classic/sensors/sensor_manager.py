@@ -5,13 +5,13 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.names import takes_names
 from libgz.classic.physics import get_world, worlds
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.registry import own_world
 from libgz.classic.sensors.kinds import KINDS
-from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.sdf.upgrade import upgraded
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.geometry import GzCoordPoseAdd, GzPose
 from libgz.classic import msgs
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.ray_shape import ray_table
 from libgz.classic.sensors.read import choice, clip, known_children, number
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
-from libgz.geometry import GzCoordPoseAdd, GzPose
 from libgz.simulation.event import Connection
 
 if TYPE_CHECKING:

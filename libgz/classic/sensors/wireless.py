@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.classic import msgs
 from libgz.classic.sensors.noise import GaussianNoiseModel, Noise
 from libgz.classic.sensors.read import number, wrong
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link

@@ -8,9 +8,9 @@ import socket
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
+from libgz.base.errors import ParameterError
 from libgz.classic.names import takes_names
 from libgz.classic.transport.topic import log
-from libgz.errors import ParameterError
 
 __all__ = [
     "DEFAULT_PORT",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import time
 
+from libgz.base.errors import ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
-from libgz.errors import ParameterError
 
 __all__ = ["Frames", "frame", "packet", "read_packet"]
 

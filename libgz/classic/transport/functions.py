@@ -6,6 +6,7 @@ import atexit
 import time as clock
 from typing import Any
 
+from libgz.base.errors import GazeboError, ServerError
 from libgz.classic.msgs.convert import CreateRequest
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
@@ -15,7 +16,6 @@ from libgz.classic.transport.link import Link, connect
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.node import Node
 from libgz.classic.transport.topic import log
-from libgz.errors import GazeboError, ServerError
 
 __all__ = [
     "clear_buffers",

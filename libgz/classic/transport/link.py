@@ -8,11 +8,11 @@ import os
 import time
 from typing import ClassVar
 
+from libgz.base.closing import Closing
+from libgz.base.errors import ServerError
 from libgz.classic.transport.address import Address, get_master_uri
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.network import Network
-from libgz.closing import Closing
-from libgz.errors import ServerError
 
 __all__ = ["Link", "connect", "serve"]
 

@@ -15,10 +15,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
 from libgz.classic.transport.topic import log
-from libgz.errors import ParameterError
 
 __all__ = ["Connection", "SocketLoop"]
 

@@ -9,12 +9,12 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, ClassVar, Protocol
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.names import takes_names
 from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
-from libgz.errors import NotFoundError, ParameterError
 
 __all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
 

@@ -8,12 +8,12 @@ import socket
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.framing import packet, read_packet
 from libgz.classic.transport.loop import Connection, SocketLoop
 from libgz.classic.transport.topic import log
-from libgz.errors import ParameterError
 
 __all__ = ["Master"]
 

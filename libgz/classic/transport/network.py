@@ -14,6 +14,7 @@ import time
 import weakref
 from typing import Any
 
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.address import Address, listening_socket, listening_sockets, publicized_address
@@ -22,7 +23,6 @@ from libgz.classic.transport.loop import Connection, SocketLoop
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.master import Master
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic, sequence
-from libgz.errors import GazeboError, ParameterError
 
 __all__ = ["Network"]
 

@@ -8,6 +8,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any
 
+from libgz.base.errors import ClosedError, ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.names import takes_names
@@ -15,7 +16,6 @@ from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
-from libgz.errors import ClosedError, ParameterError
 from libgz.simulation.event import owner
 from libgz.simulation.running import RunningWorld, running_worlds
 

@@ -8,10 +8,10 @@ import weakref
 from collections import deque
 from typing import Any
 
+from libgz.base.errors import ClosedError, ParameterError
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import PATIENCE, TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
-from libgz.errors import ClosedError, ParameterError
 from libgz.simulation.event import owner
 
 __all__ = ["Publisher", "drop_waiting", "queue_message", "waiting_messages"]

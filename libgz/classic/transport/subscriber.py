@@ -8,10 +8,10 @@ import weakref
 from collections.abc import Callable, Collection
 from typing import Any
 
+from libgz.base.errors import USER_ERRORS, pass_interrupt
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
-from libgz.errors import USER_ERRORS, pass_interrupt
 from libgz.simulation.event import Owner, checked, owner, report_failure
 
 __all__ = ["Subscriber"]

@@ -9,8 +9,8 @@ from collections import deque
 from collections.abc import Collection
 from typing import NamedTuple, Protocol
 
+from libgz.base.errors import ParameterError
 from libgz.classic.msgs.message import Message
-from libgz.errors import ParameterError
 from libgz.simulation.event import Owner
 
 __all__ = ["Incoming", "LocalPublisher", "LocalSubscriber", "Topic", "decode", "encode", "log", "sequence"]

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.classic.common import (
     PID,
     ConsoleFormatter,
@@ -34,7 +35,6 @@ from libgz.classic.common import (
     gzwarn,
 )
 from libgz.classic.math import PID as MATH_PID, Quaterniond, Vector3d
-from libgz.errors import GazeboError, NotFoundError, ParameterError
 from libgz.sdf.paths import find_uri
 from libgz.sdf.value import parse
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic import common, msgs, sdf, transport
 from libgz.classic.common import Image, MeshManager, ModelDatabase, MovingWindowFilter, Time, Timer
 from libgz.classic.math import Vector3d
-from libgz.errors import GazeboError, ParameterError
 
 
 def test_a_timer_counts_down_and_ends(monkeypatch):

@@ -5,11 +5,11 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
+from libgz.base.errors import ParameterError
 from libgz.classic.common import (
     SphericalCoordinates,
 )
 from libgz.classic.math import Angle, Vector3d
-from libgz.errors import ParameterError
 
 ECEF, GLOBAL, LOCAL, SPHERICAL = (
     SphericalCoordinates.ECEF,

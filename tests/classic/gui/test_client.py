@@ -14,11 +14,11 @@ from PIL import Image
 import libgz
 from libgz.apps import gzclient
 from libgz.apps.libgz import main
+from libgz.base.errors import NotFoundError
 from libgz.classic import gui
 from libgz.classic.gui.client import ini_plugins
 from libgz.classic.gui.scene_link import only_looks
 from libgz.classic.gui.window import GUI
-from libgz.errors import NotFoundError
 from libgz.sdf.reader import SdfFile
 
 PATIENCE = 60.0  # [s]: a machine under load

@@ -13,13 +13,13 @@ import pytest
 from gzserver_process import new_environment, run
 from sdf_worlds import GROUND, collision, inertial, link, model, world
 
+from libgz.base.errors import ParameterError, WorldFileError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import msgs
 from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, read_states
 from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
-from libgz.errors import ParameterError, WorldFileError
-from libgz.geometry import GzPose, GzVector
 
 BOX = model("box", link("link", inertial(2.0), collision()), pose="0 0 5 0.1 0.2 0.3")
 BALL = model("ball", link("link", inertial(2.0), collision("sphere")), pose="3 0 5 0 0 0")

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from libgz import geometry as gz
+from libgz.base import geometry as gz
+from libgz.base.errors import ParameterError
 from libgz.classic import math
 from libgz.classic.math import (
     Angle,
@@ -21,7 +22,6 @@ from libgz.classic.math import (
     Vector2i,
     Vector3d,
 )
-from libgz.errors import ParameterError
 from libgz.sdf.value import format_value, parse
 
 coordinate = st.floats(-100.0, 100.0)

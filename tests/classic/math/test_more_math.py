@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from libgz.base.errors import ParameterError
 from libgz.classic.math import (
     AxisAlignedBox,
     BiQuad,
@@ -29,7 +30,6 @@ from libgz.classic.math import (
     signum,
     variance,
 )
-from libgz.errors import ParameterError
 
 
 def test_a_spline_passes_its_points_and_is_as_long_as_it_should_be():

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.classic import msgs
 from libgz.classic.common import Time
 from libgz.classic.math import Color, Pose3d, Quaterniond, Vector2d, Vector3d
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 CLASSIC = [name for name in msgs.known_types() if name.startswith("gazebo.msgs.")]
 

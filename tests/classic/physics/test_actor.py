@@ -2,9 +2,9 @@
 
 import pytest
 
+from libgz.base.errors import ParameterError
 from libgz.classic.common import SkeletonAnimation
 from libgz.classic.physics import Actor, Base, Model, TrajectoryInfo
-from libgz.errors import ParameterError
 
 SKIN = (
     "<skin><filename>media/models/walk.dae</filename></skin>"

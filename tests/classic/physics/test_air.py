@@ -5,9 +5,9 @@ import math
 import pytest
 from plugin_worlds import body
 
+from libgz.base.errors import ParameterError, WorldFileError
 from libgz.classic import msgs, transport
 from libgz.classic.math import Vector3d
-from libgz.errors import ParameterError, WorldFileError
 
 WIND = "<wind><linear_velocity>1 2 0.5</linear_velocity></wind>"
 AIR = (

@@ -3,11 +3,11 @@
 import pytest
 from plugin_worlds import body
 
+from libgz.base.errors import ParameterError
 from libgz.classic import sensors
 from libgz.classic.common import PID, NumericAnimation
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.sdf import SDF
-from libgz.errors import ParameterError
 
 AXIS = "<axis><xyz>0 1 0</xyz></axis>"
 HINGE = f"<joint name='hinge' type='revolute'><parent>world</parent><child>link</child>{AXIS}{{}}</joint>"

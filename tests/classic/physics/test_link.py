@@ -6,10 +6,10 @@ import math
 import pytest
 from plugin_worlds import body, collision
 
+from libgz.base.errors import ParameterError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import physics
 from libgz.classic.math import Pose3d, Vector3d
-from libgz.errors import ParameterError
-from libgz.geometry import GzPose, GzVector
 from libgz.physics.mass import given_mass
 
 BOX = collision("<box><size>1 2 3</size></box>")

@@ -3,8 +3,8 @@
 import pytest
 from plugin_worlds import body
 
+from libgz.base.errors import ClosedError, ParameterError
 from libgz.classic.math import Pose3d, Vector3d
-from libgz.errors import ClosedError, ParameterError
 
 INNER = "<model name='inner'><pose>0 0 1 0 0 0</pose><link name='tip'/></model>"
 FIXED = "<joint name='hook' type='fixed'><parent>link</parent><child>inner::tip</child></joint>"

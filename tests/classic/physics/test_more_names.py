@@ -8,10 +8,10 @@ from PIL import Image
 from plugin_worlds import GROUND, HINGE, body, collision
 
 import libgz
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.classic import physics, sdf
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.physics import Base, JointState, JointWrench, LinkState, ModelState, WorldState
-from libgz.errors import GazeboError, NotFoundError, ParameterError
 
 BOX = "<box><size>1 1 1</size></box>"
 

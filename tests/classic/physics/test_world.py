@@ -5,10 +5,10 @@ import math
 import pytest
 from plugin_worlds import body, collision
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import physics
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
-from libgz.errors import NotFoundError, ParameterError
 
 BOX = collision("<box><size>1 1 1</size></box>")
 LAMP = "<light name='lamp' type='point'><pose>0 0 9 0 0 0</pose></light>"

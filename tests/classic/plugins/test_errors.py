@@ -5,8 +5,8 @@ import json
 import pytest
 from plugin_worlds import HINGE, body, collision, plugin
 
+from libgz.base.errors import ClosedError
 from libgz.classic import msgs, transport
-from libgz.errors import ClosedError
 
 
 def listen(topic, received):

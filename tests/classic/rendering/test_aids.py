@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from plugin_worlds import HINGE, body, collision
 
+from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import rendering
 from libgz.classic.math import Pose3d, Vector3d
-from libgz.errors import NotFoundError, ParameterError
 
 BOX = "<geometry><box><size>1 1 1</size></box></geometry>"
 LOOKS = f"<visual name='look'>{BOX}</visual>" + collision("<box><size>2 2 2</size></box>")

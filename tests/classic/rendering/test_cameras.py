@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 import libgz
+from libgz.base.errors import WorldFileError
 from libgz.classic import physics, sensors
 from libgz.classic.math import Pose3d
-from libgz.errors import WorldFileError
 
 SCENE = (
     "<scene><ambient>1 1 1 1</ambient><background>0.5 0.5 0.5 1</background><shadows>0</shadows></scene>"

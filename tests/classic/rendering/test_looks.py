@@ -5,8 +5,8 @@ import math
 import pytest
 from classic_scenes import BEHIND, FLAT, material, middle, model, red, script, see, visual
 
+from libgz.base.errors import ParameterError
 from libgz.classic import rendering
-from libgz.errors import ParameterError
 
 
 def glass(name, color, x):

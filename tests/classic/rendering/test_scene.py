@@ -7,10 +7,10 @@ import pytest
 from classic_scenes import BEHIND, material, middle, model, red, script, see, visual
 from PIL import Image
 
+from libgz.base.errors import ParameterError
 from libgz.classic import rendering
 from libgz.classic.event import Events
 from libgz.classic.math import Color, Planed, Pose3d, Vector3d
-from libgz.errors import ParameterError
 from libgz.sdf.materials import find_material
 
 # Cameras ---------------------------------------------------------------------------------------------------------

@@ -5,8 +5,8 @@ import logging
 import pytest
 from sensor_worlds import box, collision, get, imu, model, ray, sensor, world_of
 
+from libgz.base.errors import NotFoundError
 from libgz.classic import physics, sensors
-from libgz.errors import NotFoundError
 
 
 def test_a_sensor_that_nobody_wants_does_not_measure():

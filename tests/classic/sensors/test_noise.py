@@ -8,9 +8,9 @@ import pytest
 from sensor_worlds import box, get, model, noise, ray, sensor, world_of
 
 import libgz
+from libgz.base.errors import NotFoundError
 from libgz.classic import sensors
 from libgz.classic.sensors.noise import GaussianNoiseModel
-from libgz.errors import NotFoundError
 
 
 def test_noise_has_its_mean_deviation_and_bias():

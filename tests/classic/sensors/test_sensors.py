@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from sensor_worlds import GROUND, G, box, collision, get, imu, model, noise, ray, sensor, world_of
 
+from libgz.base.errors import StateError, WorldFileError
 from libgz.classic import physics, sensors
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
-from libgz.errors import StateError, WorldFileError
 
 # Gazebo's acceptance figures -----------------------------------------------------------------------------------------
 

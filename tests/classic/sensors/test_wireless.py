@@ -5,9 +5,9 @@ import math
 import pytest
 from sensor_worlds import box, get, model, sensor, world_of
 
+from libgz.base.errors import WorldFileError
+from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import msgs, transport
-from libgz.errors import WorldFileError
-from libgz.geometry import GzPose, GzVector
 
 WIFI = "<essid>osrf</essid><frequency>2442</frequency><power>14.5</power><gain>2.6</gain>"
 FAR = "<essid>far</essid><frequency>5000</frequency>"

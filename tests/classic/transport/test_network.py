@@ -12,6 +12,7 @@ import pytest
 from classic_wire import Connection, Subscription, close_all
 from master_uri import free_master_uri
 
+from libgz.base.errors import ParameterError, ServerError
 from libgz.classic import msgs
 from libgz.classic.transport import (
     Link,
@@ -29,7 +30,6 @@ from libgz.classic.transport import (
     stop,
 )
 from libgz.classic.transport.loop import SocketLoop
-from libgz.errors import ParameterError, ServerError
 
 manager = TopicManager.Instance()
 PATIENCE = 20.0  # [s]: a machine under load

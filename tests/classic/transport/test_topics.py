@@ -7,9 +7,9 @@ import threading
 import pytest
 
 import libgz
+from libgz.base.errors import ClosedError, GazeboError, NotFoundError, ParameterError
 from libgz.classic import msgs
 from libgz.classic.transport import Node, TopicManager, getAdvertisedTopics, getTopicMsgType, request, requestNoReply
-from libgz.errors import ClosedError, GazeboError, NotFoundError, ParameterError
 
 manager = TopicManager.Instance()
 

@@ -1,4 +1,4 @@
-/* Vectors, quaternions and poses: the same arithmetic, in the same order, as libgz.geometry. License: Apache License 2.0. */
+/* Vectors, quaternions and poses: the same arithmetic, in the same order, as libgz.base.geometry. License: Apache License 2.0. */
 
 #ifndef LIBGZ_VECTOR_HH
 #define LIBGZ_VECTOR_HH

@@ -12,7 +12,7 @@ from enum import IntEnum
 from functools import cache
 from typing import Any
 
-from libgz.errors import LibraryError
+from libgz.base.errors import LibraryError
 
 __all__ = [
     "AxisRecord",

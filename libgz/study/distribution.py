@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import ParameterError, nearest
+from libgz.base.errors import ParameterError, nearest
 
 __all__ = ["KINDS", "Distribution"]
 

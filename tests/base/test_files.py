@@ -8,9 +8,10 @@ import sys
 
 import pytest
 
-from libgz import WorldFile, files
-from libgz.errors import WorldFileError
-from libgz.files import write_whole
+from libgz import WorldFile
+from libgz.base import files
+from libgz.base.errors import WorldFileError
+from libgz.base.files import write_whole
 from libgz.sdf.reader import SdfFile
 
 
@@ -43,7 +44,7 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path):
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from libgz import files
+from libgz.base import files
 os.fchmod = lambda *_: os.kill(os.getpid(), signal.SIGKILL)  # everything is written, and has no name yet
 files.write_whole(Path(sys.argv[1]), b"new" * 1000)
 """

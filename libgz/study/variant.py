@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar, Unpack
 
-from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
-from libgz.files import exists
+from libgz.base.errors import NotFoundError, ParameterError, WorldFileError, nearest
+from libgz.base.files import exists
 from libgz.front import World, WorldOptions
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile

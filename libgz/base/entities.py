@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml import etree
 
-from libgz.errors import ParameterError
+from libgz.base.errors import ParameterError
 
 __all__ = ["Entities", "encoded"]
 

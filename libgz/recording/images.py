@@ -7,10 +7,10 @@ from typing import Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.geometry import GzPose
 from libgz.classic.sensors import CameraSensor
 from libgz.classic.server import attach
 from libgz.front import World
-from libgz.geometry import GzPose
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
 from libgz.interfaces.stereo import Stereo

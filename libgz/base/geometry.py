@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.base.errors import GazeboError
 
 __all__ = [
     "DTOR",

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import LibraryError, ParameterError
+from libgz.base.errors import LibraryError, ParameterError
 from libgz.transport.interface import Interface
 from libgz.transport.layout import CLIENT, fields_of
 

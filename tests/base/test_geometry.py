@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from libgz.geometry import (
+from libgz.base.geometry import (
     NORMALIZE,
     GzCoordPoseAdd,
     GzCoordPoseSolve,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from libgz.errors import Diagnostics, Place, WorldFileError, nearest
+from libgz.base.errors import Diagnostics, Place, WorldFileError, nearest
 from libgz.sdf.element import Element
 
 

@@ -23,10 +23,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.geometry import GzQuaternToEuler
 from libgz.classic.sensors.sensor import Sensor
-from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.front import World
-from libgz.geometry import GzQuaternToEuler
 from libgz.interfaces.catalog import INTERFACES
 from libgz.models.pantilt import PanTiltCamera
 from libgz.models.positionserver import LARGEST_COMMAND

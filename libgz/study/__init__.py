@@ -1,0 +1,1 @@
+"""What learning environments and sweeps share: signals, variants of worlds, distributions."""

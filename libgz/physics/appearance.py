@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from libgz.base.geometry import GzColor, GzPose, GzVector
-from libgz.physics.edits import edits
 
 __all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "Appearance", "Backdrop"]
 
@@ -42,13 +41,6 @@ class Appearance:
     pick_id: int = 0
     render_order: int = RENDER_OPAQUE
     version: int = 0  # grows with each change; a renderer then rebuilds the geom
-    edits: int = field(default=0, init=False, compare=False)  # grows with each assignment
-
-    def __setattr__(self, name: str, value: object) -> None:
-        values = vars(self)
-        values[name] = value
-        values["edits"] = values.get("edits", 0) + 1
-        edits.count()
 
     def set_color(self, color: GzColor) -> None:
         """The material of one colour: ambient a fifth of it, specular a fifth above it."""

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 from classic_runs import Run, first_difference, opened
-from state_runs import forget_kept
 
 from libgz import World
 from libgz.base.errors import ClosedError, GazeboError, ParameterError, StateError
@@ -713,7 +712,6 @@ def test_what_seldom_changes_is_read_after_each_change(run):
     for edit in edits:
         edit()
         states.append(run.world.get_state())
-        forget_kept(run.world)
         assert run.world.get_state() == states[-1]
     assert len(set(states)) == len(states)
     for state in reversed(states):

@@ -48,7 +48,7 @@ __all__ = [
 VERSION = 8
 FORMAT = b"libgz state %d\n" % VERSION  # at the start of encoded data
 MOST_BYTES = 256 << 20  # of encoded data
-MOST_ITEMS = 1 << 22  # in all lists and dicts of them
+MOST_ITEMS = 1 << 21  # in all lists and dicts of them
 MOST_NESTED = 100  # extensions within each other
 MOST_DIMENSIONS = 32
 TOO_DEEP = "it is nested too deeply, or contains itself"
@@ -427,6 +427,7 @@ class _Decoder:
             object_hook=self._list,
             strict_map_key=False,
             unicode_errors="surrogatepass",
+            timestamp=2,  # msgpack's times, which are never written, are numbers
             max_array_len=most,
             max_map_len=most,
         )

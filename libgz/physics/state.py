@@ -125,7 +125,7 @@ class EngineState:
             "memory": engine.step_form.get_state(self._parts(self._blocks(self._context.record_motion))),
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning else b"",
             "dummies": self._dummy_poses(),
-            "couplings": [[joints.index(one.line), [*_values(one)]] for one in engine.couplings if not one.broken],
+            "couplings": [[joints.index(one.line), _lists(_values(one))] for one in engine.couplings if not one.broken],
             "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
         }
 
@@ -269,7 +269,10 @@ class EngineState:
             present = {joints.index(one.line): one for one in engine.couplings if not one.broken}
             couplings = [(present[place], values) for place, values in state["couplings"]]
             for coupling, values in couplings:
-                _assign(coupling, values)
+                for name, value, present in zip(_saved(_type(coupling)), values, _values(coupling), strict=True):
+                    if not _fits(value, present):
+                        raise StateError("the state is damaged: a screw or gear has numbers that none has")
+                    setattr(coupling, name, value)
             engine.couplings = [coupling for coupling, _ in couplings]
         engine.moved_dummies.update(engine.dummies)
         engine.tables.record.changes += 1
@@ -542,6 +545,10 @@ def _assign(thing: Any, values: list[Any]) -> bool:
             setattr(thing, name, value)
             changed = True
     return changed
+
+
+def _lists(values: Iterable[Any]) -> list[Any]:
+    return [list(value) if isinstance(value, (tuple, list)) else value for value in values]
 
 
 def _tuples(value: Any) -> Any:

@@ -255,6 +255,9 @@ class Snapshots:
             self.failures.append(named)
         except USER_ERRORS as error:
             pass_interrupt(error)
+            if type(entity).__module__.startswith("libgz."):
+                self.failures.append(StateError(f"{_described(entity)}: the state is damaged: {error}"))
+                return
             text = f"{_described(entity)}: its state cannot be set:\n{own_traceback(error)}"
             self.failures.append(PluginError(text))
 

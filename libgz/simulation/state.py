@@ -94,7 +94,7 @@ class Reader:
         Raises:
             StateError: they do not fit it.
         """
-        if len(values) != len(self.fields):
+        if type(values) is not list or len(values) != len(self.fields):
             raise StateError(f"the state is damaged: it has not the values of a {type(thing).__name__}")
         try:
             present: Sequence[Any] = self._read(thing)

@@ -15,7 +15,7 @@ from gzserver_process import SERVER, new_environment
 
 import libgz
 from libgz.base.files import installed_worlds
-from libgz.simulation.state import FORMAT
+from libgz.base.encoding import FORMAT
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 WORLD = installed_worlds() / "segwayrmp.world"

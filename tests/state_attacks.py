@@ -20,8 +20,9 @@ WORLD = """<sdf version='1.6'><world name='default'>
 </geometry></collision></link>
 {links}
 </model></world></sdf>"""
-LINK = """<link name='{0}'><pose>{1} 0 1 0 0 0</pose><collision name='c'><pose>0.1 0 0 0 0 0</pose><geometry>{2}</geometry>
-</collision></link><joint name='{0}' type='{3}'><parent>a</parent><child>{0}</child>{4}</joint>"""
+LINK = """<link name='{0}'><pose>{1} 0 1 0 0 0</pose><collision name='c'><pose>0.1 0 0 0 0 0</pose>
+<geometry>{2}</geometry></collision></link>
+<joint name='{0}' type='{3}'><parent>a</parent><child>{0}</child>{4}</joint>"""
 AXIS = "<axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>"
 KINDS = {
     "revolute": AXIS,

@@ -1,8 +1,8 @@
 """Encoding: plain data as the bytes of a state, and back, by msgpack.
 
-msgpack has None, booleans, integers of 64 bits, floats, texts, bytes, lists, and dicts. All else is an extension of it: a
-number that says what it is, and bytes that are msgpack again. Equal data are equal bytes; what comes back has the same
-types, to the bit.
+msgpack has None, booleans, integers of 64 bits, floats, texts, bytes, lists, and dicts. All else is an extension of it:
+a number that says what it is, and bytes that are msgpack again. Equal data are equal bytes; what comes back has the
+same types, to the bit.
 
 Bytes are never trusted: decoding them makes values of the kinds below and nothing else, whatever they say; sizes, depth
 and counts are checked before memory is taken, and each refusal is a `StateError`.
@@ -21,7 +21,7 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-import msgpack
+import msgpack  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
 
@@ -372,7 +372,9 @@ register(GzPose)
 # From bytes ---------------------------------------------------------------------------------------------------------
 
 # Kinds of arrays that are bytes: no objects, and no records, which may have objects in them.
-_DTYPE = re.compile(r"[<>|](?:b1|[iu][1248]|f(?:2|4|8|12|16)|c(?:8|16|24|32)|[SU]\d{1,9}|[mM]8(?:\[\d{0,9}[a-zA-Z]{1,7}\])?)")
+_DTYPE = re.compile(
+    r"[<>|](?:b1|[iu][1248]|f(?:2|4|8|12|16)|c(?:8|16|24|32)|[SU]\d{1,9}|[mM]8(?:\[\d{0,9}[a-zA-Z]{1,7}\])?)"
+)
 _DAMAGES = (ValueError, TypeError, AttributeError, LookupError, OverflowError, MemoryError, RecursionError)
 _LAST_LETTER = 0x10FFFF
 

@@ -1,8 +1,8 @@
 """Bounds: which numbers ODE's memory may hold, for a state that comes from a file; beyond them, ODE ends the process.
 
-The memory of a state, see `Parts`, is read as words of 8 bytes. What each of them is follows from the
-classes of ODE 0.16 (ode/src/objects.h, joints/*.h). A whole state is checked before any of it reaches ODE. Limits are those of
-the setters (`check`); velocities and efforts are bounded by the step itself, so that here they must only be finite.
+The memory of a state, see `Parts`, is read as words of 8 bytes. What each of them is follows from the classes of ODE
+0.16 (ode/src/objects.h, joints/*.h). A whole state is checked before any of it reaches ODE. Limits are those of the
+setters (`check`); velocities and efforts are bounded by the step itself, so that here they must only be finite.
 """
 
 from __future__ import annotations
@@ -59,8 +59,10 @@ _POSR_WORDS = 16
 _BITS_WORDS = 2
 
 # Columns of the surface table that may be infinite, or below zero.
-_INFINITE = (Surface.MU, Surface.MU2, Surface.TORSION, Surface.MAX_VEL, Surface.KP, Surface.KD, Surface.SLIP1)
-_INFINITE += (Surface.SLIP2, Surface.BOUNCE_VEL, Surface.RADIUS, Surface.PATCH_RADIUS)
+_INFINITE = {
+    *(Surface.MU, Surface.MU2, Surface.TORSION, Surface.MAX_VEL, Surface.KP, Surface.KD, Surface.SLIP1, Surface.SLIP2),
+    *(Surface.BOUNCE_VEL, Surface.RADIUS, Surface.PATCH_RADIUS),
+}
 _SIGNED = (*range(Surface.FDIR1, Surface.FDIR1 + 3), Surface.TRACK_SPEED, *range(Surface.PIVOT, Surface.PIVOT + 3))
 
 
@@ -204,7 +206,7 @@ def _plan(
     spaces: int,
     distance: float,
 ) -> _Plan:
-    """What the words are of so many bodies, of joints of these types, of geoms of these classes and places, and so on."""
+    """What the words are of so many bodies, joints of these types, geoms of these classes and places, and so on."""
     where, words = Layout.from_buffer_copy(layout), _Planner()
     if where.body[1] - where.body[0] != 8 * _BODY_WORDS - 4 or where.damping[1] - where.damping[0] != 8 * 5:
         raise LibraryError(f"this ODE keeps its bodies in another way than libode 0.16; {ADVICE}")

@@ -17,7 +17,6 @@ import weakref
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
 from operator import attrgetter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,12 +31,12 @@ from libgz.ode.parts import Parts
 from libgz.ode.types import ContactRule, JointFeedback, Mass
 from libgz.physics.bounds import FINITE, Block, check_memory
 from libgz.physics.check import FAR, LARGEST
+from libgz.physics.matching import codes_of, match
 from libgz.physics.meshes import Mesh
 
 __all__ = ["PARTS", "EngineState"]
 
 MOST_ROWS = 1 << 24  # of a table
-MOST_NAMED = 5  # missing objects in a message
 
 PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")
 
@@ -170,7 +169,7 @@ class EngineState:
         engine, tables = self._engine, self._engine.tables
         bodies, geoms, joints = map(list, (engine.bodies.values(), engine.geoms.values(), engine.joints.values()))
         dummies = list(engine.dummies)
-        codes: dict[Any, int | None] = {None: None, **_codes(bodies, dummies)}
+        codes: dict[Any, int | None] = {None: None, **codes_of(bodies, dummies)}
         place = {space: i for i, space in enumerate((engine.top, *engine.spaces))}
         number = {joint: i for i, joint in enumerate(joints)}
         plain = {
@@ -178,7 +177,7 @@ class EngineState:
             "bodies": [[body.label, _values(body)] for body in bodies],
             "dummies": [[body.label, _values(body)] for body in dummies],
             "geoms": [
-                [type(geom).__name__, codes[geom.body], _values(geom), *_look(geom.appearance)] for geom in geoms
+                [type(geom).__name__, codes[geom.body], _values(geom), geom.appearance.saved()] for geom in geoms
             ],
             "joints": [
                 [type(joint).__name__, [codes.get(body) for body in joint.bodies], _values(joint)] for joint in joints
@@ -200,7 +199,15 @@ class EngineState:
             self._set(state)
         except (StateError, LibraryError):
             raise
-        except (GazeboError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error) as error:
+        except (
+            GazeboError,
+            ArithmeticError,
+            AttributeError,
+            LookupError,
+            TypeError,
+            ValueError,
+            struct.error,
+        ) as error:
             raise StateError(f"the state is damaged: {error}") from error
 
     def _set(self, state: dict[str, Any]) -> None:
@@ -292,7 +299,7 @@ class EngineState:
 
     def _restore_objects(self, saved: dict[str, Any]) -> None:
         engine, tables = self._engine, self._engine.tables
-        matched = self._match(saved)
+        matched = match(self._engine, saved)
         keep = set(map(id, (thing for things in matched for thing in things)))
         present = (engine.joints.values(), engine.geoms.values(), engine.bodies.values(), engine.dummies)
         for things in present:
@@ -319,7 +326,7 @@ class EngineState:
             _assign(body, values)
         engine.auto_disabled.clear()
         engine.auto_disabled.update(body for body in bodies if body.auto_disable)
-        for geom, (_, _, values, *look) in zip(geoms, saved["geoms"], strict=True):
+        for geom, (_, _, values, look) in zip(geoms, saved["geoms"], strict=True):
             self._restore_geom(geom, values, look)
         self._restore_joints(saved, joints, [*bodies, *dummies], len(bodies))
 
@@ -328,8 +335,8 @@ class EngineState:
             ode().dGeomSetData(geom._id, geom.row)
         self._engine.tables.geoms.owner[geom.row] = geom.body.number
         changed = _assign(geom, values)
-        if [*map(_tuples, look)] != [*map(_tuples, _look(geom.appearance))]:
-            _set_look(geom.appearance, *look)
+        if look != geom.appearance.saved():
+            geom.appearance.restore(*look)
             changed = True
         geom.appearance.version += changed
         geom.mark()
@@ -358,103 +365,6 @@ class EngineState:
         for joint in joints:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)
-
-    def _match(self, saved: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any], list[Any], list[Any]]:
-        """The objects that are in the state: bodies, dummies, geoms, joints, spaces; nothing is changed yet."""
-        engine, tables = self._engine, self._engine.tables
-        censuses = dict(zip(("bodies", "joints", "geoms"), saved["rows"], strict=True))
-        # By numbers from 0 on, and from -1 on downwards, as `_codes`.
-        names = [label for label, _ in (*saved["bodies"], *reversed(saved["dummies"]))]
-        missing: list[str] = []
-
-        def find(
-            kind: str, wanted: list[Any], things: Iterable[Any], trait: Callable[[Any], Any], least: int
-        ) -> list[Any]:
-            """Things of these traits, else of their first parts: those of the same numbers first, then any."""
-            table, present = getattr(tables, kind, None), list(things)
-            numbers = dict(zip(table.census()[1], present, strict=True)) if table is not None else {}
-            found = [numbers.get(number) for number in censuses[kind][1]] if table is not None else []
-            for parts in (None, least):
-                for candidates in (found, _chosen(present, wanted, trait, parts)):
-                    traits = [trait(thing)[:parts] if thing is not None else None for thing in candidates]
-                    if traits == [want[:parts] for want in wanted]:
-                        return candidates
-            chosen = _chosen(present, wanted, trait, least)
-            missing.extend(_text(kind, want, names) for want, one in zip(wanted, chosen, strict=True) if one is None)
-            return chosen
-
-        bodies, dummies = (
-            find(kind, [(values[0], label) for label, values in saved[kind]], things, _body_trait, 1)
-            for kind, things in (("bodies", engine.bodies.values()), ("dummies", engine.dummies))
-        )
-        codes = _codes(bodies, dummies)
-        wanted = [tuple(row[:2]) for row in saved["geoms"]]
-        geoms = find("geoms", wanted, engine.geoms.values(), lambda g: (type(g).__name__, codes.get(g.body)), 2)
-        joints = find(
-            "joints",
-            [(kind, values[0], *pair) for kind, pair, values in saved["joints"]],
-            engine.joints.values(),
-            lambda joint: (type(joint).__name__, joint.name, *map(codes.get, joint.bodies)),
-            2,
-        )
-        spaces = self._match_spaces(saved, geoms)
-        if None in spaces:
-            missing.append(f"{spaces.count(None)} spaces of geoms")
-        if missing:
-            more = len(missing) - MOST_NAMED
-            listed = ", ".join(missing[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
-            raise StateError(f"this state has what the world has not (any more): {listed}")
-        return bodies, dummies, geoms, joints, spaces
-
-    def _match_spaces(self, saved: dict[str, Any], geoms: list[Any]) -> list[Any]:
-        """The spaces in the order of the state: known by their geoms, and by their parts; of empty ones any."""
-        engine, parents = self._engine, saved["spaces"]
-        found: dict[int, Any] = {0: engine.top}
-        for geom, place in zip(geoms, saved["inside"], strict=True):
-            if place is not None and geom is not None and geom.space is not None:
-                found.setdefault(place, geom.space)
-        for i in range(len(parents), 0, -1):
-            if i in found:
-                found.setdefault(parents[i - 1], found[i].parent)
-        left = [space for space in engine.spaces if space not in found.values()]
-        for i, parent in enumerate(parents, 1):
-            if i not in found:
-                found[i] = next((space for space in left if space.parent is found.get(parent)), None)
-                left = [space for space in left if space is not found[i]]
-        return [found[i] for i in range(1, len(parents) + 1)]
-
-
-
-def _body_trait(body: Any) -> tuple[Any, ...]:
-    return body.bodyName, body.label
-
-
-def _text(kind: str, trait: Sequence[Any], names: Sequence[str]) -> str:
-    """What is missing, in words."""
-    if kind in ("bodies", "dummies"):
-        return f"body {trait[0] or 'unnamed'!r}"
-    return f"{trait[0]} of body {names[trait[1]]!r}" if kind == "geoms" else f"{trait[0]} {trait[1] or 'unnamed'!r}"
-
-
-def _chosen(
-    things: Iterable[Any], wanted: Sequence[Any], trait: Callable[[Any], Any], least: int | None
-) -> list[Any | None]:
-    """A thing for each of the wanted traits: by all of it, else by its first parts; None where there is none."""
-    left, found = list(things), [None] * len(wanted)
-    for parts in dict.fromkeys((None, least)):
-        by_trait: dict[Any, list[Any]] = {}
-        for thing in reversed(left):
-            by_trait.setdefault(trait(thing)[:parts], []).append(thing)
-        for i, want in enumerate(wanted):
-            if found[i] is None and by_trait.get(want[:parts]):
-                found[i] = by_trait[want[:parts]].pop()
-        left = [thing for others in by_trait.values() for thing in reversed(others)]
-    return found
-
-
-def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:
-    """Bodies by numbers from 0 on, dummies by -1 and less."""
-    return {body: i for i, body in enumerate(bodies)} | {body: ~i for i, body in enumerate(dummies)}
 
 
 # Tables -------------------------------------------------------------------------------------------------------------
@@ -569,7 +479,7 @@ encoding.register(Mesh, lambda mesh: [mesh.vertices, mesh.triangles], Mesh)
 
 
 def _fits(value: Any, present: Any) -> bool:
-    """Whether a value may stand where another one is: numbers for numbers, as many as there are; nothing for anything."""
+    """Whether a value may stand where another one is: as many numbers as there are; None in place of anything."""
     if isinstance(value, (tuple, list)):
         if isinstance(present, (tuple, list)):
             return len(value) == len(present) and all(map(_fits, value, present))
@@ -588,40 +498,3 @@ def _is_finite(number: Any) -> bool:
 
 
 _place_of = attrgetter("pos.x", "pos.y", "pos.z", "rot.u", "rot.x", "rot.y", "rot.z")
-
-# How a geom looks: its colours, vectors and other numbers; its files; the rest.
-_LOOK_PARTS: dict[str, tuple[Any, tuple[str, ...]]] = {
-    **{name: (GzColor, ("r", "g", "b", "a")) for name in ("ambient", "diffuse", "specular", "emission")},
-    **{name: (GzVector, ("x", "y", "z")) for name in ("texture_size", "skin_scale", "scale")},
-    "skin_pose": (lambda *n: GzPose(GzVector(*n[:3]), GzQuatern(*n[3:])), tuple(
-        f"{part}.{axis}" for part, axes in (("pos", "xyz"), ("rot", "uxyz")) for axis in axes
-    )),
-    **{name: (float, ()) for name in ("transparency", "shininess", "laser", "retro")},
-}
-_look_numbers = attrgetter(
-    *(f"{name}.{part}" if part else name for name, (_, parts) in _LOOK_PARTS.items() for part in parts or ("",))
-)
-_LOOK = struct.Struct(f"{sum(len(parts) or 1 for _, parts in _LOOK_PARTS.values())}d")
-_LOOK_FILES = ("texture_file", "skin_file", "skin_instead")
-_look_files = attrgetter(*_LOOK_FILES)
-_LOOK_REST = ("visible", "skin_null", "cast_shadows", "fiducial", "pick_id", "render_order")
-_look_rest = attrgetter(*_LOOK_REST)
-
-
-def _look(look: Any) -> list[Any]:
-    files = [None if file is None else str(file) for file in _look_files(look)]
-    return [_LOOK.pack(*_look_numbers(look)), files, _look_rest(look)]
-
-
-def _set_look(look: Any, packed: bytes, files: list[Any], rest: list[Any]) -> None:
-    numbers = iter(_LOOK.unpack(packed))
-    for name, (make, parts) in _LOOK_PARTS.items():
-        value = make(*islice(numbers, len(parts) or 1))
-        if value != getattr(look, name):
-            setattr(look, name, value)
-    for name, file in zip(_LOOK_FILES, files, strict=True):
-        setattr(look, name, None if file is None else Path(file))
-    for name, value in zip(_LOOK_REST, rest, strict=True):
-        if not isinstance(value, int):
-            raise StateError("the state is damaged: a geom has other looks")
-        setattr(look, name, value)

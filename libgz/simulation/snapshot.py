@@ -148,7 +148,9 @@ class Snapshots:
             for name in sorted({*names}.difference(map(_name, world.companions))):
                 raise StateError(f"this state has a part that this world has not: {name}")
         saved = state.decode(parts) if isinstance(parts, bytes) else None
-        if not isinstance(saved, dict) or saved.keys() != set(PARTS) or not isinstance(saved["companions"], dict):
+        if not isinstance(saved, dict) or saved.keys() != set(PARTS):
+            raise StateError("the state is damaged: it has not the parts of one")
+        if not isinstance(saved["companions"], dict) or list(saved["companions"]) != names:
             raise StateError("the state is damaged: it has not the parts of one")
         return saved
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import logging
 import subprocess
 import sys
-import zlib
 from pathlib import Path
 
 import pytest
 from classic_runs import Run, first_difference, opened
 
 from libgz import World
+from libgz.base.encoding import FORMAT
 from libgz.base.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
@@ -24,7 +23,6 @@ from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
 from libgz.classic.transport.publisher import queue_message
 from libgz.simulation.event import owner
-from libgz.base.encoding import FORMAT
 from libgz.simulation.state import decode, encode
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"

@@ -239,7 +239,14 @@ class WorldSensors:
     def _rows(self) -> list[Any]:
         """Of each sensor how it is made, whether it is active, and the states of itself and of its cameras, encoded."""
         return [
-            [name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, list(map(_state, _parts(one)))]
+            [
+                name,
+                one.Type(),
+                one.parent.GetScopedName(),
+                one.source,
+                one in self._active,
+                list(map(_state, _parts(one))),
+            ]
             for name, one in self.sensors.items()
         ]
 

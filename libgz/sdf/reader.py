@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
 import os
@@ -13,6 +14,7 @@ from libgz.base.entities import encoded
 from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
 from libgz.base.files import read_limited
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
+from libgz.sdf.bounds import in_bounds
 from libgz.sdf.conversion import OLDEST, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
@@ -92,6 +94,26 @@ class SdfFile:
         """The document as it was read, without what has been changed in its elements since."""
         return SdfFile.from_string(self._text, self.label, self._folder)
 
+    def _read_robot(self, given: etree._Element) -> etree._Element:
+        """The SDF of a robot description, its macros expanded.
+
+        Gazebo classic expands none and passes over elements that it does not know, so a description that is whole
+        without its macros is read so if they cannot be expanded, with a warning.
+        """
+        try:
+            xml, label = expanded(given, self.label, self._path, self.diagnostics)
+        except WorldFileError as error:
+            whole = Diagnostics()
+            found = sdf_of(copy.deepcopy(given), self.label, whole)
+            if whole.errors:
+                raise
+            self._warn(given, f"{error}; it is read without its macros")
+            self.diagnostics.include(whole)
+            return found
+        if xml is not given:
+            self.label, self._text = label, etree.tostring(xml)
+        return sdf_of(xml, self.label, self.diagnostics)
+
     @property
     def busy(self) -> bool:
         """Whether it has plugins or sensors."""
@@ -101,10 +123,7 @@ class SdfFile:
         self._text = data
         xml = parse_document(data, self.label, self.diagnostics)
         if local_name(xml) == ROBOT:
-            given = xml
-            xml, self.label = expanded(xml, self.label, self._path, self.diagnostics)
-            self._text = data if xml is given else etree.tostring(xml)
-            xml = sdf_of(xml, self.label, self.diagnostics)
+            xml = self._read_robot(xml)
         if local_name(xml) not in ROOTS:
             raise WorldFileError(
                 f"{self.label}:{line_of(xml)}: <{local_name(xml)}>: the root of an SDF file must be <sdf version='...'>"
@@ -189,9 +208,7 @@ class SdfFile:
                 continue  # of a pose: an empty frame is none
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
-            allowed = check(param.kind, param.text)
-            if allowed:
-                self._error(xml, f"{name} is {param.text!r}; it must be {allowed}")
+            self._check_value(xml, param, param.text, name)
         for about in description.all_attributes.values() if description is not None else ():
             if about.required and about.default == UNSET and not element.attributes[about.name].given:
                 self._error(xml, f"attribute {about.name!r} is missing and must be given")
@@ -213,15 +230,30 @@ class SdfFile:
         except ParameterError as error:
             self._error(xml, str(error))
             return
-        allowed = check(kind, text)
+        self._check_value(xml, element.value, text)
+
+    def _check_value(self, xml: etree._Element, param: Param, text: str, name: str = "") -> None:
+        """Replace a value that is not of its kind by what Gazebo classic reads, with a warning; else it is an error."""
+        allowed = check(param.kind, text)
         if not allowed:
+            self._check_bounds(xml, param)
             return
-        usable = repaired(kind, text)
+        written = f"{name} {text.strip()!r}".lstrip()
+        usable = repaired(param.kind, text, param.default)
         if usable:
-            element.value.SetFromString(usable)
-            self._warn(xml, f"{text.strip()!r} is read as {usable!r}; it should be {allowed}")
+            param.SetFromString(usable)
+            self._warn(xml, f"{written} is read as {usable!r}; it should be {allowed}")
         else:
-            self._error(xml, f"{text.strip()!r} is not allowed; it must be {allowed}")
+            self._error(xml, f"{written} is not allowed; it must be {allowed}")
+
+    def _check_bounds(self, xml: etree._Element, param: Param) -> None:
+        above = xml.getparent()
+        if above is None or param.name != local_name(xml):
+            return
+        usable = in_bounds(local_name(above), param.name, param.kind, param.text, param.default)
+        if usable != param.text:
+            self._warn(xml, f"{param.text!r} is out of range; {usable!r} is used")
+            param.SetFromString(usable)
 
     @staticmethod
     def _in_other_units(pose: Element, text: str) -> bool:
@@ -356,7 +388,7 @@ class SdfFile:
         self.diagnostics.include(included.diagnostics)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
-            self._error(xml, f"{path} has no model, light or actor")
+            self._warn(xml, f"{path} has no model, light or actor; the include is left out")
             return
         self._apply_include(xml, entity, given)
         included.root.RemoveChild(entity)

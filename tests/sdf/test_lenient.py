@@ -61,15 +61,51 @@ def test_what_is_not_well_formed_is_an_error_with_its_line(text):
         ("int", "3.7", "3"),
         ("int", "1e400", ""),
         ("vector3", "1,2,3", "1 2 3"),
-        ("vector3", "1 x 3", ""),
+        ("vector3", "1 x 3", "1 0 0"),
+        ("vector3", "1 1", "1 1 0"),
+        ("vector3", "nan nan nan", "9 9 9"),
+        ("vector3", "x", "9 9 9"),
+        ("vector2d", "1 2 3", "1 2"),
+        ("pose", "0 0 inf 0 0 0", "0 0 0 0 0 0"),
+        ("double", "nan", "9 9 9"),
+        ("double", "-NaN", "9 9 9"),
+        ("double", "x", ""),
+        ("int", "nan", ""),
         ("color", "1", "1 0 0"),
         ("color", "1 1 1 1 1", "1 1 1 1"),
-        ("bool", "yes", ""),
+        ("bool", "yes", "false"),
         ("double", "", ""),
     ],
 )
 def test_numbers_are_read_as_far_as_they_go(kind, text, read):
-    assert repaired(kind, text) == read
+    default = "9" if kind == "double" else "9 9 9"
+    assert repaired(kind, text, default) == (default if read == "9 9 9" else read)
+
+
+def test_lists_that_are_too_short_are_warnings_with_their_line():
+    (found,) = warnings(
+        MODEL.format("<link name='k'>\n<pose>1 2 3 0 0 0</pose><inertial><pose>1 1</pose></inertial></link>")
+    )
+    assert found.endswith(
+        "<pose>: '1 1' is read as '1 1 0 0 0 0'; it should be 6 finite numbers: x y z [m] roll pitch yaw [rad]"
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "key", "used"),
+    [
+        ("<pose>1e300 0 0 0 0 0</pose>", "pose", "1000000000.0 0.0 0.0 0.0 0.0 0.0"),
+        ("<velocity_decay><linear>-1</linear></velocity_decay>", "velocity_decay/linear", "0.0"),
+    ],
+)
+def test_numbers_that_no_world_can_use_are_replaced_with_a_warning(inside, key, used):
+    file = SdfFile.from_string(MODEL.format(f"<link name='k'>{inside}</link>"))
+    assert not file.diagnostics.errors
+    assert "is out of range" in str(file.diagnostics.warnings[0])
+    element = next(one for one in file.root.child("model").named("link") if one.Get(str, "name") == "k")
+    for tag in key.split("/"):
+        element = element.child(tag)
+    assert element.Get(str) == used
 
 
 def test_elements_with_a_prefix_are_kept_without_a_warning():
@@ -99,12 +135,7 @@ SENSOR = "<link name='k'><sensor name='s' type='{}'>{}</sensor></link>"
     [
         ("<joint name='j' type='fixed'><parent>l</parent><child>nowhere</child></joint>", "names link 'nowhere'"),
         ("<joint name='j' type='rigid'><parent>world</parent><child>l</child></joint>", "rigid"),
-        (SENSOR.format("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
-        (
-            "<link name='k'><collision name='c'><geometry><sphere><radius>-1</radius></sphere></geometry>"
-            "</collision></link>",
-            "-1",
-        ),
+        (SENSOR.format("camera", "<camera><image><width>99999</width></image></camera>"), "<width>: is 99999"),
         ("<link name='l'/>", "has a link 'l' already"),
     ],
 )

@@ -70,13 +70,6 @@ def refused(tmp_path, text):
         ),
         (LEGACY.format("<model:ObserverCam><updateRate>1e400</updateRate></model:ObserverCam>"), "finite"),
         (LEGACY.format("<model:SimpleSolid><rpy>0 1e999 0</rpy></model:SimpleSolid>"), "infinite"),
-        (SDF.format("<gravity>0 0 inf</gravity>"), "finite"),
-        (SDF.format("<gravity>0 0 -1e308</gravity>"), "within"),
-        (SDF.format(COLLISION.format("<plane><normal>0 0 inf</normal></plane>")), "plane normal"),
-        (SDF.format(VISUAL.format("<plane><normal>1e308 0 1e308</normal></plane>")), "plane normal"),
-        (SDF.format(VISUAL.format("<plane><size>1 inf</size></plane>")), "plane size"),
-        (SDF.format(COLLISION.format(OUTLINE.format("1e308"))), "polyline point"),
-        (SDF.format(VISUAL.format(OUTLINE.format("inf"))), "polyline point"),
         (SDF.format(IN_LINK.format(RAY)), "resolution"),
         (SDF.format(IN_LINK.format(CAMERA.format(1000000, 100000))), "width"),
         (SDF.format(IN_LINK.format(CAMERA.format(16000, 16000))), "px in all"),
@@ -85,6 +78,35 @@ def refused(tmp_path, text):
 )
 def test_values_that_cannot_be_used_are_errors_with_file_and_line(tmp_path, text, words):
     assert words in refused(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (SDF.format("<gravity>0 0 inf</gravity>"), "<gravity>: '0 0 inf' is read as '0 0 0'"),
+        (
+            SDF.format("<gravity>0 0 -1e308</gravity>"),
+            "<gravity>: '0 0 -1e308' is out of range; '0.0 0.0 -1000000000.0'",
+        ),
+        (
+            SDF.format("<physics type='ode'><max_step_size>0</max_step_size></physics>"),
+            "'0' is out of range; '0.001' is",
+        ),
+        (SDF.format(COLLISION.format("<plane><normal>0 0 inf</normal></plane>")), "'0 0 inf' is read as '0 0 0'"),
+        (SDF.format(VISUAL.format("<plane><normal>1e308 0 1e308</normal></plane>")), "is out of range"),
+        (SDF.format(COLLISION.format("<sphere><radius>-1</radius></sphere>")), "sphere radius [m] is -1; "),
+        (SDF.format(VISUAL.format("<box><size>1 nan 1</size></box>")), "'1 nan 1' is read as '1 0 0'"),
+        (SDF.format(COLLISION.format(OUTLINE.format("1e308"))), "is out of range"),
+        (SDF.format(VISUAL.format(OUTLINE.format("inf"))), "'1 inf' is read as '1 0'"),
+    ],
+)
+def test_values_that_gazebo_ran_with_are_warnings_with_file_and_line(tmp_path, text, words, caplog):
+    path = tmp_path / "w.world"
+    path.write_text(text)
+    with World.from_file(path) as world:
+        world.step(1)
+    assert words in caplog.text
+    assert re.search(rf"{re.escape(str(path))}:2: <\w+>: ", caplog.text)
 
 
 @pytest.mark.parametrize(

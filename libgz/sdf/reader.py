@@ -11,7 +11,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.base.entities import encoded
-from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, advise, nearest
 from libgz.base.files import read_limited
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
 from libgz.sdf.bounds import in_bounds
@@ -42,6 +42,8 @@ REPEATED = {
 SENSORS = {"lidar": "ray", "gpu_lidar": "gpu_ray", "depth_camera": "depth", "navsat": "gps"}
 # Other names of joints, which SDF has had or Gazebo classic accepted.
 JOINTS = {"continuous": "revolute", "hinge": "revolute", "hinge2": "revolute2", "slider": "prismatic"}
+# (parent, child) up to SDF 1.6 -> what 1.7 has in its place.
+REPLACED = {(axis, "use_parent_model_frame"): "the attribute expressed_in of <xyz>" for axis in ("axis", "axis2")}
 NEEDED = (("joint", "parent"), ("joint", "child"))  # without which an element has no meaning
 HOLDERS = ("world", "model")  # of includes, in all versions
 
@@ -139,7 +141,7 @@ class SdfFile:
             except RecursionError as error:
                 self.diagnostics.failure(self.root, error)
         self._check_names()
-        warn_of_unsimulated(self.root, self.diagnostics)
+        advise(warn_of_unsimulated, None, self.root, self.diagnostics)
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description applies: the file's, or the nearest one, with a warning."""
@@ -295,6 +297,12 @@ class SdfFile:
             return
         if parent.name == "sensor":
             name = SENSORS.get(name, name)
+        if self.version >= "1.7" and (parent.name, name) in REPLACED:
+            replaced = (
+                f"is not part of SDF {self.version} and has no effect; {REPLACED[parent.name, name]} took its place"
+            )
+            self.diagnostics.no_effect(self._place(xml), functools.partial(str, replaced))
+            return
         extension = ":" in name  # whose prefix says that it is not of SDF
         known = description.children.get(name) if description is not None and not description.open else None
         if known is not None and known.count in ("0", "1") and parent.HasElement(name) and not _repeated(parent, name):
@@ -373,6 +381,11 @@ class SdfFile:
         if "model_pose" in xml.attrib and "pose" not in given:  # beside `filename`, in worlds of Gazebo 1
             given["pose"] = etree.SubElement(xml, "pose")
             given["pose"].text, given["pose"].sourceline = xml.get("model_pose"), xml.sourceline
+        known = (*describe(VERSIONS[-1])[parent.name].children["include"].children, "plugin")
+        for key, child in given.items():
+            if key not in known and child.prefix is None and ":" not in str(child.tag):
+                message = f"is not part of SDF in <include> and has no effect{nearest(key, known)}"
+                self.diagnostics.no_effect(self._place(child), functools.partial(str, message))
         if self._depth >= DEEPEST_INCLUDE:
             self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return

@@ -186,3 +186,28 @@ def test_other_entities_are_errors(entity, message):
     with pytest.raises(WorldFileError, match="entity") as found:
         libgz.World.from_string(text)
     assert message.removeprefix("w.sdf:") in str(found.value)
+
+
+# What has no effect is a warning -------------------------------------------------------------------------------------
+
+
+def test_misspelt_children_of_an_include_are_warnings():
+    known = "<pose>0 0 1 0 0 0</pose><plugin name='p' filename='q'/>"
+    inside = f"<include>\n<uri>model://sun</uri>\n<nam>x</nam>{known}</include>"
+    file = SdfFile.from_string(f"<sdf version='1.6'><world name='w'>{inside}</world></sdf>", "w.sdf")
+    (found,) = map(str, file.diagnostics.found)
+    assert ":3: <nam>: is not part of SDF in <include> and has no effect; did you mean 'name'?" in found
+
+
+@pytest.mark.parametrize(("version", "in_model"), [("1.6", True), ("1.7", False), ("1.9", False)])
+def test_axes_of_later_versions_are_in_the_frames_that_they_name(version, in_model):
+    axis = "<axis><xyz>1 0 0</xyz>\n<use_parent_model_frame>1</use_parent_model_frame></axis>"
+    text = MODEL.format(
+        f"<link name='k'/><joint name='j' type='prismatic'><parent>l</parent><child>k</child>{axis}</joint>"
+    ).replace("version='1.6'", f"version='{version}'")
+    file = SdfFile.from_string(text, "w.sdf")
+    found = [str(one) for one in file.diagnostics.warnings]
+    axis = file.root.child("model").child("joint").child("axis")
+    assert axis.Get(bool, "use_parent_model_frame") == in_model
+    said = f"w.sdf:3: <use_parent_model_frame>: is not part of SDF {version} and has no effect; the attribute"
+    assert any(one.startswith(said) for one in found) == (not in_model)

@@ -349,7 +349,7 @@ def test_a_robot_that_needs_its_macros_is_refused_with_what_keeps_them_from_expa
     path.write_text(
         f"<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>{link('${name}')}{STRAY}{joint('j')}</robot>"
     )
-    with pytest.raises(WorldFileError, match="r.urdf: xacro cannot expand it"):
+    with pytest.raises(WorldFileError, match=r"r\.urdf: xacro cannot expand it"):
         SdfFile.load(path)
 
 

@@ -1,5 +1,6 @@
 """What goes wrong while a world of either era loads is one GazeboError with file and line."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -200,3 +201,53 @@ def test_mutants_that_once_failed(path, tmp_path):
     copy = tmp_path / path.name
     copy.write_bytes(path.read_bytes())  # the world of an asset is written beside it
     assert not problem(path.name.partition("-")[0], copy, lambda world: world.step(1))
+
+
+FLAT = (
+    "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'><library_geometries>"
+    "<geometry id='g'><mesh><source id='p'><float_array id='a' count='9'>0 0 0 1 0 0 0 1 0</float_array>"
+    "<technique_common><accessor source='#a' count='3' stride='3'><param type='float'/><param type='float'/>"
+    "<param type='float'/></accessor></technique_common></source><vertices id='v'>"
+    "<input semantic='POSITION' source='#p'/></vertices><triangles count='1'>"
+    "<input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>"
+    "<library_visual_scenes><visual_scene id='s'><node><scale>0 0 0</scale><instance_geometry url='#g'/></node>"
+    "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>"
+)
+
+
+def test_a_mesh_without_extent_loads(tmp_path, caplog):
+    (tmp_path / "flat.dae").write_text(FLAT)
+    path = tmp_path / "w.world"
+    path.write_text(SDF.format(COLLISION.format("<mesh><uri>flat.dae</uri></mesh>")))
+    with World.from_file(path) as world:
+        world.step(10)
+    assert "could not look at this world" not in caplog.text
+
+
+def test_a_check_that_only_warns_never_ends_a_load(tmp_path, monkeypatch, caplog):
+    from libgz.sdfworld import checks
+
+    def divide(*_arguments):
+        raise ZeroDivisionError("float division by zero")
+
+    monkeypatch.setattr(checks, "_warn_of_sinking", divide)
+    path = tmp_path / "w.world"
+    path.write_text(SDF.format(COLLISION.format("<box><size>1 1 1</size></box>")))
+    with World.from_file(path) as world:
+        world.step(10)
+    assert (
+        "the check warn_of_contacts could not look at this world (ZeroDivisionError: float division by" in caplog.text
+    )
+
+
+def test_checks_that_only_warn_run_under_advise():
+    """`advise` is the one place where they run: no module of the package calls a `warn_of_...` of another one."""
+    root = Path(__file__).parents[2] / "libgz"
+    calls = []
+    for path in root.rglob("*.py"):
+        tree = ast.parse(path.read_text())
+        own = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+        called = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
+        names = {name.id for name in called if isinstance(name, ast.Name) and name.id.startswith("warn_of_")}
+        calls += [f"{path.name}: {name}" for name in names - own]
+    assert calls == []

@@ -298,10 +298,8 @@ class SdfFile:
         if parent.name == "sensor":
             name = SENSORS.get(name, name)
         if self.version >= "1.7" and (parent.name, name) in REPLACED:
-            replaced = (
-                f"is not part of SDF {self.version} and has no effect; {REPLACED[parent.name, name]} took its place"
-            )
-            self.diagnostics.no_effect(self._place(xml), functools.partial(str, replaced))
+            gone = f"is not part of SDF {self.version} and has no effect; {REPLACED[parent.name, name]} took its place"
+            self.diagnostics.no_effect(self._place(xml), functools.partial(str, gone))
             return
         extension = ":" in name  # whose prefix says that it is not of SDF
         known = description.children.get(name) if description is not None and not description.open else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -17,12 +18,12 @@ from libgz.sdf.conversion import OLDEST, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
-from libgz.sdf.macros import expanded
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
 from libgz.sdf.urdf import sdf_of
 from libgz.sdf.value import check, exact_pose, parse, repaired
-from libgz.sdf.xml import ROBOT, ROOTS, line_of, local_name, parse_document, tag_name
+from libgz.sdf.xacro.expansion import SUFFIX, expand, has_macros
+from libgz.sdf.xml import PLACE, ROBOT, ROOTS, copy_place, line_of, local_name, parse_document, place_of, tag_name
 
 __all__ = ["SdfFile"]
 
@@ -60,15 +61,30 @@ class SdfFile:
         self._folder: Path | None = None
         self._text = b""
         self._depth = 0
+        self._arguments: Mapping[str, str] = {}
+        self._environment: Mapping[str, str] | None = None
 
     @classmethod
-    def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
+    def load(
+        cls,
+        filename: str | os.PathLike[str],
+        *,
+        arguments: Mapping[str, str] | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> SdfFile:
         """Read a file; its errors are in `diagnostics`.
+
+        Args:
+            filename: its name.
+            arguments: values of the arguments of its macros (`<xacro:arg>`), instead of their defaults.
+            environment: the variables that its macros find, and those of included files; by default those of this
+                process.
 
         Raises:
             WorldFileError: it cannot be read, is not well-formed, or is not SDF.
         """
         file = cls()
+        file._arguments, file._environment = arguments or {}, environment
         file._read_file(Path(filename))
         return file
 
@@ -100,10 +116,19 @@ class SdfFile:
     def _read(self, data: bytes) -> None:
         self._text = data
         xml = parse_document(data, self.label, self.diagnostics)
+        is_named_so = self._path is not None and self._path.suffix == SUFFIX
+        if (is_named_so or local_name(xml) == ROBOT) and has_macros(xml, self._path):
+            xml = expand(
+                xml,
+                self.label,
+                self.diagnostics,
+                path=self._path,
+                folder=self._folder,
+                arguments=self._arguments,
+                environment=self._environment,
+            )
+            self._text = etree.tostring(xml)
         if local_name(xml) == ROBOT:
-            given = xml
-            xml, self.label = expanded(xml, self.label, self._path, self.diagnostics)
-            self._text = data if xml is given else etree.tostring(xml)
             xml = sdf_of(xml, self.label, self.diagnostics)
         if local_name(xml) not in ROOTS:
             raise WorldFileError(
@@ -150,14 +175,15 @@ class SdfFile:
         self.diagnostics.warn(self._place(xml), message)
 
     def _place(self, xml: etree._Element) -> Place:
-        return Place(self.label, line_of(xml), local_name(xml))
+        return place_of(xml, self.label)
 
     # Elements ----------------------------------------------------------------------------------------------------
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
         name = description.name if description is not None else tag_name(xml)
-        element = Element(name, description, file=self.label, line=line_of(xml))
+        place = self._place(xml)
+        element = Element(name, description, file=place.file, line=place.line)
         self._read_attributes(xml, element)
         if name == "sensor" and "type" in element.attributes:
             kind = element.attributes["type"]
@@ -176,6 +202,8 @@ class SdfFile:
     def _read_attributes(self, xml: etree._Element, element: Element) -> None:
         description = element.description
         for key, text in xml.attrib.items():
+            if key == PLACE:
+                continue
             name = str(key).rpartition("}")[2]
             later = description.later(self.version) if description is not None and not description.open else ()
             if name not in element.attributes and any(name in described.all_attributes for _, described in later):
@@ -340,13 +368,15 @@ class SdfFile:
             return
         if "model_pose" in xml.attrib and "pose" not in given:  # beside `filename`, in worlds of Gazebo 1
             given["pose"] = etree.SubElement(xml, "pose")
-            given["pose"].text, given["pose"].sourceline = xml.get("model_pose"), xml.sourceline
+            given["pose"].text = xml.get("model_pose")
+            copy_place(given["pose"], xml)
         if self._depth >= DEEPEST_INCLUDE:
             self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return
         try:
             path = find_model(uri, self._folder)
             included = SdfFile()
+            included._environment = self._environment
             included._depth = self._depth + 1
             included._read_file(path)
         except (NotFoundError, WorldFileError) as error:

@@ -39,6 +39,9 @@ def items_of(budget: Budget, value: Any) -> list[Any]:
     if not isinstance(value, CONTAINERS):
         raise ExpansionError(f"{type(value).__name__!r} cannot be iterated over")
     budget.items(len(value))
+    if isinstance(value, Set):  # Python's order of texts differs from process to process
+        budget.measure(value)
+        return sorted(value, key=repr)
     return list(value)
 
 

@@ -102,7 +102,7 @@ def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = N
         sdf = sdf_of(robot, label, diagnostics)
         diagnostics.raise_errors()
         for element in sdf.iter(etree.Element):
-            element.attrib.pop(PLACE, None)
+            element.attrib.pop(PLACE, "")
         etree.cleanup_namespaces(sdf)
         text = etree.tostring(sdf, encoding="utf-8", xml_declaration=True, pretty_print=True)
         return text, [Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"), *diagnostics.warnings]

@@ -200,10 +200,11 @@ def set_place(xml: etree._Element, line: int, file: str = "") -> None:
 
 def copy_place(xml: etree._Element, source: etree._Element) -> None:
     """Give an element the place of its source."""
-    given, line = source.get(PLACE), source.sourceline
+    target: Any = xml  # its stubs do not know what sourceline is
+    given, line = source.get(PLACE), line_of(source)
     if given is not None:
         xml.set(PLACE, given)
-    elif line is not None and line <= LAST_LINE:
-        xml.sourceline = line
-    elif line is not None:
+    elif line <= LAST_LINE:
+        target.sourceline = line
+    else:
         set_place(xml, line)

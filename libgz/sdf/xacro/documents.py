@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-import yaml
-from yaml.constructor import SafeConstructor
+import yaml  # type: ignore[import-untyped, unused-ignore]
+from yaml.constructor import SafeConstructor  # type: ignore[import-untyped, unused-ignore]
 
 from libgz.sdf.xacro.limits import Budget, ExpansionError, LimitError, small
 from libgz.sdf.xacro.operations import key_of
@@ -23,7 +23,7 @@ UNITS = {
     "!inches": 0.0254,
 }
 PREFIX = "tag:yaml.org,2002:"
-WORK_OF_BYTE = 3  # of YAML, whose reading is slow
+WORK_OF_BYTE = 1  # of YAML, whose reading is slow
 LONGEST_NUMBER = 400  # characters
 MERGE = f"{PREFIX}merge"
 
@@ -37,7 +37,7 @@ def parsed_yaml(data: bytes, budget: Budget) -> yaml.Node | None:
     """
     budget.spend(WORK_OF_BYTE * len(data))
     try:
-        return yaml.compose(data, Loader=yaml.SafeLoader)  # type: ignore[no-any-return]
+        tree: yaml.Node | None = yaml.compose(data, Loader=yaml.SafeLoader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}: " if mark is not None else ""
@@ -46,6 +46,7 @@ def parsed_yaml(data: bytes, budget: Budget) -> yaml.Node | None:
         raise LimitError("it is nested too deeply") from None
     except ValueError as error:  # of its encoding
         raise ExpansionError(str(error)[:200]) from None
+    return tree
 
 
 def value_of_yaml(tree: yaml.Node | None, budget: Budget, number: Callable[[str], Any]) -> Any:

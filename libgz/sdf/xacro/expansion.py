@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from lxml import etree
 
@@ -20,7 +20,7 @@ from libgz.sdf.xacro.macros import Macro, MacroTable, Parameter, parameters_of
 from libgz.sdf.xacro.scopes import Scope, truth
 from libgz.sdf.xacro.substitutions import Substitutions
 from libgz.sdf.xacro.texts import Texts
-from libgz.sdf.xml import PLACE, parse_document, place_of, set_place, tag_name
+from libgz.sdf.xml import PLACE, line_of, parse_document, place_of, set_place, tag_name
 
 __all__ = ["PREFIX", "SUFFIX", "expand", "has_macros"]
 
@@ -104,9 +104,7 @@ class _Expansion:
         self.folders = [self.files.folder]  # of the files that are being included, for names relative to them
         self.arguments = arguments
         self.evaluator = Evaluator(self.budget)
-        self.substitutions = Substitutions(
-            self.files, self.evaluator, arguments, environment, lambda: self.folders[-1]
-        )
+        self.substitutions = Substitutions(self.files, self.evaluator, arguments, environment, lambda: self.folders[-1])
         self.texts = Texts(self.evaluator, self.substitutions.text)
         self.library = Library(self)
         self.documents: dict[Path, etree._Element] = {}
@@ -162,7 +160,7 @@ class _Expansion:
                 yield self._element(child, tag_name(child), into, context)
             self._add_text(child.tail, source, into, context)
 
-    def _element(self, source: etree._Element, tag: str, into: etree._Element, context: _Context) -> Steps:
+    def _element(self, source: etree._Element, tag: str, into: etree._Element, context: _Context) -> Steps | None:
         if not tag.startswith(PREFIX):
             return self._copy(source, into, context)
         self.budget.spend(1)
@@ -172,9 +170,9 @@ class _Expansion:
     def _copy(self, source: etree._Element, into: etree._Element, context: _Context, name: str | None = None) -> Steps:
         """Add an element with its attributes and content expanded, maybe with another name."""
         made = self._add(source, into, tag_name(source) if name is None else name)
-        for key, value in source.attrib.items():
+        for key, value in _attributes(source).items():
             if key == PLACE:
-                made.set(PLACE, value)
+                self._set(made, key, value)
             elif not _attribute(source, key).startswith(PREFIX):
                 self._set(made, key, self._text(value, context) if "$" in value else value)
         yield self._content(source, made, context)
@@ -182,14 +180,14 @@ class _Expansion:
     def _add(self, source: etree._Element, into: etree._Element, name: str) -> etree._Element:
         self.budget.add_element(sum(1 for _ in into.iterancestors()))
         prefix, colon, local = name.rpartition(":")
-        spaces = {}
+        spaces: dict[Any, str] = {}  # lxml-stubs know no default namespace
         if colon or "}" in source.tag:
             known = source.nsmap
             space = known.get(prefix or None, f"urn:{prefix}" if prefix else None)
             if space is not None:
                 spaces[prefix or None] = space
                 name = f"{{{space}}}{local}"
-        for key in source.attrib:
+        for key in _attributes(source):
             if key.startswith("{") and key != PLACE:
                 spaces.update({known: space for known, space in source.nsmap.items() if key.startswith(f"{{{space}}}")})
         try:
@@ -212,10 +210,11 @@ class _Expansion:
             text = self._text(text, context)
         self.budget.length(len(text))
         try:
-            if len(into):
-                into[-1].tail = (into[-1].tail or "") + text
-            else:
+            last = next(into.iterchildren(reversed=True), None)  # len() counts them all
+            if last is None:
                 into.text = (into.text or "") + text
+            else:
+                last.tail = (last.tail or "") + text
         except ValueError as error:
             raise ExpansionError(f"the text of the element: {error}") from None
 
@@ -237,9 +236,9 @@ class _Expansion:
         for name in needed:
             if source.get(name) is None:
                 raise ExpansionError(f"attribute {name!r} is missing and must be given")
-        for name in source.attrib:
+        for name in _attributes(source):
             if name not in (*needed, *others, PLACE):
-                self.warn(f"attribute {name!r} has no effect{nearest(str(name), (*needed, *others))}")
+                self.warn(f"attribute {name!r} has no effect{nearest(name, (*needed, *others))}")
         return [source.get(name) for name in (*needed, *others)]
 
     # xacro's elements ------------------------------------------------------------------------------------------------
@@ -302,12 +301,12 @@ class _Expansion:
         name, value = (self.texts.text(text, context.scope) for text in self._given(source, ("name", "value")))
         self._set(into, name, value)
 
-    def _renamed(self, source: etree._Element, _: str, into: etree._Element, context: _Context) -> Steps:
+    def _renamed(self, source: etree._Element, _: str, into: etree._Element, context: _Context) -> Steps | None:
         """An element whose name is the attribute `xacro:name`."""
-        given = [text for key, text in source.attrib.items() if _attribute(source, str(key)) == f"{PREFIX}name"]
+        given = [text for key, text in _attributes(source).items() if _attribute(source, key) == f"{PREFIX}name"]
         if not given:
             raise ExpansionError(f"attribute '{PREFIX}name' is missing and must be given")
-        name = self.texts.text(str(given[0]), context.scope)
+        name = self.texts.text(given[0], context.scope)
         if name.startswith(PREFIX):
             return self._element(source, name, into, context)
         return self._copy(source, into, context, name)
@@ -389,7 +388,7 @@ class _Expansion:
             return
         missing = {parameter.name: parameter for parameter in macro.parameters}
         inner = around.inner()
-        for key, text in source.attrib.items():
+        for key, text in _attributes(source).items():
             if key == PLACE or key in used or key.startswith("{"):
                 continue
             if key not in missing:
@@ -458,7 +457,11 @@ def _run(first: Steps) -> None:
 def _mark(root: etree._Element, file: str) -> None:
     """Write the file and line of each element into it, for what is made of it."""
     for element in root.iter(etree.Element):
-        set_place(element, element.sourceline or 0, file)
+        set_place(element, line_of(element), file)
+
+
+def _attributes(element: etree._Element) -> Mapping[str, str]:
+    return cast("Mapping[str, str]", element.attrib)
 
 
 def _attribute(element: etree._Element, key: str) -> str:

@@ -1,4 +1,4 @@
-"""Expressions: Python's syntax, evaluated on its tree. Only what is named here is evaluated; nothing is compiled or run."""
+"""Expressions: Python's syntax, evaluated on its tree. Only what is named here is evaluated; nothing is compiled."""
 
 from __future__ import annotations
 

@@ -8,8 +8,10 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from lxml import etree
+
 from libgz.base.errors import NotFoundError
-from libgz.base.files import exists, is_file, read_limited
+from libgz.base.files import exists, is_file, read_limited, xml_parser
 from libgz.sdf.paths import find_uri, model_directories, resource_directories
 from libgz.sdf.xacro.limits import LONGEST_TEXT, Budget, ExpansionError
 
@@ -31,6 +33,25 @@ def package_of(path: Path) -> Path | None:
     return None
 
 
+def _search_paths() -> list[Path]:
+    """Those of models and resources, without the current directory."""
+    try:
+        here = Path.cwd()
+        return [place for place in (*model_directories(), *resource_directories()) if place != here]
+    except OSError:  # the current directory was deleted
+        return model_directories()
+
+
+def _name_of(package: Path) -> str:
+    """The name that a package's manifest gives it; an empty string if it has none."""
+    manifest = package / MANIFESTS[0]
+    try:
+        root = etree.fromstring(read_limited(manifest) if is_file(manifest) else b"", xml_parser())
+    except (OSError, etree.XMLSyntaxError):
+        return ""
+    return (root.findtext("name") or "").strip()
+
+
 class Files:
     """Finds and reads files below some folders, each of them a plain file.
 
@@ -45,19 +66,21 @@ class Files:
         self.folder = folder.absolute() if folder is not None else None
         self.budget = budget
         self._folders: list[Path] = []  # what may be read
+        self._own = package_of(self.folder) if self.folder is not None else None
         for own in (self.folder, self.folder.resolve()) if self.folder is not None else ():
             self._folders += [package_of(own) or own, own]
-        here = Path.cwd()
-        self._searched = [place for place in (*model_directories(), *resource_directories()) if place != here]
+        self._searched = _search_paths()
 
     def package(self, name: str) -> Path:
-        """The folder of a package, by the rules of `package://`.
+        """The folder of a package: that of the description, if its manifest has the name, or by `package://`.
 
         Raises:
             UnreadableError: it is not there.
         """
         if not name or "/" in name or name in (".", ".."):
             raise UnreadableError(f"{name!r} is not the name of a package")
+        if self._own is not None and _name_of(self._own) == name:
+            return self._own
         try:
             found = find_uri(f"package://{name}", self.folder).absolute()
         except NotFoundError as error:
@@ -143,6 +166,6 @@ class Files:
         if linked and package_of(real.parent) is not None:
             return
         raise UnreadableError(
-            f"{name[:200]} is outside of the description's folder, its package and the search paths: such files are not "
-            "read; set ROS_PACKAGE_PATH"
+            f"{name[:200]} is outside of the description's folder, its package and the search paths: such files are "
+            "not read; set ROS_PACKAGE_PATH"
         )

@@ -8,9 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
-import yaml
-
-from libgz.sdf.xacro.documents import parsed_yaml, value_of_yaml
 from libgz.sdf.xacro.expressions import Evaluator
 from libgz.sdf.xacro.files import Files
 from libgz.sdf.xacro.functions import BUILTINS, Function, Namespace
@@ -42,7 +39,7 @@ class Library:
     def __init__(self, expansion: Expansion) -> None:
         self.expansion = expansion
         self.budget = expansion.evaluator.budget
-        self._trees: dict[Path, yaml.Node | None] = {}
+        self._trees: dict[Path, Any] = {}
         own: dict[str, Callable[..., Any]] = {
             "abs_filename": lambda _, name: str(self._path(name)),
             "arg": lambda _, name: expansion.substitutions.argument(name),
@@ -63,6 +60,8 @@ class Library:
         return self.expansion.files.path(text_of(self.budget, name), self.expansion.folders[-1])
 
     def _load_yaml(self, name: Any) -> Any:
+        from libgz.sdf.xacro.documents import parsed_yaml, value_of_yaml  # only then is PyYAML loaded
+
         path = self._path(name)
         try:
             if path not in self._trees:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-
 from typing import Any
 
 from libgz.base.errors import GazeboError
@@ -28,7 +27,7 @@ __all__ = [
     "small",
 ]
 
-MOST_WORK = 4_000_000  # steps of expressions, elements made and items in values, together
+MOST_WORK = 2_000_000  # steps of expressions, elements, attributes and items that are made, together; 16 characters are one
 MOST_ELEMENTS = 200_000  # that are made
 DEEPEST_ELEMENT = 250  # in the result; libxml2 reads no deeper documents
 DEEPEST_TAG = 1000  # macros, conditions and includes in each other
@@ -41,7 +40,7 @@ DEEPEST_VALUE = 40  # lists in lists
 MOST_BITS = 1024  # of an integer, as many as the largest float has
 MOST_FILES = 1000  # included or read
 MOST_BYTES = 16 * 1024 * 1024  # of them together
-LARGEST_YAML = 1024 * 1024  # bytes
+LARGEST_YAML = 512 * 1024  # bytes
 WORK_OF_TEXT = 16  # characters that cost one step
 
 
@@ -114,7 +113,7 @@ class Budget:
         """
         if characters > LONGEST_TEXT:
             raise LimitError(f"a text has more than {LONGEST_TEXT} characters")
-        self.spend(characters // WORK_OF_TEXT)
+        self.spend(1 + characters // WORK_OF_TEXT)
 
     def items(self, count: int) -> None:
         """Count the items of a list before it is made.

@@ -23,7 +23,9 @@ def truth(value: Any, condition: str) -> bool:
     try:
         return bool(int(value))
     except ValueError:
-        raise ExpansionError(f"the condition {condition!r} is {value[:80]!r}; it must be true, false or a number") from None
+        raise ExpansionError(
+            f"the condition {condition[:80]!r} is {value[:80]!r}; it must be true, false or an integer"
+        ) from None
 
 
 def literal(value: Any) -> Any:

@@ -53,10 +53,10 @@ class Substitutions:
             return self._eval(inside.removeprefix("eval "))
         command, *words = inside.split(" ")
         words = [word for word in words if word]
-        known = {
+        known: dict[str, tuple[int, int, Callable[..., str]]] = {
             "anon": (1, 1, self._anon),
             "arg": (1, 1, self.argument),
-            "cwd": (0, 0, lambda: str(Path.cwd())),
+            "cwd": (0, 0, self._cwd),
             "dirname": (0, 0, self._dirname),
             "env": (1, 1, self._env),
             "find": (1, 1, lambda name: str(self.files.package(name))),
@@ -77,6 +77,12 @@ class Substitutions:
 
     def _anon(self, name: str) -> str:
         return f"{name}_anonymous"
+
+    def _cwd(self) -> str:
+        try:
+            return str(Path.cwd())
+        except OSError as error:
+            raise ExpansionError(f"$(cwd): {error.strerror}") from None
 
     def _dirname(self) -> str:
         folder = self.folder()

@@ -15,7 +15,7 @@ from libgz.base.errors import Diagnostics, Place, WorldFileError, nearest
 from libgz.sdf.xacro.expressions import Evaluator
 from libgz.sdf.xacro.files import Files, UnreadableError
 from libgz.sdf.xacro.library import Library
-from libgz.sdf.xacro.limits import DEEPEST_TAG, Budget, ExpansionError, LimitError
+from libgz.sdf.xacro.limits import DEEPEST_TAG, MOST_ATTRIBUTES, Budget, ExpansionError, LimitError
 from libgz.sdf.xacro.macros import Macro, MacroTable, Parameter, parameters_of
 from libgz.sdf.xacro.scopes import Scope, truth
 from libgz.sdf.xacro.substitutions import Substitutions
@@ -173,7 +173,7 @@ class _Expansion:
         for key, value in _attributes(source).items():
             if key == PLACE:
                 self._set(made, key, value)
-            elif not _attribute(source, key).startswith(PREFIX):
+            elif not self._as_written(source, key).startswith(PREFIX):
                 self._set(made, key, self._text(value, context) if "$" in value else value)
         yield self._content(source, made, context)
 
@@ -182,21 +182,39 @@ class _Expansion:
         prefix, colon, local = name.rpartition(":")
         spaces: dict[Any, str] = {}  # lxml-stubs know no default namespace
         if colon or "}" in source.tag:
-            known = source.nsmap
+            known = self._spaces(source)
             space = known.get(prefix or None, f"urn:{prefix}" if prefix else None)
             if space is not None:
                 spaces[prefix or None] = space
                 name = f"{{{space}}}{local}"
         for key in _attributes(source):
             if key.startswith("{") and key != PLACE:
-                spaces.update({known: space for known, space in source.nsmap.items() if key.startswith(f"{{{space}}}")})
+                spaces.update(
+                    {known: space for known, space in self._spaces(source).items() if key.startswith(f"{{{space}}}")}
+                )
         try:
             return etree.SubElement(into, name, nsmap=spaces or None)
         except ValueError:
             raise ExpansionError(f"{name[:80]!r} is not the name of an element") from None
 
+    def _spaces(self, element: etree._Element) -> dict[Any, str]:
+        """Its namespaces by prefix."""
+        spaces = cast("dict[Any, str]", element.nsmap)
+        self.budget.spend(len(spaces))
+        return spaces
+
+    def _as_written(self, element: etree._Element, key: str) -> str:
+        """The name of an attribute with its prefix."""
+        if not key.startswith("{"):
+            return key
+        space, _, name = key[1:].rpartition("}")
+        prefixes = [str(prefix) for prefix, known in self._spaces(element).items() if known == space]
+        return f"{'xacro' if 'xacro' in prefixes else prefixes[0]}:{name}" if prefixes else name
+
     def _set(self, element: etree._Element, name: str, value: str) -> None:
         self.budget.length(len(value))
+        if len(element.attrib) >= MOST_ATTRIBUTES:
+            raise LimitError(f"an element has more than {MOST_ATTRIBUTES} attributes")
         try:
             element.set(name, value)
         except ValueError as error:
@@ -303,7 +321,7 @@ class _Expansion:
 
     def _renamed(self, source: etree._Element, _: str, into: etree._Element, context: _Context) -> Steps | None:
         """An element whose name is the attribute `xacro:name`."""
-        given = [text for key, text in _attributes(source).items() if _attribute(source, key) == f"{PREFIX}name"]
+        given = [text for key, text in _attributes(source).items() if self._as_written(source, key) == f"{PREFIX}name"]
         if not given:
             raise ExpansionError(f"attribute '{PREFIX}name' is missing and must be given")
         name = self.texts.text(given[0], context.scope)
@@ -462,12 +480,3 @@ def _mark(root: etree._Element, file: str) -> None:
 
 def _attributes(element: etree._Element) -> Mapping[str, str]:
     return cast("Mapping[str, str]", element.attrib)
-
-
-def _attribute(element: etree._Element, key: str) -> str:
-    """The name of an attribute as it is written, with its prefix."""
-    if not key.startswith("{"):
-        return key
-    space, _, name = key[1:].rpartition("}")
-    prefixes = [str(prefix) for prefix, known in element.nsmap.items() if known == space]
-    return f"{'xacro' if 'xacro' in prefixes else prefixes[0]}:{name}" if prefixes else name

@@ -15,6 +15,7 @@ __all__ = [
     "LARGEST_YAML",
     "LONGEST_EXPRESSION",
     "LONGEST_TEXT",
+    "MOST_ATTRIBUTES",
     "MOST_BITS",
     "MOST_BYTES",
     "MOST_ELEMENTS",
@@ -27,8 +28,11 @@ __all__ = [
     "small",
 ]
 
-MOST_WORK = 2_000_000  # steps of expressions, elements, attributes and items that are made, together; 16 characters are one
+MOST_WORK = (
+    2_000_000  # steps of expressions, elements, attributes and items that are made, together; 16 characters are one
+)
 MOST_ELEMENTS = 200_000  # that are made
+MOST_ATTRIBUTES = 1000  # of one of them
 DEEPEST_ELEMENT = 250  # in the result; libxml2 reads no deeper documents
 DEEPEST_TAG = 1000  # macros, conditions and includes in each other
 DEEPEST_EXPRESSION = 200  # operations in each other, those of properties and functions that an expression uses included

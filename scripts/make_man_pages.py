@@ -12,7 +12,7 @@ from pathlib import Path
 from libgz._version import __version__
 
 FOLDER = Path(__file__).parent.parent / "docs" / "man"
-COLUMN = {"gazebo": 0, "libgz": 1, "gzserver": 2, "gzclient": 2}  # of EXIT_CODES
+COLUMN = {"gazebo": 0, "libgz": 1, "gz": 1, "gzserver": 2, "gzclient": 2}  # of EXIT_CODES
 
 
 def pages() -> dict[str, str]:

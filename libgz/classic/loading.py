@@ -250,14 +250,15 @@ class LoadedPlugin:
             function(*values)
         except USER_ERRORS as error:
             pass_interrupt(error)
-            self.stop(f"the {name} function", error)
+            self.stop(f"the {name} function", error, function)
         finally:
             owner.reset(token)
         return self.plugin is not None
 
-    def stop(self, where: str, error: BaseException) -> None:
-        """Log the exception that the plugin raised, and drop the plugin."""
-        text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
+    def stop(self, where: str, error: BaseException, called: Callable[..., object] | None = None) -> None:
+        """Log the exception that the plugin, or its method `called`, raised, and drop the plugin."""
+        text = own_traceback(error, called=called)
+        file = getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and isinstance(error, GazeboError) and is_ready(Path(file)):
             text = str(error)  # of the world's file, not of the plugin's code
         elif file is not None and file not in text:

@@ -2347,7 +2347,8 @@ static void scan(context *c, const double *frame, const double *rays, int64_t co
             to[k] = start[k] + rays[7 * i + 6] * dir[k];
             finite &= isfinite(from[k]) && isfinite(to[k]);
         }
-        if (!finite) { /* ODE's assertions fail on such numbers */
+        /* ODE's assertions fail on such numbers, and on a ray without a direction. */
+        if (!finite || !(dir[0] || dir[1] || dir[2])) {
             start[0] = NAN;
             continue;
         }

@@ -599,9 +599,15 @@ class Engine:
 
     @exclusive
     def geoms_near(self, low: Sequence[float], high: Sequence[float]) -> list[Any]:
-        """The geoms whose bounding boxes meet the box between two corners [m], global; in no particular order."""
+        """The geoms whose bounding boxes meet the box between two corners [m], global; in no particular order.
+
+        Corners may be infinite; none is met by a box whose lower corner is beyond the upper one, or that has a NaN.
+        """
         lib, probe = self._ode, self._context.probe or 0
-        box = [(max(a, -LARGEST), min(b, LARGEST)) for a, b in zip(low, high, strict=True)]  # ODE takes no infinity
+        if not all(a <= b for a, b in zip(low, high, strict=True)):
+            return []
+        # ODE takes no infinity.
+        box = [[max(-LARGEST, min(corner, LARGEST)) for corner in side] for side in zip(low, high, strict=True)]
         lib.dGeomBoxSetLengths(probe, *(b - a for a, b in box))
         lib.dGeomSetPosition(probe, *(0.5 * (a + b) for a, b in box))
         return [self.geoms[lib.dGeomGetData(geom) or 0] for geom in geoms_near(lib, probe, self.top.id)]

@@ -149,7 +149,8 @@ class Entity:
             pass_interrupt(error)
             if level >= logging.ERROR:
                 note(f"model {self.GetId()!r}", "its Fini", error)
-            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error), extra=NOTED)
+            text = own_traceback(error, called=self.Fini)
+            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), text, extra=NOTED)
 
     def MasterEnd(self) -> None:
         """The world is about to be closed as a whole: release what its engine does not."""

@@ -978,7 +978,7 @@ class World(Closing):
             log.error(
                 "model %r stopped, its motors off: its Update failed with\n%s",
                 entity.GetId(),
-                own_traceback(error),
+                own_traceback(error, called=getattr(entity, "Update", None)),
                 extra=NOTED,
             )
             return False

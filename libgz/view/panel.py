@@ -170,7 +170,20 @@ class Panel:
             self.catalogue = gui.add_dropdown("Insert", [NONE])
             self._button("Insert it", self._insert, viser.Icon.PLUS)
         if "write" in can:
-            self._button("Save the world", handler.save, viser.Icon.DEVICE_FLOPPY)
+            self._button("Save the world", self._ask_to_save, viser.Icon.DEVICE_FLOPPY)
+
+    def _ask_to_save(self) -> None:
+        modal = self.page.gui.add_modal("Save the world?")
+
+        def save() -> None:
+            modal.close()
+            self._handler.save()
+
+        with modal:
+            text = "Poses that changed are written to the world's file; the file as it is now is kept as NAME.bak."
+            self.page.gui.add_html(_small(text))
+            self._button("Save", save, viser.Icon.DEVICE_FLOPPY)
+            self._button("Cancel", modal.close)
 
     def _insert(self) -> None:
         if self.catalogue.value in self.catalogue.options[1:]:  # whatever a page sends

@@ -316,3 +316,13 @@ def test_a_texture_of_a_height_map_that_cannot_be_used_is_a_warning(load, inside
     shape = f"<heightmap><uri>file://{tmp_path}/h.png</uri><size>8 8 2</size>{inside}</heightmap>"
     load(world(terrain(shape)))
     assert text in caplog.text
+
+
+@pytest.mark.parametrize("more", ["", collision("sphere", name="ball", pose="0 0 9 0 0 0")])
+def test_a_plane_of_a_moving_model_falls_with_it(load, more):
+    plane = collision("<plane><normal>0 0 1</normal></plane>")
+    box = model("box", link("l", inertial(), collision()), pose="5 0 3 0 0 0")
+    made = load(world(GROUND, box, model("m", link("l", plane, more))))
+    made.step(30)
+    for name, start in (("m", 0.0), ("box", 3.0)):
+        assert place(made.body(name))[2] == pytest.approx(start - 9.8e-6 * 30 * 31 / 2)

@@ -14,7 +14,6 @@ import logging
 import os
 import struct
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 from libgz._version import __version__
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
+from libgz.base.python import run_module
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
@@ -141,7 +141,7 @@ class Capture(Closing):
         except OSError:
             log.debug("the pipe to the log stays small")  # the limit of this user
         try:
-            command = [sys.executable, "-m", "libgz.recording.writer", str(file), str(self.path)]
+            command = run_module("libgz.recording.writer", str(file), str(self.path))
             return subprocess.Popen(command, stdin=source, pass_fds=[file], stdout=subprocess.DEVNULL)
         except OSError as error:
             os.close(self._pipe)

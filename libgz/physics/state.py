@@ -490,7 +490,12 @@ def _fits(value: Any, present: Any) -> bool:
         return isinstance(present, GzPose) and all(_is_finite(number) for number in _place_of(value))
     if isinstance(value, (GzVector, GzQuatern, GzColor)):
         return type(present) in (type(value), type(None)) and all(_is_finite(number) for number in value)
-    return value is None or (isinstance(value, (str, Mass, Mesh)) and isinstance(present, (type(value), type(None))))
+    optional = (str, Mass, Mesh, type(None))
+    return (
+        isinstance(value, optional)
+        and (value is None or present is None or type(present) is type(value))
+        and (isinstance(present, optional))
+    )
 
 
 def _is_finite(number: Any) -> bool:

@@ -9,7 +9,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from libgz.base.encoding import TOO_DEEP
-from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
+from libgz.base.errors import (
+    USER_ERRORS,
+    GazeboError,
+    ParameterError,
+    PluginError,
+    StateError,
+    StrictError,
+    pass_interrupt,
+)
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
 from libgz.simulation.plugins import own_traceback
@@ -108,9 +116,10 @@ class Snapshots:
             cause = self.failures[0] if self.failures else error
             left = self._undo(before) if before is not None else ""
             pass_interrupt(error)
-            kind = type(cause) if isinstance(cause, GazeboError) else StateError
-            text = str(cause) if kind is type(cause) else f"the state is damaged: {type(cause).__name__}: {cause}"
-            raise kind(text + left) from cause
+            if isinstance(cause, (PluginError, StateError, StrictError)):
+                raise type(cause)(f"{cause}{left}") from cause
+            name = "" if isinstance(cause, GazeboError) else f"{type(cause).__name__}: "
+            raise StateError(f"the state is damaged: {name}{cause}{left}") from cause
 
     def _undo(self, before: bytes) -> str:
         """Set the state from before; the end of a message about what that could not undo, which is mostly empty."""

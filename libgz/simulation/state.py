@@ -111,7 +111,7 @@ class Reader:
             same += 1
         for place, value in zip(self.places[same:], values[same:], strict=True):
             try:
-                _set(thing, place, value)
+                _set(thing, place, value, self._ours)
             except StateError as error:
                 raise _of_attribute(StateError, place[1], error) from error
             except RecursionError as error:
@@ -208,8 +208,8 @@ def set_values(thing: Any, values: Sequence[Any]) -> None:
     reader(type(thing)).set(thing, values)
 
 
-def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any) -> None:
-    """Give an object one of its values."""
+def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any, ours: bool = False) -> None:
+    """Give an object, perhaps of a class of libgz, one of its values."""
     part, name = place
     if not name:
         thing.LoadState(made(value))
@@ -219,6 +219,8 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
     kind = type(value)
     if kind in _EXACT and type(before) is kind and before == value:
         return
+    if ours and kind is not Declared and _class(type(before)).declares:
+        raise StateError(f"the state is damaged: it has something else in place of a {type(before).__name__}")
     after = value if kind in SCALARS and type(before) in SCALARS else _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)

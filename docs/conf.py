@@ -1,8 +1,8 @@
 """The site of the documents: `make docs`.
 
-Its source is a copy of the tree that scripts/make_docs.py writes with all generated pages, so that links between pages are
-the same here and in the repository. What a README lists becomes the navigation: each link at the beginning of a list item or
-of a table's row is a page below it. Generated pages are below the pages that GENERATED names.
+Its source is a copy of the tree that scripts/make_docs.py writes with all generated pages, so that links between pages
+are the same here and in the repository. What a README lists becomes the navigation: each link at the beginning of a
+list item or of a table's row is a page below it. Generated pages are below the pages that GENERATED names.
 """
 
 from __future__ import annotations

@@ -17,9 +17,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from libgz._version import __version__
+from libgz.apps.api_pages import api_pages
 from libgz.apps.command_line import EXIT_CODES, command_parsers
 from libgz.interfaces.reference import reference
-from libgz.reference.api_pages import api_pages
 from libgz.reference.classic_pages import classic_pages
 from libgz.reference.markdown import NOTE, cell
 from libgz.reference.pages import pages as model_pages, write_changed

@@ -99,7 +99,7 @@ def _asks_for_reference(words: list[str], known: Collection[str]) -> bool:
 
 
 def _print_reference(prog: str, name: str) -> int:
-    from libgz.reference.names import reference_of
+    from libgz.apps.names import reference_of
 
     try:
         print(reference_of(name), end="")

@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "--elements",
         nargs="?",
-        const="",
+        const="all",
         metavar="BLOCK",
         help="list the blocks of SDF, or the elements of one (`joint`)",
     )
@@ -75,9 +75,9 @@ def _elements(block: str) -> int:
         ParameterError: there is no such block.
     """
     blocks = sdf_blocks()
-    if block and block not in blocks:
+    if block != "all" and block not in blocks:
         raise ParameterError(f"SDF has no block {block!r}{nearest(block, blocks)}")
-    print(sdf_block(block) if block else "\n".join(blocks), end="" if block else "\n")
+    print("\n".join(blocks) + "\n" if block == "all" else sdf_block(block), end="")
     return 0
 
 

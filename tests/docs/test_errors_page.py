@@ -56,8 +56,8 @@ def test_what_is_not_in_the_code_is_noticed(messages):
 
 
 def test_every_class_of_errors_is_on_its_page():
+    from libgz.apps.api_pages import api_pages
     from libgz.base import errors
-    from libgz.reference.api_pages import api_pages
 
     page = api_pages()["errors.md"]
 

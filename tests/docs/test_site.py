@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 from lxml import etree, html
 
+from libgz.apps.api_pages import api_names
 from libgz.apps.command_line import command_parsers
 from libgz.apps.libgz import COMMANDS
 from libgz.interfaces.catalog import INTERFACES
 from libgz.legacy.settings import QUIRKS, GlobalAttributes
 from libgz.models import MODELS
-from libgz.reference.api_pages import api_names
 from libgz.reference.catalogue import rows_of
 from libgz.reference.classic_pages import classic_pages
 from libgz.reference.markdown import cell

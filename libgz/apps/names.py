@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
+from libgz.apps import api_pages
 from libgz.base.errors import ParameterError, nearest
 from libgz.interfaces.catalog import INTERFACES
 from libgz.interfaces.reference import describe as describe_interface
 from libgz.models import MODELS
-from libgz.reference import api_pages, classic_pages
+from libgz.reference import classic_pages
 from libgz.reference.catalogue import entry
 from libgz.reference.markdown import NOTE
 from libgz.reference.pages import page

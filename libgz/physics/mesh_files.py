@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
+from libgz.base.extras import install
 from libgz.base.files import is_file
 from libgz.physics.meshes import triangle_normals, units
 
@@ -184,7 +185,7 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     try:
         import trimesh  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        raise GazeboError(f"{what} {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
+        raise GazeboError(f"{what} {path} needs the package trimesh: {install('mesh')}") from None
     try:
         loaded: Any = trimesh.load(path, force="scene")
         parts = loaded.dump()

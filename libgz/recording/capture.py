@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 from libgz._version import __version__
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
+from libgz.base.extras import install
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
@@ -70,7 +71,7 @@ def check_packages() -> None:
     """
     missing = [name for module, name in _NEEDED.items() if importlib.util.find_spec(module) is None]
     if missing:
-        raise LibraryError(f"logs need {' and '.join(missing)}, not installed here: pip install 'libgz[log]'")
+        raise LibraryError(f"logs need {' and '.join(missing)}, not installed here: {install('log')}")
 
 
 def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
-from libgz.base.files import is_file
+from libgz.base.files import is_file, open_file, read_file, read_text
 from libgz.physics.meshes import triangle_normals, units
 
 __all__ = [
@@ -186,7 +186,8 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     except ImportError:
         raise GazeboError(f"{what} {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
     try:
-        loaded: Any = trimesh.load(path, force="scene")
+        with open_file(path):  # which checks it
+            loaded: Any = trimesh.load(path, force="scene")
         parts = loaded.dump()
     except Exception as error:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
         raise GazeboError(f"{what} {path} cannot be read: {error}") from None
@@ -197,7 +198,7 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
 
 
 def _read_stl(path: Path) -> Iterator[MeshPart]:
-    data = path.read_bytes()
+    data = read_file(path)
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else -1
     if len(data) == 84 + 50 * count:
         rows = np.frombuffer(data, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")], offset=84)
@@ -278,7 +279,7 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
     textured: dict[tuple[str, str], list[list[int]]] = {}  # numbers of texture coordinates, where there is an image
     lit: dict[tuple[str, str], list[list[int]]] = {}  # numbers of normals
     name = material = ""
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+    for line in read_text(path).splitlines():
         key, _, rest = line.strip().partition(" ")
         if key == "v":
             vertices.append([float(word) for word in rest.split()[:3]])
@@ -356,7 +357,7 @@ def _read_mtl(path: Path) -> dict[str, _Look]:
         return {}
     name, found = "", dict[str, _Look]()
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(path)
     except OSError as error:
         raise GazeboError(f"material library {path} cannot be read: {error.strerror}") from None
     for number, line in enumerate(text.splitlines(), start=1):
@@ -443,7 +444,8 @@ class Collada:
 
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True, remove_comments=True)
         try:
-            self.root = etree.parse(os.fsencode(path), parser).getroot()
+            with open_file(path):  # which checks it
+                self.root = etree.parse(os.fsencode(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
         self.path = path

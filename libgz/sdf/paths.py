@@ -8,7 +8,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.base.errors import NotFoundError
-from libgz.base.files import exists, expand, is_file, xml_parser
+from libgz.base.files import exists, expand, is_file, open_file, xml_parser
 
 __all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
 
@@ -133,7 +133,8 @@ def _named_in_config(folder: Path) -> Path:
     if config is None:
         raise NotFoundError(f"{folder} has no model.config")
     try:
-        files = etree.parse(os.fsencode(config), xml_parser()).getroot().findall("sdf")
+        with open_file(config):  # which checks it
+            files = etree.parse(os.fsencode(config), xml_parser()).getroot().findall("sdf")
     except etree.XMLSyntaxError as error:
         raise NotFoundError(f"{config} cannot be read: {error}") from None
     if not files:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 from libgz._version import __version__
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
+from libgz.base.files import read_file
 from libgz.base.python import run_module
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
@@ -198,7 +199,7 @@ class Capture(Closing):
                 continue
             self._files.add(name)
             try:
-                content = Path(name).read_bytes() if name.startswith("/") else self._tables.content(name)
+                content = read_file(name) if name.startswith("/") else self._tables.content(name)
             except (OSError, NotFoundError):
                 continue  # it is not there for the renderer, either
             if len(content) <= LARGEST_FILE:

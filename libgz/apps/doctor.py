@@ -22,7 +22,7 @@ from libgz.transport.semaphores import SemaphoreSet
 
 __all__ = ["Finding", "configure", "examine", "run"]
 
-PACKAGES = ("numpy", "lxml", "pillow")
+PACKAGES = ("numpy", "lxml", "pillow", "PyYAML")
 
 
 @dataclass(frozen=True)

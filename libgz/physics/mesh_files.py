@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
+from libgz.base.extras import install
 from libgz.base.files import is_file, open_file, read_file, read_text
 from libgz.physics.faces import cut_fans, cut_polygons, cut_strips
 from libgz.physics.meshes import triangle_normals, units
@@ -231,7 +232,7 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     try:
         import trimesh  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        raise GazeboError(f"{what} {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
+        raise GazeboError(f"{what} {path} needs the package trimesh: {install('mesh')}") from None
     try:
         with open_file(path):  # which checks it
             loaded: Any = trimesh.load(path, force="scene")

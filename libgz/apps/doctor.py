@@ -23,7 +23,7 @@ from libgz.transport.semaphores import SemaphoreSet
 
 __all__ = ["Finding", "configure", "examine", "run"]
 
-PACKAGES = ("numpy", "lxml", "pillow")
+PACKAGES = ("numpy", "lxml", "pillow", "PyYAML")
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,6 @@ EXTRAS = {
         "meshes and skins of more formats",
         "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
     ),
-    "urdf": Extra(("xacro",), "macros of xacro in robot descriptions", "robot descriptions without macros load"),
     "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their images as files, work"),
     "plot": Extra(("matplotlib",), "plots by libgz plot", "libgz echo and libgz export print the same figures"),
     "log": Extra(

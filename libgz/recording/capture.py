@@ -24,7 +24,6 @@ import logging
 import os
 import struct
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -34,6 +33,8 @@ from libgz._version import __version__
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.base.extras import install
+from libgz.base.files import read_file
+from libgz.base.python import run_module
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
@@ -152,7 +153,7 @@ class Capture(Closing):
         except OSError:
             log.debug("the pipe to the log stays small")  # the limit of this user
         try:
-            command = [sys.executable, "-m", "libgz.recording.writer", str(file), str(self.path)]
+            command = run_module("libgz.recording.writer", str(file), str(self.path))
             return subprocess.Popen(command, stdin=source, pass_fds=[file], stdout=subprocess.DEVNULL)
         except OSError as error:
             os.close(self._pipe)
@@ -209,7 +210,7 @@ class Capture(Closing):
                 continue
             self._files.add(name)
             try:
-                content = Path(name).read_bytes() if name.startswith("/") else self._tables.content(name)
+                content = read_file(name) if name.startswith("/") else self._tables.content(name)
             except (OSError, NotFoundError):
                 continue  # it is not there for the renderer, either
             if len(content) <= LARGEST_FILE:

@@ -594,8 +594,8 @@ class Collada:
         scale = self.unit
         axis = next(self.deep(self.root, "up_axis"), None)
         if axis is not None and (axis.text or "").strip() not in ("Z_UP", ""):
-            told = "mesh %s has <up_axis>%s</up_axis>; its coordinates are taken as they are, as in Gazebo classic"
-            log.warning(told, self.path, (axis.text or "").strip())
+            noted = "mesh %s has <up_axis>%s</up_axis>; its coordinates are taken as they are, as in Gazebo classic"
+            log.warning(noted, self.path, (axis.text or "").strip())
         scene = self.scene()
         if scene is None:
             for geometry in self.deep(self.root, "geometry"):

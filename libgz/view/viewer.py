@@ -186,7 +186,7 @@ class Viewer(Closing):
         except Exception:
             self.failures += 1
             if self.failures & (self.failures - 1) == 0:  # 1, 2, 4, 8 ...: not each of thirty a second
-                log.exception("the viewer goes on after an error (%d so far)", self.failures)
+                log.exception("the viewer continues after an error (%d so far)", self.failures)
 
     def _report(self, text: str) -> None:
         log.warning("%s", text)

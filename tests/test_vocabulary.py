@@ -60,6 +60,7 @@ def table():
 INSTEAD = {FORMS[word]: use for word, use in table() if word in FORMS} | ALSO
 # Where a word stands for something else.
 ALLOWED = re.compile(
+    r"\.tell\(\)|"  # the method of files
     r"draws? calls?|random|a draw|drawn? (lots|from the generator)|"  # random draws, draw calls
     r"segmentation fault|gz_.*|"
     r"head ?room|class ?room|"

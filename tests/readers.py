@@ -74,8 +74,8 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
 }
 ASSETS = tuple(ASSET_WORLDS)
 SAVED = ("state", "mcap")  # what libgz itself wrote while a world ran
-KINDS = ("legacy", "sdf", *ASSETS, *SAVED)
-TEXT = ("legacy", "sdf", "road", "obj", "dae", "bvh", "mtl")
+KINDS = ("legacy", "sdf", "xacro", *ASSETS, *SAVED)
+TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl")
 WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
 
 
@@ -89,6 +89,8 @@ def seeds(kind: str) -> list[bytes]:
         return [path.read_bytes() for path in files]
     if kind in SAVED:
         return [_log()] if kind == "mcap" else [_world(path).get_state() for path in STATE_WORLDS]
+    if kind == "xacro":
+        return [(ROOT / "tests" / "data" / "urdf" / "features.xacro").read_bytes()]
     return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
 
 

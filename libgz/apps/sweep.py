@@ -11,6 +11,7 @@ from typing import Any
 
 from libgz.apps.console import INTERRUPTED, TERMINATED, whole_number
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
+from libgz.base.extras import install
 from libgz.sweep import driver
 from libgz.sweep.results import FORMATS, open_results, read_results
 from libgz.sweep.study import Study
@@ -142,7 +143,7 @@ def _report(options: argparse.Namespace) -> int:
     try:
         from libgz.sweep.report import plot_measures
     except ImportError as error:
-        raise LibraryError(f"plots need the extra `plot`: pip install 'libgz[plot]' ({error})") from None
+        raise LibraryError(f"plots need the extra `plot`: {install('plot')} ({error})") from None
     for path in plot_measures(about, rows, Path(options.output) if options.output else folder):
         print(path)
     return 0

@@ -13,6 +13,7 @@ from typing import Any
 from libgz.apps.console import number_above_zero, whole_number
 from libgz.apps.view_process import TOKEN, add_view_options
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
+from libgz.base.extras import install
 from libgz.transport.observer import Observer
 from libgz.transport.paths import server_directory
 
@@ -116,7 +117,7 @@ def make_viewer(source: Any, controls: Any, options: argparse.Namespace, **more:
     try:
         from libgz.view.viewer import Viewer
     except ImportError as error:
-        raise LibraryError(f"the viewer needs the extra `view`: pip install 'libgz[view]' ({error})") from None
+        raise LibraryError(f"the viewer needs the extra `view`: {install('view')} ({error})") from None
     token = os.environ.pop(TOKEN, None)
     return Viewer(source, controls, host=options.view_host, port=options.view_port, token=token, **more)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from libgz.base.errors import GazeboError, LibraryError
+from libgz.base.extras import install
 from libgz.sweep.results import Results
 from libgz.sweep.study import Study
 from libgz.sweep.worker import Worker, close_workers, execute
@@ -118,7 +119,7 @@ def sweep(study: Study, digest: str, results: Results, pool: Pool, report: Calla
 
 
 def _row_of(future: Future[dict[str, Any]], number: int, lost: int, retries: int, pool: Pool) -> dict[str, Any] | None:
-    """The row of a run that has come back; None if its worker was lost, and it is to be given out again."""
+    """The row of a run that has come back; None if its worker died, and it must be rescheduled."""
     try:
         return future.result()
     except (Exception, CancelledError) as error:  # whatever the cluster raises for a worker that was lost
@@ -183,7 +184,7 @@ def _distributed() -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise LibraryError(f"a cluster needs the extra `cluster`: pip install 'libgz[cluster]' ({error})") from None
+        raise LibraryError(f"a cluster needs the extra `cluster`: {install('cluster')} ({error})") from None
     return distributed
 
 

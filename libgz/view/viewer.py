@@ -186,7 +186,7 @@ class Viewer(Closing):
         except Exception:
             self.failures += 1
             if self.failures & (self.failures - 1) == 0:  # 1, 2, 4, 8 ...: not each of thirty a second
-                log.exception("the viewer goes on after an error (%d so far)", self.failures)
+                log.exception("the viewer continues after an error (%d so far)", self.failures)
 
     def _report(self, text: str) -> None:
         log.warning("%s", text)
@@ -691,7 +691,7 @@ class Viewer(Closing):
         self.panel.set_status(
             {
                 "sim time": f"{state.sim_time:.2f} s",
-                "factor": f"{factor:.2f}",
+                "real-time factor": f"{factor:.2f}",
                 "steps": f"{rate:.0f} Hz",
                 "state": "paused" if state.paused else "running",
             }
@@ -714,7 +714,7 @@ class Viewer(Closing):
         if 0 <= row < len(state.bodies):
             linear, angular = state.bodies[row, 10:13], state.bodies[row, 13:16]
             rows.append(("velocity", f"{_numbers(linear, 2)} m/s"))
-            rows.append(("turning", f"{_numbers(angular, 2)} rad/s"))
+            rows.append(("angular velocity", f"{_numbers(angular, 2)} rad/s"))
         if self._details.get("mass"):
             rows.append(("mass", f"{self._details['mass']:.4g} kg"))
         if entity["interfaces"]:

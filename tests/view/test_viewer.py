@@ -68,7 +68,7 @@ def test_a_viewer_survives_whatever_a_frame_or_an_action_raises(viewer, monkeypa
         viewer._due, viewer._state = 0.0, None  # a frame is due, and has something new
         viewer.tick()
     assert viewer.failures == len(calls) >= 6
-    told = [record for record in caplog.records if "the viewer goes on after an error" in record.getMessage()]
+    told = [record for record in caplog.records if "the viewer continues after an error" in record.getMessage()]
     assert 1 <= len(told) <= 4  # of 1, 2, 4, 8 ...
     monkeypatch.undo()
     viewer._due = viewer._shown = 0.0

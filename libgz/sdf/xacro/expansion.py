@@ -226,13 +226,14 @@ class _Expansion:
         if "$" in text:
             self._enter(source, context)
             text = self._text(text, context)
+        last = next(into.iterchildren(reversed=True), None)  # len() counts them all
+        text = ((into.text if last is None else last.tail) or "") + text
         self.budget.length(len(text))
         try:
-            last = next(into.iterchildren(reversed=True), None)  # len() counts them all
             if last is None:
-                into.text = (into.text or "") + text
+                into.text = text
             else:
-                last.tail = (last.tail or "") + text
+                last.tail = text
         except ValueError as error:
             raise ExpansionError(f"the text of the element: {error}") from None
 
@@ -479,4 +480,6 @@ def _mark(root: etree._Element, file: str) -> None:
 
 
 def _attributes(element: etree._Element) -> Mapping[str, str]:
+    if len(element.attrib) > MOST_ATTRIBUTES:  # their list takes the square of that
+        raise LimitError(f"an element has more than {MOST_ATTRIBUTES} attributes")
     return cast("Mapping[str, str]", element.attrib)

@@ -6,22 +6,19 @@ ODE's own memory is copied by the step (`Step.get_state`), the tables are copied
 Objects are numbered in the order of their construction, so that a state fits another process that built the same world.
 A state is not trusted: what it says is checked before it reaches ODE (`bounds`). Its parts:
 
-- ODE's memory, copied by the step (`gz_get_state`). ODE's setters change last bits (they normalise quaternions), and it
-  has no getters for idle counters, for what joints measure their angles from, or for the marks of geoms that have moved.
+- ODE's memory, copied by the step (`gz_get_state`). ODE's setters change last bits (they normalise quaternions), and
+  it has no getters for idle counters, what joints measure their angles from, and the marks of geoms that have moved.
   `ode/memory.py` finds where these lie. No pointer is copied; those that link bodies are exchanged.
-- Orders. ODE finds contacts in the order of the geoms of a space, islands in the order in which bodies were made, and
-  solves joints in the order in which bodies were attached. Bodies that were made in another order are linked anew
-  (`order_bodies`). Geoms are removed from their spaces and added again, last one first, parents after their parts; then
-  boxes are computed, and the marks are written. Joints are attached again from the first one on that differs.
-- Tables: centres of mass, states, springs, turns that were counted, surfaces, by objects in order of construction. Rows
-  are part of a state: springs are applied in their order, and contacts are recorded with them. Objects that were built
-  again get the rows of the old ones.
+- Orders: of geoms in spaces and on bodies, of bodies, and of joints as they were attached; ODE computes in them. Geoms
+  are removed from their spaces and added again, last one first, parents after their parts; then boxes are computed, and
+  the marks are written. Joints are attached again from the first one on that differs.
+- Tables, by objects in order of construction. Rows are part of a state: springs are applied in their order, and
+  contacts are recorded with them. Objects that were built again get the rows of the old ones.
 - SAVED attributes, and how geoms look. A class that gets a new attribute that may change later adds it there, and
   replaces its value instead of changing it in place.
 - Settings of the engine, its counters and random state, recorded contacts, feedback of joints, gears and threads.
 
 What was made since a state is closed, newest first; what is missing is named, and nothing has changed (`matching`).
-ODE keeps nothing else that matters: the quick solver starts each step from zero, meshes have no temporal caches.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
 """Snapshots: the whole state of a world as bytes, and a world brought back to such a state.
 
-A state is read when it is asked for: nothing notices what is assigned, and nothing is kept from one state to the next.
+A state is read when it is asked for: nothing notices what is assigned, nothing is kept from one state to the next.
 `simulation/state.py` reads what classes declare, `base/encoding.py` writes it so that equal states are equal bytes.
 
 `Snapshots.restore` acts in an order that matters:
 
 1. Checks: the file's digest, and whether what has to be built again can be. Until here nothing has changed. Then the
    present state is taken.
-2. Journal (`journal.py`): each entity has an `Origin`, a place in the file or in an inserted text. From the first one on
-   that differs, by origin or by parent, all are removed and built again in the order of the state, because the order of
+2. Journal (`journal.py`): each entity has an `Origin`, a place in the file or in an inserted text. From the first one
+   on that differs, by origin or by parent, all are removed and built again in the order of the state, because the order of
    bodies decides last bits. One that held others takes them with it. Interfaces keep files, locks and numbers meanwhile
    (`keep_released`).
 3. The world's attributes, random numbers and the count of insertions.
@@ -27,12 +27,12 @@ If a phase fails, the state is damaged, and the state that was taken before the 
 
 A reset is `set_state` of the state that `Initialize` kept at its end. Classic's plugins are not in that one: their
 `Reset()` is called. `SdfWorld.start` sorts geoms once before it, since a fresh world's order depends on how it was
-built. After it, callbacks are in the order of the start again, also of plugins that were loaded anew since. Plugins of a
-state that do not run are loaded before its joints and links return. Where code made some, models are built again from
+built. After it, callbacks are in the order of the start again, also of plugins that were loaded anew since. Plugins of
+a state that do not run are loaded before its joints and links return. Where code made some, models are built again from
 the first of these on, because a `Load` that makes a joint fails if it is there.
 
-A clone has a name of its own for topics, `World.topic_space`: topics belong to the process and not to the world, so that
-equal names would be equal topics. `Node.Init` translates the name of the world for the clone's plugins.
+A clone has a name of its own for topics, `World.topic_space`: topics belong to the process and not to the world, so
+that equal names would be equal topics. `Node.Init` translates the name of the world for the clone's plugins.
 """
 
 from __future__ import annotations

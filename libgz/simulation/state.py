@@ -52,9 +52,7 @@ __all__ = [
     "set_values",
     "undeclared",
 ]
-
 E = TypeVar("E", bound=GazeboError)
-
 _EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values are the same in every respect
 
 

@@ -74,6 +74,7 @@ def make_parser() -> Parser:
     iters = "number of iterations to run (default: until interrupted)"
     add("--iters", "--steps", type=whole_number("number"), metavar="N", help=iters)
     add("--server-id", type=whole_number("number"), help="serve the interfaces of legacy models under this server id")
+    add("--watch-only", action="store_true", help="refuse all that clients and pages do to change the world")
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_rewind_option(parser)
@@ -129,7 +130,7 @@ class Server:
     def _run(self) -> None:
         # Of System plugins, which belong to no world.
         problems = Problems(lambda: True, self.options.strict, warnings=False)
-        with SystemPlugins(self.options.server_plugin) as plugins, serve() as link:
+        with SystemPlugins(self.options.server_plugin) as plugins, serve(watch_only=self.options.watch_only) as link:
             if get_master_uri().port == 0:
                 sys.stdout.write(f"GAZEBO_MASTER_URI={link.address.uri}\n")
                 sys.stdout.flush()
@@ -208,7 +209,7 @@ class Server:
         with (
             record_videos(core, self.options.videos) as recorders,
             record_mcap(core, self.options) as capture,
-            SnapshotControl(core, self.options.rewind) as snapshots,
+            SnapshotControl(core, self.options.rewind, self.options.watch_only) as snapshots,
             view_process(self.options, core.server_id),
         ):
             self._steps(core, control, server, snapshots, [*recorders, *([capture] if capture is not None else [])])

@@ -544,7 +544,7 @@ class Collada:
         self.path = path
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
-        self.ids = {element.get("id"): element for element in self.root.xpath("//*[@id]")}
+        self.ids = {element.get("id"): element for element in self.root.iter(etree.Element) if "id" in element.attrib}
         self._looks: dict[str, _Effect] = {}
 
     @staticmethod

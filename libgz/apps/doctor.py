@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from libgz._version import __version__
 from libgz.base.errors import GazeboError
+from libgz.base.extras import install
 from libgz.ode.lib import ode
 from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine
@@ -114,7 +115,7 @@ def _extra(name: str, extra: Extra) -> Finding:
     versions = {package: _version(package) for package in extra.packages}
     absent = [package for package, version in versions.items() if version is None]
     if absent:
-        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; pip install 'libgz[{name}]'"
+        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; {install(name)}"
         return Finding(name, text, good=False, needed=False)
     return Finding(name, f"{extra.gives}: " + ", ".join(f"{package} {v}" for package, v in versions.items()))
 

@@ -600,8 +600,7 @@ class Body(Edited):
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
-        near = max(map(abs, total.c[:3])) <= LARGEST
-        if not (near and math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
+        if not (max(map(abs, total.c[:3])) <= LARGEST and mass_.is_possible(final)):
             raise ParameterError(
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
                 "of inertia is out of range"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import Diagnostics, Place, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector, rotate
-from libgz.sdf.value import repaired
+from libgz.sdf.value import repaired, starts_with_numbers
 from libgz.sdf.xml import child_of, local_name, place_of
 
 __all__ = [
@@ -218,7 +218,7 @@ class Robot:
         values = _finite(text)
         if len(values) == count:
             return values
-        usable = repaired({1: "double", 3: "vector3", 4: "color"}[count], text)
+        usable = repaired({1: "double", 3: "vector3", 4: "color"}[count], text, "") if starts_with_numbers(text) else ""
         values = _finite(usable)
         if not values:
             self.error(xml, f"{key} is {text!r}; it must be {needed}")

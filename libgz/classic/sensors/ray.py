@@ -25,7 +25,6 @@ __all__ = ["RaySensor"]
 
 log = logging.getLogger("libgz.classic")
 
-FULL_TURN = 2.0 * math.pi
 MOST_RAYS = 10_000_000
 
 
@@ -232,10 +231,8 @@ def _row(element: Element) -> tuple[int, int, tuple[float, float]]:
         message = f"is {resolution:g}; samples times resolution is less than 1, and 1 is used instead"
         log.warning("%s", wrong(element, "resolution", message))
         readings = 1
-    low, high = (number(element, key, -FULL_TURN, FULL_TURN, "rad") for key in ("min_angle", "max_angle"))
-    if high < low:
-        raise wrong(element, "max_angle", f"is {high:g} rad; it must be at least <min_angle>, {low:g} rad")
-    return samples, readings, (low, high)
+    low, high = (number(element, key, unit="rad") for key in ("min_angle", "max_angle"))
+    return samples, readings, (low, high)  # in either order: the first ray is the one at <min_angle>
 
 
 def _step(low: Angle, high: Angle, readings: int) -> float:

@@ -371,7 +371,6 @@ def test_rays_of_one_s_own():
     [
         (sensor("ray", ray(0)), r":\d+: <samples>: is 0; it must be at least 1"),
         (sensor("ray", ray(5, reach=(3, 2))), "<max>: is 2 m; it must be beyond <min>, 3 m"),
-        (sensor("ray", ray(5, (1, -1))), "<max_angle>: is -1 rad; it must be at least <min_angle>, 1 rad"),
         (sensor("ray", ray(5, resolution=-1)), "<resolution>: is -1; it must be at least 0"),
         (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
@@ -385,7 +384,44 @@ def test_rays_of_one_s_own():
         ),
     ],
 )
-def test_wrong_values_are_told_with_file_and_line(text, message):
+def test_values_beyond_their_bounds_are_replaced_with_a_warning(text, message, caplog):
+    with world_of("\n" + model("m", text)) as world:
+        world.step(100)
+    assert re.search(message, caplog.text)
+    assert ":2: <" in caplog.text
+
+
+def test_scans_may_go_round_more_than_once_and_backwards():
+    def ranges(first, last, vertical=""):
+        scan = f"<scan><horizontal><samples>5</samples><min_angle>{first}</min_angle><max_angle>{last}</max_angle>"
+        content = f"<ray>{scan}</horizontal>{vertical}</scan><range><min>0.1</min><max>10</max></range></ray>"
+        with world_of(model("m", sensor("ray", content)) + box("b", "3 0.4 0 0 0 0.3")) as world:
+            world.step(200)
+            return get("s").Ranges()
+
+    forwards = ranges(-0.2, 0.3)
+    assert len(set(forwards)) == 4
+    assert math.isfinite(forwards[2])
+    assert ranges(0.3, -0.2) == pytest.approx(forwards[::-1], abs=1e-12)
+    around = ranges(0.0, 6.28319)
+    assert around[0] == pytest.approx(around[4], abs=1e-4)
+    assert around[1:4] == [math.inf] * 3
+    rows = "<vertical><samples>3</samples><min_angle>{}</min_angle><max_angle>{}</max_angle></vertical>"
+    up, down = ranges(-0.2, 0.3, rows.format(-0.1, 0.1)), ranges(-0.2, 0.3, rows.format(0.1, -0.1))
+    assert down[:5] == pytest.approx(up[10:], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (sensor("ray", ray(20_000_000)), r":\d+: <samples>: is 20000000; it must be at most"),
+        (
+            sensor("camera", "<camera><image><width>99999</width></image></camera>"),
+            "<width>: is 99999; it must be at most",
+        ),
+    ],
+)
+def test_sensors_that_are_larger_than_libgz_holds_are_errors(text, message):
     with pytest.raises(WorldFileError, match=message):
         world_of("\n" + model("m", text))
 
@@ -407,10 +443,10 @@ def test_of_sensors_of_one_name_the_first_is_made(caplog):
 
 def test_a_wrong_sensor_of_a_model_that_joins_later_is_told_and_left_out(caplog):
     with world_of(model("m", imu())) as world:
-        wrong = model("n", sensor("ray", ray(0), "bad") + imu("fine"))
+        wrong = model("n", sensor("ray", ray(20_000_000), "bad") + imu("fine"))
         with caplog.at_level(logging.ERROR):
             physics.get_world().InsertModelString(f"<sdf version='1.6'>{wrong}</sdf>")
-        assert "<samples>: is 0" in caplog.text
+        assert "<samples>: is 20000000" in caplog.text
         world.step(1)
         assert sensors.get_sensor("bad") is None
         assert get("fine").IsActive()

@@ -38,7 +38,8 @@ bench-more: setup
 
 # The documents as a site, offline: build/site/index.html
 docs: setup
-	@$(BIN)/sphinx-build -q -W --keep-going -E -a -c docs . build/site
+	@$(BIN)/python scripts/make_docs.py build/docs
+	@$(BIN)/sphinx-build -q -W --keep-going -E -a -c docs build/docs build/site
 	@echo "build/site/index.html"
 
 # A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl

@@ -68,8 +68,8 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
     "texture": [read_image, lambda path: with_texture(path)],
 }
 ASSETS = tuple(ASSET_WORLDS)
-KINDS = ("legacy", "sdf", *ASSETS)
-TEXT = ("legacy", "sdf", "road", "obj", "dae", "bvh", "mtl")
+KINDS = ("legacy", "sdf", "xacro", *ASSETS)
+TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl")
 WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
 
 
@@ -81,6 +81,8 @@ def seeds(kind: str) -> list[bytes]:
         robots = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.urdf"))
         files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
         return [path.read_bytes() for path in files]
+    if kind == "xacro":
+        return [(ROOT / "tests" / "data" / "urdf" / "features.xacro").read_bytes()]
     return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
 
 

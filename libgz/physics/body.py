@@ -16,6 +16,7 @@ from libgz.base.errors import ClosedError, ParameterError
 from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzPose,
+    GzPoseOf,
     GzQuatern,
     GzQuaternIdent,
     GzQuaternInverse,
@@ -224,6 +225,7 @@ class Body(Edited):
         Raises:
             ParameterError: a component is not finite.
         """
+        pose = GzPoseOf(pose)
         position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
         if max(map(abs, position)) > FAR:
@@ -600,8 +602,7 @@ class Body(Edited):
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
-        near = max(map(abs, total.c[:3])) <= LARGEST
-        if not (near and math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
+        if not (max(map(abs, total.c[:3])) <= LARGEST and mass_.is_possible(final)):
             raise ParameterError(
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
                 "of inertia is out of range"

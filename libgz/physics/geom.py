@@ -13,6 +13,7 @@ from libgz.base.geometry import (
     GzColor,
     GzCoordPoseAdd,
     GzPose,
+    GzPoseOf,
     GzQuatern,
     GzQuaternMul,
     GzQuaternNormal,
@@ -216,6 +217,7 @@ class Geom(Edited):
         Raises:
             ParameterError: a component is not finite.
         """
+        pose = GzPoseOf(pose)
         position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         if max(map(abs, position)) > WIDE:

@@ -1,4 +1,8 @@
-"""Space: a group of geoms that never touch each other."""
+"""Space: a group of geoms that never touch each other.
+
+Each model has a space of its own inside a hash space: geoms of one model never touch, and spaces of fixed models ignore
+each other.
+"""
 
 from __future__ import annotations
 

@@ -5,6 +5,54 @@ ODE's own memory is copied by the step (`Step.get_state`), the tables are copied
 are made once for all objects of a class, and only encoded again when one of them differs from the last time.
 
 Objects are numbered in the order of their construction, so that a state fits another process that built the same world.
+
+`Engine.get_state()` returns plain data, `Engine.set_state(state)` puts it back, and what follows is the same to the
+bit.
+`libgz/physics/state.py` puts it together; what is new in the engine belongs into one of its parts:
+
+- ODE's memory, copied by the step, in both forms (`gz_get_state` in `step.c`, `python_state.py`). ODE's setters change
+  last bits (they
+  normalise quaternions), and it has no getters for idle counters, for what joints measure their angles from, or for
+the marks of geoms that have moved. `libgz/ode/memory.py` finds where these lie when the first engine is made: it writes
+  odd values with
+  ODE's functions and looks for them, and it counts sizes with an allocator of its own. So of a body all from its mass
+  to its idle counters is copied, its switches and its damping; of a joint all behind its links to other objects:
+  parameters, anchors and axes, reference rotations, limits; of a geom bits, lengths, offset and marks. No pointer is
+copied; those that link bodies are exchanged. Where an ODE has another order, states raise LibraryError, and all else
+  works.
+- Orders. ODE finds contacts in the order of the geoms of a space, islands in the order in which bodies were made, and
+  solves joints in the order in which bodies were attached. Bodies that were made in another order are linked anew
+  (`order_bodies`), as where a plugin made a link after models that are built again. Geoms are
+  removed from their spaces and added again, last one first, parents after their parts; then
+boxes are computed, and the marks are written: a marked geom keeps its place when it moves, others go to the front.
+  Joints are
+  attached again from the first one on that differs from `Engine.attached`.
+- Tables: centres of mass, states, springs, turns that were counted, surfaces, by objects in order of construction. The
+  same call as for
+ODE's memory copies them: `Parts` has their addresses, and is made again when a row was taken or freed. Rows are part of
+  a state:
+springs are applied in their order, and contacts are recorded with them. Objects that were built again get the rows of
+  the old ones.
+- What Python knows besides: the attributes that a class names in `KEPT` (sizes, masses, stops, names) and how geoms
+  look. Assignments to
+them are counted (`physics/edits.py`). They are collected only after one, and encoded again only if one differs from the
+  last time;
+a class that gets a new attribute that may change later adds it there, and replaces its value instead of changing it in
+  place.
+- Settings of the engine, its counters and random state, recorded contacts, feedback of joints, gears and threads.
+
+Objects have numbers, in order of construction. They are found by those, and where that does not fit, as in another
+process, by their
+names, bodies and models; spaces by the geoms in them, screws and gears by their joints. What was made since is closed,
+newest first; if
+something is missing, StateError names it and nothing has changed. `tests/physics/test_random_states.py` looks for what
+is forgotten: add new changes there.
+
+ODE keeps nothing else that matters: the quick solver starts each step from zero, meshes without temporal caches, the
+hash
+space from the order of its geoms and its levels, which are restored. Memory of joints that ODE's constructors do not
+set is zeroed, so
+equal engines have equal states.
 """
 
 from __future__ import annotations

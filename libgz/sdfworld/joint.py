@@ -501,7 +501,7 @@ class SdfJoint:
         users = dict(self._set)
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
-            if axis.friction > 0.0:
+            if axis.friction > 0.0 and self._number("vel", index) is not None:
                 self.set_param("friction", axis.friction, index)
         for key, value in self.plan.parameters.items():
             for index in range(max(1, len(self.axes))):

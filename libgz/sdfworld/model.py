@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, nearest
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
+from libgz.physics.check import LARGEST
 from libgz.physics.geom import Geom
 from libgz.physics.joint import Joint
-from libgz.physics.mass import Mass, given_mass, positive_definite
+from libgz.physics.mass import Mass, about_centre, given_mass, is_possible, positive_definite
 from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, lost_link, read_joint
@@ -30,6 +30,8 @@ from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
+
+UNIT = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]  # moments of inertia [kg m^2]
 
 
 class SdfModel(Entity):
@@ -108,10 +110,10 @@ class SdfModel(Entity):
             else:
                 self._guard(element, self.add_joint, element)
         for element in self.sdf.named("gripper"):
-            self._guard(element, self._add_gripper, element)
+            self._leave_out(element, self._add_gripper, element)
         for element in self.sdf.named("joint"):
             for mimic in element.child("axis").named("mimic") if element.HasElement("axis") else ():
-                self._guard(mimic, self._add_mimic, mimic, element.Get(str, "name"))
+                self._leave_out(mimic, self._add_mimic, mimic, element.Get(str, "name"))
         for model in self.nested.values():
             model.build_joints()
         self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
@@ -145,6 +147,13 @@ class SdfModel(Entity):
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met; the others are still found
             self.diagnostics.failure(element, error)
 
+    def _leave_out(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
+        """Call `action`; what it raises becomes a warning: the element is left out, and the rest stands."""
+        try:
+            action(*arguments)
+        except Exception as error:  # noqa: BLE001 - whatever it met
+            self.diagnostics.warn(element, f"{explain(error)}; it is left out")
+
     # Links -------------------------------------------------------------------------------------------------------
 
     def _add_nested(self, element: Element, pose: GzPose) -> None:
@@ -170,7 +179,7 @@ class SdfModel(Entity):
         body.SetPose(GzCoordPoseAdd(element.Get(GzPose, "pose"), frame))
         self._add_collisions(body, element)
         for visual in element.named("visual"):
-            self._guard(visual, self._add_visual, body, visual)
+            self._leave_out(visual, self._add_visual, body, visual)
         link_lights(body, element, self.diagnostics.warn)
         if self.static:
             return
@@ -183,22 +192,24 @@ class SdfModel(Entity):
             body.set_kinematic(True)
 
     def _mass(self, inertial: Element) -> Mass:
-        """The mass matrix of `<inertial>`; what no body can have is replaced as in Gazebo classic, with a warning."""
-        inertia = inertial.child("inertia")
+        """The mass matrix of `<inertial>`; what no body can have is replaced, with a warning, as in Gazebo classic."""
+        inertia, mass, pose = inertial.child("inertia"), inertial.Get(float, "mass"), inertial.Get(GzPose, "pose")
         moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
-        if all(map(math.isfinite, moments)) and not positive_definite(moments):
-            words = " ".join(f"{moment:g}" for moment in moments)
-            self.diagnostics.warn(
-                inertia,
-                f"moments of inertia ixx iyy izz ixy ixz iyz are {words}, which no body has: they are not positive "
-                "definite; 1 kg m^2 about each axis is used instead",
-            )
-            moments = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
-        mass = inertial.Get(float, "mass")
-        if mass == 0.0:
-            self.diagnostics.warn(inertial, "mass is 0; 1 kg is used instead")
+        if not 0.0 < mass <= LARGEST:
+            self.diagnostics.warn(inertial, f"mass is {mass:g}; 1 kg is used instead")
             mass = 1.0
-        return given_mass(mass, moments, inertial.Get(GzPose, "pose"))
+        if (found := _possible(mass, moments, pose)) is not None:
+            return found
+        words = " ".join(f"{moment:g}" for moment in moments)
+        self.diagnostics.warn(
+            inertia,
+            f"moments of inertia ixx iyy izz ixy ixz iyz are {words}, which no body has: they are not positive "
+            "definite, or singular but for rounding; 1 kg m^2 about each axis is used instead",
+        )
+        if (found := _possible(mass, UNIT, pose)) is not None:
+            return found
+        self.diagnostics.warn(inertial, "the centre of mass is too far away; the link's origin is used instead")
+        return given_mass(mass, UNIT, GzPose())
 
     def create_link(self, name: str) -> Body:
         """Add a link without shapes, of 1 kg, at the model's pose.
@@ -307,7 +318,7 @@ class SdfModel(Entity):
         if self._self_collides(link):
             space = self._spaces[body] = Space(self.world.engine)
         for collision in link.named("collision"):
-            self._guard(collision, self.add_collision, body, collision, space)
+            self._leave_out(collision, self.add_collision, body, collision, space)
         last = next(reversed(list(link.named("collision"))), None)
         if last is not None and body.geoms:
             hilly = last.child("geometry").HasElement("heightmap")
@@ -552,6 +563,7 @@ class SdfModel(Entity):
 
     def SetPose(self, pose: GzPose) -> None:
         """Move all links, and nested models, as one; all velocities become zero."""
+        pose = GzPoseOf(pose)
         before = self.GetPose()
         for model in self.nested_family():
             if model._canonical is None:
@@ -610,3 +622,11 @@ class SdfModel(Entity):
 def model_pose(element: Element) -> GzPose:
     """The pose of a `<model>` in its parent."""
     return element.Get(GzPose, "pose") if element.HasElement("pose") else GzPose(GzVector(), GzQuaternIdent())
+
+
+def _possible(mass: float, moments: list[float], pose: GzPose) -> Mass | None:
+    """A mass matrix from its numbers; None where ODE cannot use it."""
+    if max(map(abs, (*moments, *pose.pos))) > LARGEST or not positive_definite(moments):
+        return None
+    found = given_mass(mass, moments, pose)
+    return found if is_possible(about_centre(found)) else None

@@ -65,7 +65,7 @@ class Companion(Protocol):
 
 
 class Stateless:
-    """What is common to companions that are no part of a world's state, such as logs: they go on as they were."""
+    """What is common to companions that are no part of a world's state, such as logs: they continue as they were."""
 
     def reseed(self, seed: int) -> None:
         """Nothing to do."""

@@ -1,4 +1,54 @@
-"""Snapshots: the whole state of a world as bytes, and a world brought back to such a state."""
+"""Snapshots: the whole state of a world as bytes, and a world brought back to such a state.
+
+`World.get_state()` encodes plain data, without references within it, so that equal states are equal bytes
+(`simulation/state.py`). Values are read by one getter for each class, and looked at one by one only where one is not a
+number or text; a value that is there already is not set. Vectors, poses and arrays are tuples behind a mark, which
+takes a
+tenth of the time of pickling them. Large arrays and interfaces are blocks at the end of the bytes, which are copied
+once.
+
+`Snapshots.restore` (`snapshot.py`) acts in an order that matters:
+
+1. Checks: the file's digest, and whether what has to be built again can be. Until here nothing has changed.
+2. Journal (`journal.py`): each entity has an `Origin`, a place in the file or in an inserted text. From the first one
+on
+   that differs, by origin or by parent, all are removed and built again in the order of the state, because the order of
+   bodies decides last bits. One that held others takes them with it. Interfaces keep files, locks and numbers meanwhile
+   (`keep_released`).
+3. The world's attributes, random numbers and the count of insertions.
+4. Entities: of all of them what seldom changes, then the other attributes of `STATE`, then `LoadState`. That may make
+   and remove links. Then come the joints of models (`MasterStatesSet`), for those hold links of other models.
+5. Companions and extensions. Classic's companion (`classic/server.py`) has names first, by which others are found, then
+sensors, controllers, animations, what
+   plugins changed of visuals, waiting messages, and plugins.
+6. The engine: it overwrites whatever the phases before did, and closes bodies, geoms and joints that came since.
+7. Interface bytes. So commands of clients that were waiting act again.
+
+If the companions had to load or drop plugins, all phases run once more, since `Load` can change anything. What a plugin
+added to
+the world ends with it, not when Python collects it (`AtEnd` in `event.py`).
+
+If a phase fails, the state is damaged, and the state that was taken before the first phase is set in the same way. It
+is not
+taken where the same bytes were set without an error before. `tests/trials/test_damaged_states.py` replaces values
+within states.
+
+A reset is `set_state` of the state that `Initialize` kept at its end. Classic's plugins are not in that one: their
+`Reset()` is called. `SdfWorld.start` sorts geoms once before it, since a fresh world's order depends on how it was
+built.
+After it, callbacks are in the order of the start again, also of plugins that were loaded anew since.
+Plugins of a state that do not run are loaded before its joints and links return. Where code made some, models are built
+again
+from the first of these on, because a `Load` that makes a joint fails if it is there.
+`rewind.py` keeps states in a ring; a step without one pays for one comparison.
+
+A clone has a name of its own for topics, `World.topic_space`: topics belong to the process and not to the world, so
+that
+equal names would be equal topics. `Node.Init` translates the name of the world for the clone's plugins.
+
+What other processes see (`publication.py`, docs/observer.md) are the engine's tables, copied behind a sequence counter
+after each step; no second description of the world exists for them.
+"""
 
 from __future__ import annotations
 

@@ -200,7 +200,7 @@ def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0)
     Raises:
         ParameterError: the kind is unknown, or a value is not allowed.
     """
-    kind = choice(element, "type", KINDS)
+    kind = choice(element, "type", KINDS, "none")
     if kind == "none":
         return Noise()
     if kind == "custom":

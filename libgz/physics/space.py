@@ -11,7 +11,6 @@ from typing import Protocol
 from libgz.base.errors import ClosedError
 from libgz.ode.context import Step
 from libgz.ode.lib import ode
-from libgz.physics.edits import Edited
 from libgz.physics.lock import WorldLock, built, exclusive
 
 __all__ = ["Space"]
@@ -39,7 +38,7 @@ class SpaceOwner(Protocol):
         """The form of the step."""
 
 
-class Space(Edited):
+class Space:
     """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
 
     Args:

@@ -8,12 +8,12 @@ A state is read when it is asked for: nothing notices what is assigned, nothing 
 1. Checks: the file's digest, and whether what has to be built again can be. Until here nothing has changed. Then the
    present state is taken.
 2. Journal (`journal.py`): each entity has an `Origin`, a place in the file or in an inserted text. From the first one
-   on that differs, by origin or by parent, all are removed and built again in the order of the state, because the order of
-   bodies decides last bits. One that held others takes them with it. Interfaces keep files, locks and numbers meanwhile
-   (`keep_released`).
+   on that differs, by origin or by parent, all are removed and built again in the order of the state, because the order
+   of bodies decides last bits. One that held others takes them with it. Interfaces keep files, locks and numbers
+   meanwhile (`keep_released`).
 3. The world's attributes, random numbers and the count of insertions.
-4. Entities: of each the attributes of `STATE`, then `LoadState`. That may make and remove links. Then come the joints of
-   models (`MasterStatesSet`), for those hold links of other models.
+4. Entities: of each the attributes of `STATE`, then `LoadState`. That may make and remove links. Then come the joints
+   of models (`MasterStatesSet`), for those hold links of other models.
 5. Companions and extensions. Classic's companion (`classic/server.py`) has names first, by which others are found, then
    sensors, controllers, animations, what plugins changed of visuals, waiting messages, and plugins.
 6. The engine: it overwrites whatever the phases before did, and closes bodies, geoms and joints that came since.

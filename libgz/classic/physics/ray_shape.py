@@ -227,7 +227,6 @@ class MultiRayShape:
     def show(self, ranges: NDArray[np.float64]) -> None:
         """Take ranges that were measured otherwise [m], shape (n,)."""
         self._reached[:] = np.where(np.isfinite(ranges), ranges - self.grid.reach[0], sys.float_info.max)
-        self.noted.count()
 
     def ConnectNewLaserScans(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` after each scan, as long as the connection is kept."""

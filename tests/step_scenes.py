@@ -105,6 +105,17 @@ def classic_pile(cone):
     return run
 
 
+def tracks(_):
+    engine = Engine(step_time=0.001, solver="quick", seed=3)
+    use_classic(engine)
+    dressed_ground(engine, mu=0.8, fdir1=(0, 1, 0), TRACK=1, TRACK_SPEED=0.1)
+    for i in range(4):
+        speed = {"fdir1": (0.1 * i, 1, 0), "TRACK": i % 3, "TRACK_SPEED": 0.2 * i, "PIVOT": 0.3}
+        geom = dressed_box(engine, (0.3 * i, 1.2 * i, 0.6 + 1.1 * i), mu=0.9, mu2=0.3, **speed)
+        geom.body.SetAngularVel((i, 1, 0))
+    return moved(engine, engine.step, 1500)
+
+
 def relief(_):
     """Solids on a height field and on a mesh."""
     engine = Engine(step_time=0.005, solver="quick", seed=2)
@@ -269,6 +280,7 @@ SCENES = {
     "pile, quick": pile("quick"),
     "classic pile, pyramid": classic_pile(False),
     "classic pile, cone": classic_pile(True),
+    "tracks": tracks,
     "relief": relief,
     "closing": closing,
     "joints, world": joints("world"),

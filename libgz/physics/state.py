@@ -91,15 +91,15 @@ PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "
 
 # Fields of the context that are saved as their bytes, for they follow each other.
 SAVED_FIELDS = (
-    *("step", "quick", "contact_rule", "count_turns", "check_divergence", "seed", "steps", "contact_count"),
+    *("step", "quick", "contact_rule", "count_turns", "seed", "steps", "contact_count"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
-_FIELDS = struct.Struct("=d4qQ4q3dq")
+_FIELDS = struct.Struct("=d3qQ4q3dq")
 _FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
 _PROGRESS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("seed", "max_contacts"))
 # The attributes of an engine that set most of them.
 SETTINGS = (
-    *("step_time", "contact_rule", "count_turns", "check_divergence"),
+    *("step_time", "contact_rule", "count_turns"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
 # Other attributes of an engine: settings, those that are set together, and plain ones.
@@ -224,7 +224,7 @@ class EngineState:
             _numbers(engine),
             sorted(quirks) if quirks else [],
             objects,
-            kept(engine.step_form.get_state(self._present_parts(engine, present))),
+            kept(engine.native.get_state(self._present_parts(engine, present))),
             bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
             self._dummy_poses(dummies) if dummies else b"",
             _couplings(couplings, joints) if couplings else [],
@@ -316,7 +316,7 @@ class EngineState:
             present = self._present(engine)
             self._objects(engine, present)
         self._restore_settings(state)
-        if not engine.step_form.set_state(self._present_parts(engine, present), bytes(state["memory"])):
+        if not engine.native.set_state(self._present_parts(engine, present), bytes(state["memory"])):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
@@ -375,7 +375,7 @@ class EngineState:
                 dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
             engine.dummy_moves += 1
         if engine.record_contacts:
-            engine.step_form.set_contacts(state["contacts"])
+            engine.native.set_contacts(state["contacts"])
 
     # Objects -----------------------------------------------------------------------------------------------------
 
@@ -653,9 +653,9 @@ def _fields(settings: Any) -> dict[str, Any]:
     step, quick, rule, *values = _FIELDS.unpack(settings)
     if quick not in (0, 1) or rule not in list(ContactRule):
         raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
-    turns, check, _, _, _, most, cone, x, y, z, record = values
+    turns, _, _, _, most, cone, x, y, z, record = values
     return {
-        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns, "check_divergence": check},
+        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns},
         **{"max_contacts": most, "cone": cone, "gravity": (x, y, z), "record_contacts": record},
     }
 

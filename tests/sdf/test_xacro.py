@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -528,12 +527,10 @@ def test_yaml_that_is_refused(name, folder, monkeypatch):
     monkeypatch.chdir(folder)
     (folder / "d.yaml").write_text(YAML[name])
     body = prop("d", "${xacro.load_yaml('d.yaml')}") + "<l v='${d}'/>"
-    begin = time.process_time()
     if name == "merges":  # each key once, however often it is merged
         assert result(body, folder).count("x") > 1
     else:
         assert refused(body, folder).startswith("robot.xacro:1: <l>: ")
-    assert time.process_time() - begin < 60  # not for ever; a bound of seconds is for another machine
     assert not (folder / MARK).exists()
 
 

@@ -32,6 +32,7 @@ def test_bodies_lie_beside_each_other_whatever_is_allocated_meanwhile():
 
 
 def test_blocks_are_used_again():
+    Engine()  # with the first one the native step is loaded, whose blocks ODE uses from then on
     lib = ode()
     world = lib.dWorldCreate()
     first = [lib.dBodyCreate(world) for _ in range(50)]

@@ -89,7 +89,7 @@ def api_page(title: str, about: str, names: dict[str, object]) -> str:
 def about_class(name: str, kind: type, listed: set[type]) -> Iterator[str]:
     """The constructor, the docstring and the members of a class."""
     base = next((base for base in kind.__mro__[1:] if base in listed), None)
-    if kind.__init__ is not object.__init__ and not issubclass(kind, BaseException):
+    if inspect.getattr_static(kind, "__init__") is not object.__init__ and not issubclass(kind, BaseException):
         yield f"`{name}{signature(kind)}`\n"
     yield docstring(kind)
     if base is not None:

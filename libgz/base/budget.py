@@ -142,7 +142,7 @@ class Budget:
             BudgetError: it is more than there is left.
             ValueError: it is damaged, or has another size.
         """
-        import lz4.frame  # of the extra `log`
+        import lz4.frame  # type: ignore[import-not-found, import-untyped, unused-ignore]  # of the extra `log`
 
         self.take(size)
         try:

@@ -13,10 +13,11 @@ from typing import Any
 from libgz.base.errors import StateError
 from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 
-__all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "Appearance", "Backdrop"]
+__all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "SAME", "Appearance", "Backdrop"]
 
 # GZ_RENDER_*: the passes of a frame, in order.
 RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT = range(3)
+SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # the matrix of textures that are neither scaled, turned nor moved
 
 
 @dataclass
@@ -31,6 +32,7 @@ class Appearance:
     shininess: float = 0.0
     texture_file: Path | None = None
     texture_size: GzVector = field(default_factory=lambda: GzVector(2.0, 2.0, 0.0))  # [m] covered by one image
+    texture_matrix: tuple[float, ...] = SAME  # of texture coordinates: u' = a u + b v + c, v' = d u + e v + f
     skin_file: Path | None = None
     skin_pose: GzPose = field(default_factory=GzPose)  # in the frame of the geom's centre
     skin_scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))

@@ -16,6 +16,7 @@ from libgz.base.errors import ClosedError, ParameterError
 from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzPose,
+    GzPoseOf,
     GzQuatern,
     GzQuaternIdent,
     GzQuaternInverse,
@@ -221,6 +222,7 @@ class Body:
         Raises:
             ParameterError: a component is not finite.
         """
+        pose = GzPoseOf(pose)
         position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
         if max(map(abs, position)) > FAR:

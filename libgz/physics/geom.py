@@ -13,6 +13,7 @@ from libgz.base.geometry import (
     GzColor,
     GzCoordPoseAdd,
     GzPose,
+    GzPoseOf,
     GzQuatern,
     GzQuaternMul,
     GzQuaternNormal,
@@ -102,7 +103,6 @@ class Geom:
 
     def _destroy_handle(self) -> None:
         if self._id is not None:
-            self.body.engine.step_form.forget(self._id)
             ode().dGeomDestroy(self._id)
             self._id = None
 
@@ -215,6 +215,7 @@ class Geom:
         Raises:
             ParameterError: a component is not finite.
         """
+        pose = GzPoseOf(pose)
         position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         if max(map(abs, position)) > WIDE:

@@ -544,7 +544,7 @@ class Collada:
         self.path = path
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
-        self.ids = {element.get("id"): element for element in self.root.xpath("//*[@id]")}
+        self.ids = {element.get("id"): element for element in self.root.iter(etree.Element) if "id" in element.attrib}
         self._looks: dict[str, _Effect] = {}
 
     @staticmethod
@@ -776,6 +776,8 @@ class Collada:
         numbers = read_numbers(array.text)
         accessor = next(self.deep(source, "accessor"), None)
         stride = int(accessor.get("stride", "1")) if accessor is not None else columns
+        if columns == 3:
+            stride = max(stride, 3)  # positions and normals have three, whatever the accessor says
         if stride < columns:
             raise ValueError(f"rows of {columns} numbers have a stride of {stride}")
         return numbers[: len(numbers) // stride * stride].reshape(-1, stride)[:, :columns]

@@ -48,7 +48,7 @@ _TOLERATED = {
     "I18N_NO_INPUT": "there are bytes that are not of the document's encoding; they are replaced",
 }
 
-LAST_LINE = 65535  # that libxml2 keeps in an element that was not parsed
+LAST_LINE = 65534  # that libxml2 keeps in an element that was not parsed; 65535 means that it is later
 _PLACE = re.compile(r"(\d{1,9}) (.*)", re.DOTALL)
 
 Report = Callable[[int, str], None]  # of a warning, with its line

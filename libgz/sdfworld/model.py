@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST
 from libgz.physics.geom import Geom
@@ -549,6 +549,7 @@ class SdfModel(Entity):
 
     def SetPose(self, pose: GzPose) -> None:
         """Move all links, and nested models, as one; all velocities become zero."""
+        pose = GzPoseOf(pose)
         before = self.GetPose()
         for model in self.nested_family():
             if model._canonical is None:

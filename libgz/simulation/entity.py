@@ -7,7 +7,7 @@ import struct
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzVector, place_of
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
@@ -329,6 +329,7 @@ class Entity:
 
         Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
         """
+        pose = GzPoseOf(pose)
         with self.world.lock:
             before = self.GetPose()
             for body in self.bodies:

@@ -26,7 +26,7 @@ from libgz.base.errors import (
     nearest,
     pass_interrupt,
 )
-from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
@@ -1319,6 +1319,7 @@ class World(Closing):
 
         All velocities become zero.
         """
+        pose = GzPoseOf(pose)
         parent = model.parentBody
         self._move(model, GzCoordPoseAdd(pose, parent.GetPose()) if parent is not None else pose)
         if parent is not None:

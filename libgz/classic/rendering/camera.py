@@ -19,6 +19,7 @@ from libgz.base.geometry import (
     GzCoordPositionAdd,
     GzCoordPositionSub,
     GzPose,
+    GzPoseOf,
     GzVector,
     QuaternLike,
     VectorLike,
@@ -417,6 +418,7 @@ class Camera(Closing):
 
     def SetWorldPose(self, pose: GzPose) -> None:
         """Move it to a global pose [m]."""
+        pose = GzPoseOf(pose)
         self.core.SetPose(GzPose(GzVector(*pose.pos), pose.rot))
 
     def SetWorldPosition(self, pos: VectorLike) -> None:

@@ -15,6 +15,7 @@ from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,
+    GzPoseOf,
     GzVector,
     QuaternLike,
     VectorLike,
@@ -330,6 +331,7 @@ class Visual:
 
     def SetWorldPose(self, pose: GzPose) -> None:
         """Move it, with all in it, to a global pose [m]; from there it moves with its link."""
+        pose = GzPoseOf(pose)
         before = self.world_pose()
         moved = [(part, GzCoordPoseSub(part.world_pose(), before)) for part in self.tree()]
         for part, relative in moved:
@@ -344,6 +346,7 @@ class Visual:
 
     def SetPose(self, pose: GzPose) -> None:
         """Move it to a pose in its parent [m]."""
+        pose = GzPoseOf(pose)
         around = self._parent.world_pose() if self._parent is not None else GzPose()
         self.SetWorldPose(GzCoordPoseAdd(pose, around))
 

@@ -31,7 +31,8 @@ MOST_RAYS = 10_000_000
 class RaySensor(LinkSensor):
     """A laser. Distances beyond its range are +inf, those below its minimum -inf.
 
-    Rays are cast against collisions, those of the laser's own link included, from the minimum range on. Where
+    Rays are cast against collisions, those of the laser's own link included, from the minimum range on. What stands
+    nearer stops them, unlike in Gazebo, which sees through it; the laser's own model does not. Where
     `resolution` is not 1, there are samples * resolution readings, interpolated between the rays.
     """
 
@@ -92,8 +93,7 @@ class RaySensor(LinkSensor):
 
     def measure(self, elapsed: float) -> None:
         """Cast all rays."""
-        self._shape.Update()
-        ranges, self._retros = self._shape.ranges(), self._shape.retros()
+        ranges, self._retros = self._scan()
         if self._mixing is not None:
             ranges = _mix(ranges, self._mixing)
             self._retros = _mix(self._retros, self._mixing, average=True)
@@ -101,6 +101,11 @@ class RaySensor(LinkSensor):
         noise = self.noises.get(self.noise_type)
         measured = ranges if noise is None else np.clip(noise.apply_all(ranges), near, far)
         self._ranges = np.where(ranges >= far, math.inf, np.where(ranges <= near, -math.inf, measured))
+
+    def _scan(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Ranges [m] and retro values of all rays."""
+        self._shape.Update()
+        return self._shape.ranges(), self._shape.retros()
 
     def message(self) -> Any:
         """The last scan as a msgs.LaserScanStamped."""

@@ -16,10 +16,9 @@ FOCAL = 200.0  # of 200 px with this field of view
 
 
 def box(x, y, size=0.1):
-    return (
-        f"<visual name='v'><pose>{1.0 + size / 2} {-x} {-y} 0 0 0</pose><geometry><box>"
-        f"<size>{size} {size} {size}</size></box></geometry><material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse></material></visual>"
-    )
+    shape = f"<geometry><box><size>{size} {size} {size}</size></box></geometry>"
+    red = "<material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse></material>"
+    return f"<visual name='v'><pose>{1.0 + size / 2} {-x} {-y} 0 0 0</pose>{shape}{red}</visual>"
 
 
 def seen(load, lens, place, size=0.1):

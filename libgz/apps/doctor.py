@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from libgz._version import __version__
 from libgz.base.errors import GazeboError
+from libgz.base.extras import install
 from libgz.ode.lib import ode
 from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine
@@ -22,7 +23,7 @@ from libgz.transport.semaphores import SemaphoreSet
 
 __all__ = ["Finding", "configure", "examine", "run"]
 
-PACKAGES = ("numpy", "lxml", "pillow")
+PACKAGES = ("numpy", "lxml", "pillow", "PyYAML")
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,6 @@ EXTRAS = {
         "meshes and skins of more formats",
         "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
     ),
-    "urdf": Extra(("xacro",), "macros of xacro in robot descriptions", "robot descriptions without macros load"),
     "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their images as files, work"),
     "plot": Extra(("matplotlib",), "plots by libgz plot", "libgz echo and libgz export print the same figures"),
     "log": Extra(
@@ -115,7 +115,7 @@ def _extra(name: str, extra: Extra) -> Finding:
     versions = {package: _version(package) for package in extra.packages}
     absent = [package for package, version in versions.items() if version is None]
     if absent:
-        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; pip install 'libgz[{name}]'"
+        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; {install(name)}"
         return Finding(name, text, good=False, needed=False)
     return Finding(name, f"{extra.gives}: " + ", ".join(f"{package} {v}" for package, v in versions.items()))
 

@@ -127,7 +127,7 @@ def pass_interrupt(error: BaseException) -> None:
     if trace is None:
         raise error
     code = trace.tb_frame.f_code
-    own = Path(code.co_filename).is_relative_to(Path(__file__).parent)
+    own = Path(code.co_filename).is_relative_to(Path(__file__).parents[1])
     raised = code.co_code[trace.tb_lasti] == dis.opmap["RAISE_VARARGS"]
     if own or (isinstance(error, KeyboardInterrupt) and not raised):
         raise error

@@ -143,7 +143,7 @@ def GzPoseOf(value: GzPose | Sequence[float]) -> GzPose:
     if hasattr(value, "pos") and hasattr(value, "rot"):
         return value  # type: ignore[return-value]
     try:
-        x, y, z, roll, pitch, yaw = map(float, value)  # type: ignore[arg-type]
+        x, y, z, roll, pitch, yaw = map(float, value)
     except (TypeError, ValueError):
         what = "a GzPose or Pose3d, or six numbers: x y z [m], roll pitch yaw [rad]"
         raise ParameterError(f"the pose is {value!r}; it must be {what}") from None

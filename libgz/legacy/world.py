@@ -267,7 +267,7 @@ class LegacyWorld(Era):
     def save(self, world: World, whole: bool = False) -> int:
         """Write the worldfile, as `World.Save` describes; 0 or -1.
 
-        Worlds of libgz that were found by name are not written to.
+        Worlds of libgz that were found by name are not written to. The file as it was is kept as ``NAME.bak``.
         """
         if self.file is None:
             return -1
@@ -279,12 +279,11 @@ class LegacyWorld(Era):
         for node, model in top:
             pose = to_file(model, model.GetPose())
             model.initPose = model.GetPose()
-            node.SetPosition("xyz", pose.pos, add=True)
-            node.SetRotation("rpy", pose.rot, add=True)
+            node.put_pose(pose.pos, pose.rot)
         added = [node for node, _ in top if whole and node.file is not self.file]
         removed = self.loader.built - present.keys() if whole else ()
         try:
-            self.file.Save(removed=removed, added=added)
+            self.file.Save(removed=removed, added=added, backup=True)
         except WorldFileError as error:
             log.error("%s", error)
             return -1

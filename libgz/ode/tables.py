@@ -2,6 +2,10 @@
 
 Setters mark rows as stale, getters read a stale row from ODE first. step.c gets the addresses of the arrays and
 describes their columns.
+
+- States are in tables (`libgz/ode/tables.py`). After a native step all rows are fresh. Setters mark rows as stale;
+  getters read a stale row
+  from ODE first. The Python step leaves all rows stale, and so costs only what is read.
 """
 
 from __future__ import annotations

@@ -35,7 +35,6 @@ from libgz.base.geometry import (
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.check import FAR, LARGEST, finite_tuple, not_negative, rotation_tuple
-from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
 
@@ -55,7 +54,7 @@ _STILL = (0.0, 0.0, 0.0)
 _numbers = itertools.count(1)
 
 
-class Body(Edited):
+class Body:
     """A rigid body.
 
     Its frame is the one its geoms are placed in; ODE's own origin is the centre of mass, and the difference is kept
@@ -76,7 +75,7 @@ class Body(Edited):
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
-    KEPT: ClassVar[tuple[str, ...]] = (
+    SAVED: ClassVar[tuple[str, ...]] = (
         "bodyName",
         "kinematic",
         "made_static",
@@ -113,7 +112,6 @@ class Body(Edited):
             self.row = self.engine.tables.add_body(self, handle)
         else:
             self.engine.dummies[self] = None
-            self.engine.dummy_moves += 1
 
     def __repr__(self) -> str:
         return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}{place_of(self)}>"
@@ -176,7 +174,6 @@ class Body(Edited):
             self._id = None
         self.engine.moved_dummies.discard(self)
         self.engine.dummies.pop(self, None)
-        self.engine.dummy_moves += 1
         self._closed = True
 
     # State -------------------------------------------------------------------------------------------------------
@@ -233,7 +230,6 @@ class Body(Edited):
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             self.engine.moved_dummies.add(self)
-            self.engine.dummy_moves += 1
             self.engine.tables.record.changes += 1
             for geom in self.geoms:
                 geom.follow_dummy()

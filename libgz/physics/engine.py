@@ -93,7 +93,6 @@ class Engine:
         quirks: names of quirks of the legacy server that are in force.
         ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         moved_dummies: bodies without an ODE body whose pose was set; who publishes their poses empties it.
-        dummy_moves: grows when the pose of such a body is set, and when one comes or goes.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
@@ -152,7 +151,6 @@ class Engine:
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
         self._made: list[weakref.ref[Any]] | None = None  # where joints and rays that are made are noted
         self.moved_dummies: set[Any] = set()
-        self.dummy_moves = 0
         self.collisions = 0
         self.facade: Any = None
         self.abandoned = False
@@ -470,15 +468,11 @@ class Engine:
         _ = self.world  # raises if it is closed
         return self._state.get()
 
-    def read_state(self, kept: Callable[[bytes], Any]) -> tuple[Any, ...]:
-        """The values of `get_state`, in the order of PARTS, for a caller that holds the lock.
-
-        Args:
-            kept: returns what stands for ODE's memory, which can be large.
-        """
+    def read_state(self) -> dict[str, Any]:
+        """`get_state`, for a caller that holds the lock."""
         if not self._destroy.alive:
             _ = self.world  # raises
-        return self._state.values(kept)
+        return self._state.get()
 
     @exclusive
     def set_state(self, state: dict[str, Any]) -> None:
@@ -671,7 +665,6 @@ class Engine:
         for part in [*self.joints.values(), *self.bodies.values(), *self.geoms.values(), *self.spaces]:
             part.close()
         self._destroy()
-        self._state.forget()
         self._step = self._closed_step
 
     def _closed_step(self) -> int:

@@ -28,7 +28,6 @@ from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, rotation_tuple
-from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine
 from libgz.physics.lock import built, exclusive
 from libgz.physics.space import Space
@@ -42,7 +41,7 @@ Color = tuple[float, ...]  # red, green, blue, alpha
 _numbers = itertools.count(1)
 
 
-class Geom(Edited):
+class Geom:
     """Base of all kinds of geom.
 
     Attributes:
@@ -61,7 +60,7 @@ class Geom(Edited):
     extra_rotation: GzQuatern | None = None  # between ODE's shape and this one
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)  # multiple of its first size, as set by classic's SetScale
 
-    KEPT: ClassVar[tuple[str, ...]] = ("_relative", "_mass", "volume_mass", "scale", "_slip")
+    SAVED: ClassVar[tuple[str, ...]] = ("_relative", "_mass", "volume_mass", "scale", "_slip")
 
     @built
     def __init__(

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
-from libgz.base.files import is_file
+from libgz.base.extras import install
+from libgz.base.files import is_file, open_file, read_file, read_text
 from libgz.physics.faces import cut_fans, cut_polygons, cut_strips
 from libgz.physics.meshes import triangle_normals, units
 
@@ -231,9 +232,10 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     try:
         import trimesh  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        raise GazeboError(f"{what} {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
+        raise GazeboError(f"{what} {path} needs the package trimesh: {install('mesh')}") from None
     try:
-        loaded: Any = trimesh.load(path, force="scene")
+        with open_file(path):  # which checks it
+            loaded: Any = trimesh.load(path, force="scene")
         parts = loaded.dump()
     except Exception as error:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
         raise GazeboError(f"{what} {path} cannot be read: {error}") from None
@@ -244,7 +246,7 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
 
 
 def _read_stl(path: Path) -> Iterator[MeshPart]:
-    data = path.read_bytes()
+    data = read_file(path)
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else -1
     # Binary files may begin with the word solid, and end with anything.
     text = data.lstrip().startswith(b"solid") and b"vertex" in data[:TEXT_START]
@@ -339,7 +341,7 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
     looks: dict[str, _Look] = {}
     groups: dict[tuple[str, str], _Faces] = {}
     name = material = ""
-    for line in path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ").splitlines():
+    for line in read_text(path).replace("\\\n", " ").splitlines():
         key, _, rest = line.strip().partition(" ")
         if key == "v":
             vertices.append(rest.split())
@@ -427,7 +429,7 @@ def _read_mtl(path: Path) -> dict[str, _Look]:
         return {}
     name, found = "", dict[str, _Look]()
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(path)
     except OSError as error:
         raise GazeboError(f"material library {path} cannot be read: {error.strerror}") from None
     for number, line in enumerate(text.splitlines(), start=1):
@@ -535,13 +537,14 @@ class Collada:
 
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True, remove_comments=True)
         try:
-            self.root = etree.parse(os.fsencode(path), parser).getroot()
+            with open_file(path):  # which checks it
+                self.root = etree.parse(os.fsencode(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
         self.path = path
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
-        self.ids = {element.get("id"): element for element in self.root.xpath("//*[@id]")}
+        self.ids = {element.get("id"): element for element in self.root.iter(etree.Element) if "id" in element.attrib}
         self._looks: dict[str, _Effect] = {}
 
     @staticmethod
@@ -591,8 +594,8 @@ class Collada:
         scale = self.unit
         axis = next(self.deep(self.root, "up_axis"), None)
         if axis is not None and (axis.text or "").strip() not in ("Z_UP", ""):
-            told = "mesh %s has <up_axis>%s</up_axis>; its coordinates are taken as they are, as in Gazebo classic"
-            log.warning(told, self.path, (axis.text or "").strip())
+            noted = "mesh %s has <up_axis>%s</up_axis>; its coordinates are taken as they are, as in Gazebo classic"
+            log.warning(noted, self.path, (axis.text or "").strip())
         scene = self.scene()
         if scene is None:
             for geometry in self.deep(self.root, "geometry"):

@@ -1,4 +1,8 @@
-"""Space: a group of geoms that never touch each other."""
+"""Space: a group of geoms that never touch each other.
+
+Each model has a space of its own inside a hash space: geoms of one model never touch, and spaces of fixed models ignore
+each other.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,6 @@ from typing import Protocol
 from libgz.base.errors import ClosedError
 from libgz.ode.context import Step
 from libgz.ode.lib import ode
-from libgz.physics.edits import Edited
 from libgz.physics.lock import WorldLock, built, exclusive
 
 __all__ = ["Space"]
@@ -35,7 +38,7 @@ class SpaceOwner(Protocol):
         """The form of the step."""
 
 
-class Space(Edited):
+class Space:
     """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
 
     Args:

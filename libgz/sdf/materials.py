@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from libgz.base.errors import NotFoundError
-from libgz.base.files import installed_worlds, is_file, is_folder
+from libgz.base.files import installed_worlds, is_file, is_folder, read_text
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
@@ -121,7 +121,7 @@ def _scripts(places: Iterable[Path]) -> Iterator[Path]:
 def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
     """All materials of a script; lines about anything but colours and textures are skipped."""
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(path)
     except OSError:
         return {}
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)

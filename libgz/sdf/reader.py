@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 import functools
 import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -19,12 +19,12 @@ from libgz.sdf.conversion import OLDEST, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
-from libgz.sdf.macros import expanded
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
 from libgz.sdf.urdf import sdf_of
 from libgz.sdf.value import check, exact_pose, parse, repaired
-from libgz.sdf.xml import ROBOT, ROOTS, line_of, local_name, parse_document, tag_name
+from libgz.sdf.xacro.expansion import SUFFIX, expand, has_macros
+from libgz.sdf.xml import PLACE, ROBOT, ROOTS, copy_place, line_of, local_name, parse_document, place_of, tag_name
 
 __all__ = ["SdfFile"]
 
@@ -64,15 +64,30 @@ class SdfFile:
         self._folder: Path | None = None
         self._text = b""
         self._depth = 0
+        self._arguments: Mapping[str, str] = {}
+        self._environment: Mapping[str, str] | None = None
 
     @classmethod
-    def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
+    def load(
+        cls,
+        filename: str | os.PathLike[str],
+        *,
+        arguments: Mapping[str, str] | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> SdfFile:
         """Read a file; its errors are in `diagnostics`.
+
+        Args:
+            filename: its name.
+            arguments: values of the arguments of its macros (`<xacro:arg>`), instead of their defaults.
+            environment: the variables that its macros find, and those of included files; by default those of this
+                process.
 
         Raises:
             WorldFileError: it cannot be read, is not well-formed, or is not SDF.
         """
         file = cls()
+        file._arguments, file._environment = arguments or {}, environment
         file._read_file(Path(filename))
         return file
 
@@ -96,26 +111,6 @@ class SdfFile:
         """The document as it was read, without what has been changed in its elements since."""
         return SdfFile.from_string(self._text, self.label, self._folder)
 
-    def _read_robot(self, given: etree._Element) -> etree._Element:
-        """The SDF of a robot description, its macros expanded.
-
-        Gazebo classic expands none and passes over elements that it does not know, so a description that is whole
-        without its macros is read so if they cannot be expanded, with a warning.
-        """
-        try:
-            xml, label = expanded(given, self.label, self._path, self.diagnostics)
-        except WorldFileError as error:
-            whole = Diagnostics()
-            found = sdf_of(copy.deepcopy(given), self.label, whole)
-            if whole.errors:
-                raise
-            self._warn(given, f"{error}; it is read without its macros")
-            self.diagnostics.include(whole)
-            return found
-        if xml is not given:
-            self.label, self._text = label, etree.tostring(xml)
-        return sdf_of(xml, self.label, self.diagnostics)
-
     @property
     def busy(self) -> bool:
         """Whether it has plugins or sensors."""
@@ -124,8 +119,20 @@ class SdfFile:
     def _read(self, data: bytes) -> None:
         self._text = data
         xml = parse_document(data, self.label, self.diagnostics)
+        is_named_so = self._path is not None and self._path.suffix == SUFFIX
+        if (is_named_so or local_name(xml) == ROBOT) and has_macros(xml, self._path):
+            xml = expand(
+                xml,
+                self.label,
+                self.diagnostics,
+                path=self._path,
+                folder=self._folder,
+                arguments=self._arguments,
+                environment=self._environment,
+            )
+            self._text = etree.tostring(xml)
         if local_name(xml) == ROBOT:
-            xml = self._read_robot(xml)
+            xml = sdf_of(xml, self.label, self.diagnostics)
         if local_name(xml) not in ROOTS:
             raise WorldFileError(
                 f"{self.label}:{line_of(xml)}: <{local_name(xml)}>: the root of an SDF file must be <sdf version='...'>"
@@ -171,14 +178,15 @@ class SdfFile:
         self.diagnostics.warn(self._place(xml), message)
 
     def _place(self, xml: etree._Element) -> Place:
-        return Place(self.label, line_of(xml), local_name(xml))
+        return place_of(xml, self.label)
 
     # Elements ----------------------------------------------------------------------------------------------------
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
         name = description.name if description is not None else tag_name(xml)
-        element = Element(name, description, file=self.label, line=line_of(xml))
+        place = self._place(xml)
+        element = Element(name, description, file=place.file, line=place.line)
         self._read_attributes(xml, element)
         if name == "sensor" and "type" in element.attributes:
             kind = element.attributes["type"]
@@ -197,6 +205,8 @@ class SdfFile:
     def _read_attributes(self, xml: etree._Element, element: Element) -> None:
         description = element.description
         for key, text in xml.attrib.items():
+            if key == PLACE:
+                continue
             name = str(key).rpartition("}")[2]
             later = description.later(self.version) if description is not None and not description.open else ()
             if name not in element.attributes and any(name in described.all_attributes for _, described in later):
@@ -378,7 +388,8 @@ class SdfFile:
             return
         if "model_pose" in xml.attrib and "pose" not in given:  # beside `filename`, in worlds of Gazebo 1
             given["pose"] = etree.SubElement(xml, "pose")
-            given["pose"].text, given["pose"].sourceline = xml.get("model_pose"), xml.sourceline
+            given["pose"].text = xml.get("model_pose")
+            copy_place(given["pose"], xml)
         known = (*describe(VERSIONS[-1])[parent.name].children["include"].children, "plugin")
         for key, child in given.items():
             if key not in known and child.prefix is None and ":" not in str(child.tag):
@@ -390,6 +401,7 @@ class SdfFile:
         try:
             path = find_model(uri, self._folder)
             included = SdfFile()
+            included._environment = self._environment
             included._depth = self._depth + 1
             included._read_file(path)
         except (NotFoundError, WorldFileError) as error:

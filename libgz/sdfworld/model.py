@@ -25,7 +25,7 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
-from libgz.simulation.state import Kept, changes, decode
+from libgz.simulation.state import decode, encode
 from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
@@ -66,8 +66,6 @@ class SdfModel(Entity):
         self._spaces: dict[Body, Space] = {}  # of links that touch others of the model
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
         self._coming: tuple[Any, Any] | None = None  # joints and motion of a state, until all models have their links
-        self._kept = Kept()  # of `_parts`
-        self._kept_at: tuple[int, ...] | None = None  # what had been counted then
         self.SetName("model")
         self.SetId(self.name)
         if parent is not None:
@@ -223,7 +221,6 @@ class SdfModel(Entity):
         self._add_link(element, pose)
         body = self.links[name]
         self._added[name] = element
-        changes.count()
         place = GzCoordPoseSub(body.GetPose(), pose)
         self._places.append((body, place, GzCoordPoseAdd(place, self._start)))
         return body
@@ -267,7 +264,6 @@ class SdfModel(Entity):
         """Destroy a link that `create_link` made."""
         body = self.links.pop(name)
         self.bodies.remove(body)
-        changes.count()
         self._places = [place for place in self._places if place[0] is not body]
         self.sdf.RemoveChild(self._added.pop(name))
         body.close()
@@ -288,7 +284,6 @@ class SdfModel(Entity):
         """Let a link touch others of its model, or not. It needs a space of its own: geoms of one never touch."""
         if collide == self.self_collides(body):
             return
-        changes.count()
         space, former = self.modelSpaceId, self._spaces.pop(body, None)
         if collide:
             space = self._spaces[body] = Space(self.world.engine)
@@ -458,10 +453,6 @@ class SdfModel(Entity):
         bodies = list(self.world.engine.bodies.values())
         return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
-    def MasterIsStill(self) -> bool:
-        """Whether it has nothing but links, which stand in the file: then all else is in the engine's state."""
-        return type(self) is SdfModel and not (self._has_parts or self.grippers)
-
     @property
     def is_extended(self) -> bool:  # type: ignore[override]
         """Whether it has joints or links that its file does not have."""
@@ -474,21 +465,16 @@ class SdfModel(Entity):
 
     @property
     def _parts(self) -> bytes | None:
-        """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
+        """Links that were added, joints, and where the frame is of a model without links; encoded."""
         if self._coming is not None:  # of a state that could not be set
             return b""
         if not self._has_parts:
             return None
-        links = self.world.engine.tables.bodies.changes
-        key = (changes.last, links, *[joint.edits for joint in self.sdf_joints.values()])
-        if key == self._kept_at:
-            return self._kept.encoded
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = self.sdf_joints.save() if self.sdf_joints.count else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         colliding = [name for name, body in self.links.items() if body in self._spaces]
-        self._kept_at = key if frame is None and added is None else None
-        return self._kept.encode((frame, added, joints, colliding))
+        return encode((frame, added, joints, colliding))
 
     @_parts.setter
     def _parts(self, state: bytes | None) -> None:

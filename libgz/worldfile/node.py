@@ -36,6 +36,7 @@ log = logging.getLogger("libgz.worldfile")
 T = TypeVar("T")
 _BLANK = " \t\r\n"
 LARGEST = 1e30  # no quantity of a world is near, and products of several numbers are still finite
+SAME = 1e-9  # [m], and of a quaternion's numbers: two places that differ by less are one
 MANY = 64  # children, from which on they are looked up by an index
 
 
@@ -430,6 +431,15 @@ class WorldFileNode:
         """Write roll, pitch, yaw in degrees: whole ones plain, others with three decimals."""
         degrees = [_no_minus_zero(RTOD(angle), 3) for angle in GzQuaternToEuler(value)]
         self._set(key, " ".join(f"{d:.0f}" if d == round(d) else f"{d:.3f}" for d in degrees), add)
+
+    def put_pose(self, position: VectorLike, rotation: QuaternLike) -> None:
+        """Write `xyz` and `rpy` with all digits, each only if it differs from the file's by more than 1e-9."""
+        if max(abs(a - b) for a, b in zip(self.GetPosition("xyz"), position, strict=True)) > SAME:
+            self._set("xyz", " ".join(repr(value + 0.0).removesuffix(".0") for value in position), add=True)
+        given = self.GetRotation("rpy")
+        if min(max(abs(a - s * b) for a, b in zip(given, rotation, strict=True)) for s in (1.0, -1.0)) > SAME:
+            degrees = (RTOD(angle) for angle in GzQuaternToEuler(rotation))
+            self._set("rpy", " ".join(f"{_no_minus_zero(value, 12):.15g}" for value in degrees), add=True)
 
     def _set(self, key: str, text: str, add: bool) -> None:
         old = self._find_old(key)

@@ -14,6 +14,7 @@ import pytest
 
 import libgz
 from libgz.apps import doctor
+from libgz.base.extras import install
 from libgz.base.files import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
@@ -252,7 +253,7 @@ def test_doctor_reports_missing_extras(monkeypatch, capsys, name, package, words
     assert doctor.run(argparse.Namespace(json=False)) == 0
     lines = {line[8:].split()[0]: line for line in capsys.readouterr().out.splitlines()}
     assert lines[name].startswith(f"absent  {name:14}{words}")
-    assert lines[name].endswith(f"; pip install 'libgz[{name}]'")
+    assert lines[name].endswith(f"; {install(name)}")
     for other in doctor.EXTRAS.keys() - {name}:
         extra = doctor.EXTRAS[other]
         assert lines[other] == f"ok      {other:14}{extra.gives}: " + ", ".join(f"{p} 1.0" for p in extra.packages)

@@ -316,7 +316,11 @@ def test_saving_an_old_file_keeps_its_origins(tmp_path):
     with libgz.World.from_file(path) as world:
         assert world.model("a").GetPose().pos.z == pytest.approx(0.0)
         world.Save()
-    assert "<xyz>1.000 0.000 0.250</xyz>" in path.read_text()
+        assert "<xyz>1 0 0.25</xyz>" in path.read_text()  # it has not moved
+        world.model("a").SetPose(libgz.GzPose((1.0 / 3.0, 0.0, 0.0)))
+        world.Save()
+    assert "<xyz>0.3333333333333333 0 0.25</xyz>" in path.read_text()
+    assert "<xyz>1 0 0.25</xyz>" in path.with_name("old.world.bak").read_text()
 
 
 def test_old_files_count_children_from_old_origins():

@@ -14,7 +14,6 @@ from libgz.base.geometry import GzCoordPositionAdd, GzPose, VectorLike, rotate
 from libgz.classic.math import Angle, Vector3d
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.simulation.event import Connection, Event
-from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -163,7 +162,7 @@ def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offse
     return rays
 
 
-class MultiRayShape(Noted):
+class MultiRayShape:
     """The rays of a laser, fixed to a link; they also hit the link itself.
 
     Args:
@@ -201,7 +200,6 @@ class MultiRayShape(Noted):
         self._engine.scan(frame, self._rays, 0, self._reached, self._rows)
         if self.grid.reach[0] > 0.0:
             self._stop_at_near(frame)
-        self.noted.count()
         if self._scans:
             self._scans()
 
@@ -229,7 +227,6 @@ class MultiRayShape(Noted):
     def show(self, ranges: NDArray[np.float64]) -> None:
         """Take ranges that were measured otherwise [m], shape (n,)."""
         self._reached[:] = np.where(np.isfinite(ranges), ranges - self.grid.reach[0], sys.float_info.max)
-        self.noted.count()
 
     def ConnectNewLaserScans(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` after each scan, as long as the connection is kept."""

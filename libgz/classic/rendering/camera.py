@@ -35,7 +35,6 @@ from libgz.classic.rendering.visual import Visual
 from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
 from libgz.rendering.image import write_image
 from libgz.simulation.event import Connection, Event
-from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -61,7 +60,7 @@ def render_frame(world: World, cameras: Iterable[Camera]) -> None:
 
 
 @takes_names
-class Camera(Noted, Closing):
+class Camera(Closing):
     """A camera that looks along +x of its pose, z up: a view on a `libgz.rendering.camera.Camera`.
 
         camera = Camera(world, "eye", 320, 240)
@@ -88,7 +87,6 @@ class Camera(Noted, Closing):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("_format", "_capture", "_saving", "_saved", "_rate", "_fresh", "mount", "core")
-    SELDOM: ClassVar[tuple[str, ...]] = STATE[:-1]  # images, and poses of the camera that takes them, change in place
 
     def __init__(
         self,

@@ -31,7 +31,7 @@ from libgz.rendering.shot import Lines
 from libgz.sdf.element import Element
 from libgz.sdf.materials import Material
 from libgz.sdfworld.visual import material_name, put_on, replaces_look, scripted_material, set_transparency
-from libgz.simulation.state import equal, get_values, set_values
+from libgz.simulation.state import encode, get_values, set_values
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -258,7 +258,7 @@ class Visual:
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned: lines that came since go, those that went are made again."""
-        if equal(state, self.save()):
+        if encode(state) == encode(self.save()):
             return
         own, lines = state
         set_values(self, own)

@@ -76,7 +76,8 @@ class CameraPlan:
             intrinsics = Intrinsics(*(pinhole.Get(float, key) for key in ("fx", "fy", "cx", "cy", "s")))
         if bent is not None:
             center = bent.Get(GzVector, "center")
-            distortion = Distortion(*(bent.Get(float, k) for k in ("k1", "k2", "k3", "p1", "p2")), (center.x, center.y))
+            numbers = {key: bent.Get(float, key) for key in ("k1", "k2", "k3", "p1", "p2")}
+            distortion = Distortion(**numbers, center=(center.x, center.y))
         if intrinsics is None and not distortion:
             return None
         try:

@@ -16,8 +16,7 @@ missing=
 has_library libode.so.8 || missing="$missing libode8"
 has_library libOSMesa.so.8 || missing="$missing libosmesa6"
 has_venv || missing="$missing python3-venv"
-# The parts in C are optional for those who ask for the step's Python form.
-[ "${LIBGZ_STEP:-}" = python ] || has_compiler || missing="$missing gcc libc6-dev"
+has_compiler || missing="$missing gcc libc6-dev"
 
 if [ -n "$missing" ]; then
     as_root=

@@ -16,8 +16,7 @@ from libgz._version import __version__
 from libgz.base.errors import GazeboError
 from libgz.base.extras import install
 from libgz.ode.lib import ode
-from libgz.ode.native_step import native_path
-from libgz.physics.engine import Engine
+from libgz.ode.step import library_path
 from libgz.rendering.context import CONTEXTS
 from libgz.transport.semaphores import SemaphoreSet
 
@@ -96,7 +95,7 @@ def examine() -> Iterator[Finding]:
     for name, extra in EXTRAS.items():
         yield _extra(name, extra)
     yield _try("ode", lambda: f"{ode().path}, {ode().origin}: {ode().configuration}")
-    yield _try("step", _step)
+    yield _try("step", lambda: str(library_path()))
     yield _try("semaphores", _semaphores)
     yield _try("directory", _directory)
     yield from _contexts()
@@ -125,16 +124,6 @@ def _try(name: str, look: Callable[[], str]) -> Finding:
         return Finding(name, look())
     except (GazeboError, OSError) as error:
         return Finding(name, str(error), good=False)
-
-
-def _step() -> str:
-    """The implementation of the step that a new world uses, and why."""
-    engine = Engine()
-    form = engine.step_form.name
-    engine.close()
-    forced = os.environ.get("LIBGZ_STEP")
-    why = f"forced by LIBGZ_STEP={forced}" if forced else str(native_path() or "not built: there was no C compiler")
-    return f"{form} ({why})"
 
 
 def _semaphores() -> str:

@@ -103,7 +103,6 @@ class Geom:
 
     def _destroy_handle(self) -> None:
         if self._id is not None:
-            self.body.engine.step_form.forget(self._id)
             ode().dGeomDestroy(self._id)
             self._id = None
 

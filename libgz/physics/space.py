@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Protocol
 
 from libgz.base.errors import ClosedError
-from libgz.ode.context import Step
 from libgz.ode.lib import ode
 from libgz.physics.lock import WorldLock, built, exclusive
 
@@ -32,10 +31,6 @@ class SpaceOwner(Protocol):
     @property
     def spaces(self) -> dict[Space, None]:
         """All open spaces below the top."""
-
-    @property
-    def step_form(self) -> Step:
-        """The form of the step."""
 
 
 class Space:
@@ -92,7 +87,6 @@ class Space:
         for part in self._parts:
             part.close()
         if self._id is not None:
-            self.engine.step_form.forget(self._id)
             ode().dSpaceSetCleanup(self._id, 0)
             ode().dSpaceDestroy(self._id)
             self._id = None

@@ -56,15 +56,15 @@ PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "
 
 # Fields of the context that are saved as their bytes, for they follow each other.
 SAVED_FIELDS = (
-    *("step", "quick", "contact_rule", "count_turns", "check_divergence", "seed", "steps", "contact_count"),
+    *("step", "quick", "contact_rule", "count_turns", "seed", "steps", "contact_count"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
-_FIELDS = struct.Struct("=d4qQ4q3dq")
+_FIELDS = struct.Struct("=d3qQ4q3dq")
 _FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
 _PROGRESS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("seed", "max_contacts"))
 # The attributes of an engine that set most of them.
 SETTINGS = (
-    *("step_time", "contact_rule", "count_turns", "check_divergence"),
+    *("step_time", "contact_rule", "count_turns"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
 # Other attributes of an engine: settings, those that are set together, and plain ones.
@@ -135,7 +135,7 @@ class EngineState:
             "numbers": list(_numbers(engine)),
             "quirks": sorted(engine.quirks),
             "objects": self._objects(),
-            "memory": engine.step_form.get_state(self._parts(self._blocks(self._context.record_motion))),
+            "memory": engine.native.get_state(self._parts(self._blocks(self._context.record_motion))),
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning else b"",
             "dummies": self._dummy_poses(),
             "couplings": [[joints.index(one.line), _lists(_values(one))] for one in engine.couplings if not one.broken],
@@ -237,9 +237,9 @@ class EngineState:
         parts, distance = self._parts(blocks), numbers[_DISTANCE]
         if distance not in (2.0 * FAR, 2.0 * LARGEST):
             raise StateError(f"the state is damaged: bodies may be {distance} m from the origin")
-        check_memory(parts, blocks, memory, engine.step_form.get_state(parts), distance)
+        check_memory(parts, blocks, memory, engine.native.get_state(parts), distance)
         self._restore_settings(state, numbers)
-        if not engine.step_form.set_state(parts, memory):
+        if not engine.native.set_state(parts, memory):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
@@ -307,7 +307,7 @@ class EngineState:
             known = {0, *engine.geoms}
             if not known.issuperset([*contacts["geom1"].tolist(), *contacts["geom2"].tolist()]):
                 raise StateError("the state is damaged: a contact is one of a geom that is not there")
-            engine.step_form.set_contacts(contacts.tobytes())
+            engine.native.set_contacts(contacts.tobytes())
 
     # Objects -----------------------------------------------------------------------------------------------------
 
@@ -452,9 +452,9 @@ def _fields(settings: Any) -> dict[str, Any]:
     step, quick, rule, *values = _FIELDS.unpack(settings)
     if quick not in (0, 1) or rule not in list(ContactRule):
         raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
-    turns, check, _, _, _, most, cone, x, y, z, record = values
+    turns, _, _, _, most, cone, x, y, z, record = values
     return {
-        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns, "check_divergence": check},
+        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns},
         **{"max_contacts": most, "cone": cone, "gravity": (x, y, z), "record_contacts": record},
     }
 

@@ -121,7 +121,7 @@ class SdfWorld(Era):
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC
         world.engine.exact_rest = world.engine.record_motion = True
-        world.engine.count_turns = world.engine.check_divergence = True
+        world.engine.count_turns = True
         if self.file is None:
             self.digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()
         self.file = file

@@ -116,10 +116,10 @@ class Publication:
             clock.pause_time,
             clock.real_time,
         )
-        self._target.stale = tables.touched or not tables.fresh_after_step
+        self._target.stale = tables.touched
         self._target.copied = 0
         shared.restore_length()
-        engine.step_form.publish(self._target)
+        engine.native.publish(self._target)
         if new_file:
             try:
                 shared.show()

@@ -3,7 +3,7 @@
 #ifndef LIBGZ_TABLE_HH
 #define LIBGZ_TABLE_HH
 
-#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 0f61ba25;"
+#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface dfd48a3c;"
 
 #include "LibgzFrame.h"
 

@@ -476,5 +476,7 @@ def test_a_damaged_list_of_prefixes_is_no_error(tmp_path, monkeypatch):
 def test_a_link_that_leads_nowhere_is_named(tmp_path, monkeypatch, name):
     monkeypatch.delenv("GAZEBOPATH", raising=False)
     (tmp_path / name).symlink_to("/builds/of/yesterday/Gone")
-    with pytest.raises(PluginError, match=rf"{name} .*: this link leads to /builds/of/yesterday/Gone, where there is no"):
+    with pytest.raises(
+        PluginError, match=rf"{name} .*: this link leads to /builds/of/yesterday/Gone, where there is no"
+    ):
         find_plugin(name, str(tmp_path / "w.world"))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import operator
 
+from libgz.base.errors import ParameterError
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.transport.interface import DataClass
 from libgz.transport.layout import ABIS, CLIENT, SERVER, double, fields_of, for_abi, int32, layout
@@ -115,9 +117,17 @@ class Gripper(SampleInterface[GripperData]):
         return GripperDataCvs if length in later else super().layout_for(version, length)
 
     def command(self, code: int) -> None:
-        """Command the gripper with a code of this module: OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN and so on."""
+        """Command the gripper with a code of this module: OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN and so on.
+
+        Raises:
+            ParameterError: the code is no integer.
+        """
+        try:
+            number = operator.index(code)
+        except TypeError:
+            raise ParameterError(f"code is {code!r}; it must be one of GAZEBO_GRIPPER_CMD_...") from None
         with self.locked() as data:
-            data.cmd = code
+            data.cmd = number
 
     @property
     def opened(self) -> bool:

@@ -40,6 +40,7 @@ def command_parsers() -> dict[str, argparse.ArgumentParser]:
     )
     return {
         "gazebo": gazebo.make_parser(),
+        "gz": libgz.make_parser(everything=True, prog="gz"),
         "gzclient": gzclient.make_parser(),
         "gzserver": server,
         "libgz": libgz.make_parser(everything=True),

@@ -1,9 +1,11 @@
-"""gazebo: run a worldfile and serve its interfaces to other programs."""
+"""gazebo: run a worldfile and serve its interfaces to other programs, or an SDF world as Gazebo classic does."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import logging
+import re
 import signal
 import sys
 import time
@@ -29,11 +31,12 @@ from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.apps.view_process import add_view_options, view_process
-from libgz.base.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, PluginError, StrictError, WorldFileError
 from libgz.base.files import exists, is_file
 from libgz.front import World
-from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES, prefer
+from libgz.sdf.paths import find_world
+from libgz.sdf.recognition import is_sdf
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE
@@ -50,6 +53,13 @@ log = logging.getLogger("libgz.gazebo")
 
 STATUS_PERIOD = 0.2  # [s] of real time
 MOST_STEPS = 1000  # at a time; World.step_on ends earlier, but for worlds at rest
+# Options that Gazebo 1 to 11 did not have: with one of them, an SDF world runs as a worldfile does.
+LEGACY = ("-d", "-f", "-l", "-n", "-t", "--abi", "--rate", "--render-thread", "--solver", "--wire-version")
+CLASSIC_HELP = (
+    "An SDF world runs as with the gazebo command of Gazebo 1 to 11, with the options of gzserver and a page in the "
+    f"browser, unless one of {', '.join(LEGACY)} or -s with a number is given. Then and only then -s names "
+    "System plugins."
+)
 
 
 def _seconds(text: str) -> float | None:
@@ -67,7 +77,7 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="gazebo",
         description="Run a worldfile and serve the interfaces of its models to other programs.",
-        epilog=SERVING_HELP,
+        epilog=CLASSIC_HELP,
     )
     add = parser.add_argument
     add("worldfile", help="the worldfile to run, or the name of a world of libgz, which `libgz worlds` lists")
@@ -221,13 +231,37 @@ class Run:
         sys.stdout.flush()
 
 
+def _is_classic(words: Sequence[str]) -> bool:
+    """Whether a command line is one of Gazebo 1 to 11: for an SDF world, or no world but such options."""
+    options = {word.partition("=")[0] if word.startswith("--") else word[:2] for word in words if word[:1] == "-"}
+    ids = re.findall(r"(?m)^-s\n?(?:\d+|auto)$", "\n".join(words))
+    if ids or options & {*LEGACY, "-h", "--help"}:
+        return False
+    worlds = [path for word in words if word[:1] != "-" and (path := _world_file(word)) is not None]
+    return all(map(is_sdf, worlds)) if worlds else "--verbose" in options
+
+
+def _world_file(name: str) -> Path | None:
+    """The file that a word of the command line means to one of the eras, if it is one."""
+    for find in (find_worldfile, find_world):
+        with contextlib.suppress(WorldFileError, NotFoundError):
+            if is_file(path := Path(find(name))):
+                return path
+    return None
+
+
 @as_command("gazebo")
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong, 3 ended by --strict.
 
     After a SIGINT or SIGTERM before the world runs, and after a second one, 130 or 143.
     """
-    options = make_parser().parse_args(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if _is_classic(words):
+        from libgz.apps.gzserver import main as run_classic  # it loads all of classic
+
+        return run_classic([*words, "--view"])
+    options = make_parser().parse_args(words)
     try:
         set_up_messages(options.level, options.logfile)
     except ParameterError as error:
@@ -243,7 +277,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = "is a directory" if path.is_dir() else "is not a plain file" if exists(path) else missing
         return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
-        check_serving()
         return _run(path, options)
     except GazeboError as error:
         strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)

@@ -28,7 +28,6 @@ from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import get_master_uri, serve
 from libgz.front import World
-from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
@@ -64,7 +63,6 @@ def make_parser() -> Parser:
     """The options of Gazebo 11's gzserver, and --server-id, --gl and --steps."""
     usage = "gzserver [options] [WORLD]"
     parser = Parser("gzserver", f"gzserver -- Run the Gazebo server. WORLD is {EMPTY_WORLD} by default.", usage)
-    parser.epilog = SERVING_HELP
     add = parser.add_argument
     add("-u", "--pause", action="store_true", help="start paused")
     add("-e", "--physics", default="ode", help="physics engine; only ode is available")
@@ -121,7 +119,6 @@ class Server:
 
     def run(self) -> int:
         """Run the world, with classic's order of events; return the exit code."""
-        check_serving()
         with Watchdog(self._interrupted) as self._watchdog:
             self._run()
         return 0

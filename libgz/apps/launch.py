@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
-__all__ = ["gazebo", "gzclient", "gzserver", "importing", "libgz"]
+__all__ = ["gazebo", "gz", "gzclient", "gzserver", "importing", "libgz"]
 
 
 @contextmanager
@@ -52,6 +52,13 @@ def gazebo() -> int:
     """The command gazebo."""
     with importing():
         from libgz.apps.gazebo import main
+    return _run(main)
+
+
+def gz() -> int:
+    """The command gz."""
+    with importing():
+        from libgz.apps.gz import main
     return _run(main)
 
 

@@ -6,14 +6,14 @@ import importlib
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
 from libgz.base.errors import GazeboError
 
-__all__ = ["main"]
+__all__ = ["main", "run_words"]
 
 # Subcommand -> help text. The module of the same name has configure(parser), which adds the options, and run(options),
 # which returns the exit code.
@@ -57,32 +57,56 @@ COMMANDS = {
 WITHOUT = {
     "camera": "it moves the camera of Gazebo's window; the page of `gzclient` and `libgz view` has a button that "
     "follows a model, and cameras of a world follow one by Camera.AttachToVisual or TrackVisual in a plugin",
+    "plugin": "`gz plugin` of Gazebo 11 describes a compiled plugin; `libgz plugin` loads an edited one again",
     "marker": "it needs the service of Gazebo's window; a plugin shows boxes, lines and points by "
     "Scene.CreateVisual, Visual.AttachMesh and CreateDynamicLine",
 }
 
 
-def make_parser(wanted: str | None = None, *, everything: bool = False) -> Parser:
+# Those of Gazebo 11's `gz`.
+CLASSIC = ("debug", "joint", "log", "model", "physics", "sdf", "stats", "topic", "world")
+
+
+def make_parser(wanted: str | None = None, *, everything: bool = False, prog: str = "libgz") -> Parser:
     """The parser, with options of the subcommand `wanted` only, so that the other modules are not imported.
 
     Args:
         wanted: the subcommand.
         everything: whether all subcommands have their options.
+        prog: the command: ``libgz``, or ``gz`` with the subcommands of Gazebo classic.
     """
-    parser = Parser(prog="libgz", description="Tools for worldfiles, servers and SDF worlds.")
-    parser.add_argument("-v", "--version", action="version", version=f"libgz {__version__}")
+    parser = Parser(prog=prog, description="Tools for worldfiles, servers and SDF worlds.")
+    parser.add_argument("-v", "--version", action="version", version=f"{prog} {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
-    for name, help_ in COMMANDS.items():
+    for name in COMMANDS if prog == "libgz" else CLASSIC:
+        help_ = COMMANDS[name]
         command = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")
         if everything or name == wanted:
             importlib.import_module(f"libgz.apps.{name}").configure(command)
-    commands.add_parser("help", help="describe a command, or list all", description="Describe a command.")
+    about = "describe a command, a model, an interface or a class, or list all commands"
+    commands.add_parser("help", help=about, description=f"{about[0].upper()}{about[1:]}.")
     return parser
 
 
 def _help_words(words: list[str]) -> list[str]:
     """`libgz help` and `libgz help COMMAND` in the form that the parser knows."""
     return [*words[1:2], "-h"] if words[:1] == ["help"] else words
+
+
+def _asks_for_reference(words: list[str], known: Collection[str]) -> bool:
+    """Whether the words are `help NAME`, and the name is not that of a command."""
+    return words[:1] == ["help"] and len(words) == 2 and words[1][:1] != "-" and words[1] not in {*known, *WITHOUT}
+
+
+def _print_reference(prog: str, name: str) -> int:
+    from libgz.apps.names import reference_of
+
+    try:
+        print(reference_of(name), end="")
+    except GazeboError as error:
+        print(f"{prog}: {error}", file=sys.stderr)
+        return USAGE_ERROR
+    return 0
 
 
 def _terminated(number: int, _frame: object) -> NoReturn:
@@ -92,12 +116,20 @@ def _terminated(number: int, _frame: object) -> NoReturn:
 
 @as_command("libgz")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command. Exit codes: 0 done, 1 failed, 2 the command line is wrong."""
-    words = _help_words(list(sys.argv[1:] if arguments is None else arguments))
-    if words and words[0] in WITHOUT:
-        print(f"libgz: there is no {words[0]!r}: {WITHOUT[words[0]]}", file=sys.stderr)
+    """The command libgz. Exit codes: 0 done, 1 failed, 2 the command line is wrong."""
+    return run_words("libgz", list(sys.argv[1:] if arguments is None else arguments))
+
+
+def run_words(prog: str, words: list[str]) -> int:
+    """Run `libgz`, or `gz` with its fewer subcommands, with the words of its command line."""
+    known = COMMANDS if prog == "libgz" else CLASSIC
+    if _asks_for_reference(words, known):
+        return _print_reference(prog, words[1])
+    words = _help_words(words)
+    if words and words[0] in WITHOUT and words[0] not in known:
+        print(f"{prog}: there is no {words[0]!r}: {WITHOUT[words[0]]}", file=sys.stderr)
         return USAGE_ERROR
-    options = make_parser(words[0] if words else None).parse_args(words)
+    options = make_parser(words[0] if words else None, prog=prog).parse_args(words)
     set_up_messages(0, None)
     before = signal.getsignal(signal.SIGTERM)
     owned = threading.current_thread() is threading.main_thread()
@@ -106,7 +138,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
     except GazeboError as error:
-        print(f"libgz: {error}", file=sys.stderr)
+        print(f"{prog}: {error}", file=sys.stderr)
         return 1
     finally:
         if owned:

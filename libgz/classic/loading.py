@@ -21,7 +21,7 @@ from libgz.simulation.event import Connection, Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import carry_state, check, declares, fields, get_state, seldom, set_state
+from libgz.simulation.state import carry_state, check, declares, fields, get_state, set_state
 
 __all__ = [
     "LoadedPlugin",
@@ -60,9 +60,9 @@ class LoadedPlugin:
         number: of the order in which plugins were loaded, which is that of their callbacks.
     """
 
-    plugin: PluginT | None = seldom()
-    source: str = seldom()
-    number: int = seldom()
+    plugin: PluginT | None
+    source: str
+    number: int
 
     def __init__(
         self,
@@ -250,14 +250,15 @@ class LoadedPlugin:
             function(*values)
         except USER_ERRORS as error:
             pass_interrupt(error)
-            self.stop(f"the {name} function", error)
+            self.stop(f"the {name} function", error, function)
         finally:
             owner.reset(token)
         return self.plugin is not None
 
-    def stop(self, where: str, error: BaseException) -> None:
-        """Log the exception that the plugin raised, and drop the plugin."""
-        text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
+    def stop(self, where: str, error: BaseException, called: Callable[..., object] | None = None) -> None:
+        """Log the exception that the plugin, or its method `called`, raised, and drop the plugin."""
+        text = own_traceback(error, called=called)
+        file = getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and isinstance(error, GazeboError) and is_ready(Path(file)):
             text = str(error)  # of the world's file, not of the plugin's code
         elif file is not None and file not in text:

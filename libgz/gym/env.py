@@ -14,6 +14,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.base.extras import install
 from libgz.base.geometry import GzPose
 from libgz.front import World
 from libgz.physics.check import finite
@@ -58,9 +59,10 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         world: a worldfile by its path or name, or the text of one, which begins with ``<``.
         actions: key -> fields that the action writes, or a table of fields with their bounds: ``{"effort": (-2, 2)}``.
             Where no bounds are given, they are those that the world obeys. All of them together are one Box of float32.
-        observations: key -> fields that are observed. The observation is a Dict with a Box for each, named
-            ``key/field``, with the type and the bounds of the field. Instead of fields, or of the whole table, a pair
-            of a function of the world and the space of its values.
+        observations: key -> fields that are observed, or a table of fields with bounds, to which they are clipped. The
+            observation is a Dict with a Box for each, named ``key/field``, with the type of the field, and its own
+            bounds where none are given. Instead of fields, or of the whole table, a pair of a function of the world
+            and the space of its values.
         reward: ``reward(world, observation, action)``, after each step; None for 0.
         terminated: ``terminated(world, observation)``: whether the episode has ended; None for never.
         start: ``start(world, random, options)``, called at each reset: it brings the world to where an episode begins,
@@ -135,7 +137,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._started = False
         self._steps = 0  # of this episode
         self.sampled: dict[str, Any] = {}
-        self.world = self._load({}, 0)
+        self.world = self._load(self._sampled(np.random.default_rng(0)), 0)  # so that wrong paths fail here
         try:
             self._prepare(period, settle, time_limit)
         except BaseException:
@@ -176,19 +178,24 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
         return on_free_server_id(start)
 
+    def _sampled(self, random: np.random.Generator) -> dict[str, Any]:
+        """A value for each path that is randomised."""
+        return {path: one.sample(random) for path, one in self._randomise.items()}
+
     # Signals ---------------------------------------------------------------------------------------------------------
 
-    def _tables(self) -> tuple[list[tuple[str, str]], dict[str, Observe]]:
-        """(key, field) of what is read by name, and the functions by their names."""
+    def _tables(self) -> tuple[dict[tuple[str, str], tuple[float, float] | None], dict[str, Observe]]:
+        """(key, field) of what is read by name, with bounds if some are given, and the functions by their names."""
         if not isinstance(self._observations, Mapping):
-            return [], {"": _checked(self._observations, "observations")}
-        named: list[tuple[str, str]] = []
+            return {}, {"": _checked(self._observations, "observations")}
+        named: dict[tuple[str, str], tuple[float, float] | None] = {}
         made: dict[str, Observe] = {}
         for key, fields in self._observations.items():
             if isinstance(fields, tuple) and fields and callable(fields[0]):
                 made[key] = _checked(fields, f"observations[{key!r}]")
             else:
-                named += [(key, field) for field in _listed(fields, f"observations[{key!r}]")]
+                listed = _listed(fields, f"observations[{key!r}]")
+                named |= {(key, field): bounds for field, bounds in listed.items()}
         if not named and not made:
             raise ParameterError("observations is empty; name at least one field, such as {'position.robot1': ['pos']}")
         return named, made
@@ -211,7 +218,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         named, self._made = self._tables()
         for left in range(patience, -1, -1):
             try:
-                self._readings = [reading_of(self.world, key, field) for key, field in named]
+                self._readings = [_read(self.world, *signal, bounds) for signal, bounds in named.items()]
                 break
             except ParameterError:  # a camera has no image yet
                 if not left:
@@ -260,7 +267,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         super().reset(seed=seed)
         world_seed = int(self.np_random.integers(SEEDS))
         if self._randomise or self.world.spawned:
-            self.sampled = {path: one.sample(self.np_random) for path, one in self._randomise.items()}
+            self.sampled = self._sampled(self.np_random)
             self._replace(self._load(self.sampled, world_seed))
         else:
             self.world.Reset()
@@ -432,6 +439,11 @@ def _checked(pair: Any, what: str) -> Observe:
     raise ParameterError(f"{what} is {pair!r}; it must be a table of fields, or a pair (function, space)")
 
 
+def _read(world: World, key: str, field: str, bounds: tuple[float, float] | None) -> Reading:
+    reading = reading_of(world, key, field)
+    return reading if bounds is None else reading.within(bounds)
+
+
 def _box(reading: Reading) -> spaces.Box:
     return spaces.Box(reading.low, reading.high, dtype=reading.dtype.type)
 
@@ -440,5 +452,5 @@ def _open_page(world: World) -> Page:
     try:
         from libgz.gym.page import BrowserPage
     except ImportError as error:
-        raise LibraryError(f"render_mode 'human' needs the extra `view`: pip install 'libgz[view]' ({error})") from None
+        raise LibraryError(f"render_mode 'human' needs the extra `view`: {install('view')} ({error})") from None
     return BrowserPage(world)

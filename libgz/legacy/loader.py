@@ -109,7 +109,8 @@ class ModelLoader:
             if isinstance(error, MemoryError | RecursionError) or (model is not None and _is_builtin(model)):
                 node.file.diagnostics.failure(node.place, error)
             else:
-                node.error(f"Load failed with\n{own_traceback(error)}")
+                called = model.Load if model is not None else None
+                node.error(f"Load failed with\n{own_traceback(error, called=called)}")
             model = None
         return model
 

@@ -167,6 +167,8 @@ class Model(Entity):
         if self.node is None:
             return
         self.initialized = False
+        server = self.world.gz_server
+        server.place = self.MasterPlace()
         try:
             self.MasterInit(WorldFile.of(self.node), self.node)
         except GazeboError as error:
@@ -174,9 +176,10 @@ class Model(Entity):
             raise PluginError(f"{self.MasterPlace()}Init of model {self.GetId()!r}: {reason}") from error
         except USER_ERRORS as error:
             pass_interrupt(error)
-            raise PluginError(
-                f"{self.MasterPlace()}Init of model {self.GetId()!r} failed with\n{own_traceback(error)}"
-            ) from error
+            text = own_traceback(error, called=self.Init)
+            raise PluginError(f"{self.MasterPlace()}Init of model {self.GetId()!r} failed with\n{text}") from error
+        finally:
+            server.place = ""
         self.initialized = True
 
     def MasterUpdate(self, step: float) -> None:

@@ -2,7 +2,7 @@
 
 ``real`` is a double, ``id`` any handle, ``reals`` the address of doubles (as a result, of four), ``matrix`` that of
 twelve, ``data`` any other address. Only declared functions are callable: an undeclared one that returns a double would
-return garbage.
+return garbage. What ODE asserts of arguments, and the checks before, are in tests/ode/assertions.tsv.
 """
 
 PROTOTYPES = """

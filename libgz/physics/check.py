@@ -1,4 +1,13 @@
-"""Checks of arguments before they reach ODE, whose own assertions would end the process."""
+"""Checks of arguments before they reach ODE, whose own assertions would end the process.
+
+- ODE's assertions abort the process. Check arguments in Python first (`libgz/physics/check.py`);
+  `tests/ode/assertions.tsv` lists what each declared function asserts, and where that is checked. A body faster than
+1e7 m/s, or with a force above 1e12 N, is stopped before the step, one that comes beyond 2e9 m after it. ODE's cells are
+  made wider where something lies beyond 1e8 m: it counts them in 32 bits. An assertion while solving
+skips the step, one in collision skips the pair of geoms; both are reported once. What ODE had allocated and queued for
+  a
+skipped step is dropped: its queue is `calls.c`, for ODE's own is the process's, and cannot be emptied.
+"""
 
 from __future__ import annotations
 
@@ -49,13 +58,20 @@ _RANGES = {
 _JOINT_VALUES = {number: _RANGES[name.rstrip("2")] for number, name in JOINT_PARAMETERS.items()}
 
 
+def _number(value: float, what: str) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{what} is {value!r}; it must be a number") from None
+
+
 def finite(value: float, what: str) -> float:
     """`value` as a float.
 
     Raises:
-        ParameterError: it is NaN or infinite.
+        ParameterError: it is no number, NaN or infinite.
     """
-    number = float(value)
+    number = _number(value, what)
     if not math.isfinite(number):
         raise ParameterError(f"{what} is {number}; it must be finite")
     return number
@@ -79,9 +95,9 @@ def not_negative(value: float, what: str) -> float:
     """`value` as a float; infinity is allowed.
 
     Raises:
-        ParameterError: it is NaN or below zero.
+        ParameterError: it is no number, NaN or below zero.
     """
-    number = float(value)
+    number = _number(value, what)
     if not number >= 0.0:
         raise ParameterError(f"{what} is {number:g}; it must not be negative")
     return number
@@ -91,9 +107,12 @@ def finite_tuple(values: Iterable[float], count: int, what: str, largest: float 
     """`values` as a tuple of `count` floats.
 
     Raises:
-        ParameterError: there are more or fewer, or one is NaN, infinite, or beyond +-largest.
+        ParameterError: there are more or fewer, or one is no number, NaN, infinite, or beyond +-largest.
     """
-    numbers = tuple(map(float, values))
+    try:
+        numbers = tuple(map(float, values))
+    except (TypeError, ValueError):
+        raise ParameterError(f"{what} is {values!r}; it must be {count} finite numbers") from None
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
         raise ParameterError(f"{what} is {numbers}; it must be {count} finite numbers")
     if largest < math.inf and max(map(abs, numbers)) > largest:

@@ -21,7 +21,7 @@ STRAIGHT = 1.0 - 1e-12  # of the vertical component of a ground's normal
 
 @dataclass(frozen=True)
 class Solid:
-    """A model of one body that nothing but contacts holds."""
+    """A model of one body of bounded size that nothing but contacts holds."""
 
     model: SdfModel
     engine: Engine
@@ -46,7 +46,8 @@ def solids(models: Iterable[SdfModel]) -> Iterator[Solid]:
     for model in models:
         geoms = list(family_geoms(model))
         single = len(model.bodies) == 1 and not model.nested and not model.bodies[0].joints
-        if single and geoms and not model.bodies[0].dummy:
+        bounded = not any(isinstance(geom, PlaneGeom) for geom in geoms)
+        if single and geoms and bounded and not model.bodies[0].dummy:
             corners = [geom.bounds() for geom in geoms]
             low = tuple(min(corner[0][k] for corner in corners) for k in range(3))
             high = tuple(max(corner[1][k] for corner in corners) for k in range(3))

@@ -7,12 +7,11 @@ import struct
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzVector, place_of
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
-from libgz.simulation.state import changes, seldom
 from libgz.simulation.updates import UpdateRows, replaced
 
 if TYPE_CHECKING:
@@ -66,19 +65,14 @@ class Entity:
 
     STATE: ClassVar[tuple[str, ...]] = ("_homes", "fixed", "_id", "_name", "_number")
 
-    # What of its state, and of its place among entities, changes by counted assignments only; empty: nothing.
-    SELDOM: ClassVar[tuple[str, ...]] = STATE
-    origin: Origin | None = seldom()  # where it can be built from again; None if it was made by code
-    parent: Entity | None = seldom()
-    parentBody: Body | None = seldom()
-    fixed: bool = seldom()
-    failed: BaseException | None = seldom()  # what its update raised; it is not updated any more
-    plugin_error: BaseException | None = seldom()  # what a plugin of it raised
-    _id: str = seldom()
-    _name: str = seldom()
-    _number: int = seldom()
-    _packed_init_pose: bytes = seldom()  # the packed numbers of initPose
-    _packed_rel_pose: bytes = seldom()  # and of relPose
+    origin: Origin | None  # where it can be built from again; None if it was made by code
+    parent: Entity | None
+    parentBody: Body | None
+    fixed: bool
+    failed: BaseException | None  # what its update raised; it is not updated any more
+    plugin_error: BaseException | None  # what a plugin of it raised
+    _packed_init_pose: bytes  # the packed numbers of initPose
+    _packed_rel_pose: bytes  # and of relPose
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
@@ -149,7 +143,8 @@ class Entity:
             pass_interrupt(error)
             if level >= logging.ERROR:
                 note(f"model {self.GetId()!r}", "its Fini", error)
-            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error), extra=NOTED)
+            text = own_traceback(error, called=self.Fini)
+            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), text, extra=NOTED)
 
     def MasterEnd(self) -> None:
         """The world is about to be closed as a whole: release what its engine does not."""
@@ -192,10 +187,6 @@ class Entity:
     def MasterStatesSet(self) -> None:
         """All entities have taken what a state has of them; what reaches into others of them follows here."""
 
-    def MasterIsStill(self) -> bool:
-        """Whether all that its class declares as state changes by counted assignments only, as it is now."""
-        return False
-
     def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
         """Attach it to the body of another entity that a state has as its parent, or to none.
 
@@ -225,7 +216,6 @@ class Entity:
             self._canonical = body
             body.bodyName = CANONICAL
         self.bodies.append(body)
-        changes.count()
         body.model = self
 
     def GetBody(self, name: str | None = None) -> Body:
@@ -339,6 +329,7 @@ class Entity:
 
         Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
         """
+        pose = GzPoseOf(pose)
         with self.world.lock:
             before = self.GetPose()
             for body in self.bodies:

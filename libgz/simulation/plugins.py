@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextvars
 import importlib.util
+import inspect
 import logging
 import re
 import sys
@@ -13,10 +14,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 from libgz.base.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
-from libgz.base.files import exists, expand, is_file, is_folder
+from libgz.base.files import exists, expand, is_file, is_folder, read_file
 
 __all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_traceback", "reload_plugin", "search"]
 
@@ -163,7 +165,7 @@ def load_plugin(path: Path) -> Plugin:
     token = _loading.set(plugin)
     try:
         # Not by exec_module: its cache of compiled files misses an edit within the same second.
-        code = spec.loader.source_to_code(path.read_bytes(), str(path))
+        code = spec.loader.source_to_code(read_file(path), str(path))
         exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
     except USER_ERRORS as error:
@@ -276,17 +278,37 @@ def own_place(error: BaseException) -> str:
     return place
 
 
-def own_traceback(error: BaseException, path: Path | None = None) -> str:
+def own_traceback(error: BaseException, path: Path | None = None, called: Callable[..., object] | None = None) -> str:
     """The traceback of an error in the user's own code: without the frames of libgz and importlib above it.
 
-    An error of a plugin without such code is one in C++, and its message says all.
+    An error of a plugin without such code is one in C++, and its message says all. Where the method `called` does not
+    take what libgz gives it, the message has the parameters that it must have, and where it is.
     """
     frames = traceback.extract_tb(error.__traceback__)
     package = Path(__file__).parent.parent
     above = (str(package), str(package.resolve()), "<frozen importlib")
     own = [i for i, f in enumerate(frames) if f.filename == str(path) or not f.filename.startswith(above)]
+    if not own and isinstance(error, TypeError) and (right := _right_call(called)):
+        return "\n".join([*right, *traceback.format_exception_only(error)]).rstrip()
     first = own[0] if own else 0
     # The message of a syntax error names the place.
     alone = isinstance(error, SyntaxError) or (isinstance(error, PluginError) and not own)
     lines = ([] if alone else traceback.format_list(frames[first:])) + traceback.format_exception_only(error)
     return "".join(lines).rstrip()
+
+
+def _right_call(method: Callable[..., object] | None) -> list[str]:
+    """Where a user's method is, and how it must be declared: as in the class of libgz that it overrides."""
+    if method is None:
+        return []
+    owner, name = type(getattr(method, "__self__", None)), getattr(method, "__name__", "")
+    function = inspect.unwrap(getattr(method, "__func__", method))
+    own = next((kind for kind in owner.__mro__ if name in vars(kind)), owner)
+    if not isinstance(function, FunctionType) or own.__module__.startswith("libgz."):
+        return []
+    place = f'  File "{function.__code__.co_filename}", line {function.__code__.co_firstlineno}, in {name}'
+    base = next((kind for kind in owner.__mro__ if kind.__module__.startswith("libgz.") and name in vars(kind)), None)
+    if base is None:
+        return [place]
+    parameters = ", ".join(inspect.signature(vars(base)[name]).parameters)
+    return [place, f"  it is called as {base.__name__} declares it: {name}({parameters})"]

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from libgz.base.errors import USER_ERRORS, ParameterError, nearest, pass_interrupt
 from libgz.base.geometry import STEEP
 from libgz.ode.lib import ode
-from libgz.ode.native_step import NativeStep
 from libgz.ode.records import (
     AxisRecord,
     BatteryRecord,
@@ -331,13 +330,9 @@ class UpdateRows:
         self._enabled = True
         self.updating: list[Any] = []
         self.begin = self.end = self.tail = self.count = 0
-        form = world.engine.step_form
-        self._run: Callable[..., int] | None = None
-        self._prepare: Callable[[Any, int, ctypes.c_int64], Callable[[], int]] | None = None
         self.steps = ctypes.c_int64(1)
-        if isinstance(form, NativeStep):
-            self._run, self._prepare = form.updates()
-        self.native = self._run is not None
+        self._run, self._prepare = world.engine.native.updates()
+        self.native = True
         self._entity: Updated | None = None
         self.clear()
 
@@ -362,7 +357,7 @@ class UpdateRows:
     @enabled.setter
     def enabled(self, value: bool) -> None:
         self._enabled = value
-        self.native = value and self._run is not None
+        self.native = value
 
     # What entities add -----------------------------------------------------------------------------------------------
 
@@ -653,12 +648,11 @@ def run_shares(world: HasRows, shares: Sequence[tuple[Exchange, Callable[[], obj
     rows = (Row * len(records))(*(Row(Kind.SHARE, 0, address_of(record)) for record in records))
     tables, clock, count = world.engine.tables.record, world.clock, len(records)
     record = UpdatesRecord(address_of(tables), address_of(clock), address_of(rows))
-    form = world.engine.step_form
-    function = form.updates()[0] if isinstance(form, NativeStep) else None
+    function, _ = world.engine.native.updates()
 
     def run(number: int) -> int:
         """The number of the next exchange that Python has to do."""
-        return int(function(ctypes.byref(record), number, count)) if function and world.rows.native else number
+        return int(function(ctypes.byref(record), number, count)) if world.rows.native else number
 
     def share(_kept: object = (records, kept, rows)) -> None:
         number = run(0)

@@ -26,7 +26,7 @@ from libgz.base.errors import (
     nearest,
     pass_interrupt,
 )
-from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
@@ -51,7 +51,7 @@ from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
-from libgz.simulation.state import seldom, undeclared
+from libgz.simulation.state import undeclared
 from libgz.simulation.updates import Exchange, UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
@@ -122,25 +122,22 @@ class World(Closing):
         facade: the object by which the API of a layer above presents this world; set by that layer.
     """
 
-    SELDOM: ClassVar[tuple[str, ...]] = (
-        *("name", "simSpeed", "utcOffset", "fogEnable", "fogDensity", "physics_enabled", "starts_paused", "_numbers"),
-    )
     STATE: ClassVar[tuple[str, ...]] = (
-        *SELDOM,
+        *("name", "simSpeed", "utcOffset", "fogEnable", "fogDensity", "physics_enabled", "starts_paused", "_numbers"),
         "_surroundings",
         *("backdrop.fog_kind", "backdrop.shadows"),
         "_fallen_rows",
         "_paused",
         *("clock.day_time", "clock.pause_time", "clock.iterations", "clock.sim_time"),  # what changes comes last
     )
-    name: str = seldom()
-    simSpeed: float = seldom()  # simulated seconds per second of real time; 0: as fast as possible
-    utcOffset: float = seldom()  # UTC at sim time 0 [s]
-    fogEnable: bool = seldom()
-    fogDensity: float = seldom()
-    physics_enabled: bool = seldom()
-    starts_paused: bool = seldom()
-    _numbers: int = seldom()  # of entities, that were given
+    name: str
+    simSpeed: float  # simulated seconds per second of real time; 0: as fast as possible
+    utcOffset: float  # UTC at sim time 0 [s]
+    fogEnable: bool
+    fogDensity: float
+    physics_enabled: bool
+    starts_paused: bool
+    _numbers: int  # of entities, that were given
 
     def __init__(
         self,
@@ -978,7 +975,7 @@ class World(Closing):
             log.error(
                 "model %r stopped, its motors off: its Update failed with\n%s",
                 entity.GetId(),
-                own_traceback(error),
+                own_traceback(error, called=getattr(entity, "Update", None)),
                 extra=NOTED,
             )
             return False
@@ -1023,8 +1020,8 @@ class World(Closing):
         Raises:
             GazeboError: a step is under way, or plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
-            StateError: the state is of another file, or something that cannot be built again is missing.
-            ParameterError: these bytes are no state of this version of libgz.
+            StateError: these bytes are no state of this version of libgz, or one of another file, or damaged, or
+                something that cannot be built again is missing; the world is as before.
             PluginError: a LoadState failed; the message has the traceback.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
@@ -1322,6 +1319,7 @@ class World(Closing):
 
         All velocities become zero.
         """
+        pose = GzPoseOf(pose)
         parent = model.parentBody
         self._move(model, GzCoordPoseAdd(pose, parent.GetPose()) if parent is not None else pose)
         if parent is not None:

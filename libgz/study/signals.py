@@ -17,7 +17,7 @@ import ctypes
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -86,6 +86,7 @@ class Reading:
         fetch: returns the present numbers.
         low, high: bounds of each number, shape (...), of `dtype`.
         dtype: of the numbers.
+        clipped: whether numbers beyond the bounds are read as the bounds.
     """
 
     label: str
@@ -93,6 +94,7 @@ class Reading:
     low: NDArray[Any]
     high: NDArray[Any]
     dtype: np.dtype[Any]
+    clipped: bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -101,7 +103,20 @@ class Reading:
 
     def value(self) -> NDArray[Any]:
         """The present numbers: a copy of shape `shape`."""
-        return np.array(self.fetch(), self.dtype, ndmin=1)
+        numbers = np.array(self.fetch(), self.dtype, ndmin=1)
+        return np.clip(numbers, self.low, self.high) if self.clipped else numbers
+
+    def within(self, bounds: tuple[float, float]) -> Reading:
+        """The same numbers, clipped to bounds.
+
+        Raises:
+            ParameterError: the lower bound is not below the upper one.
+        """
+        low, high = bounds
+        if not low < high:
+            raise ParameterError(f"{self.label!r}: the lower bound, {low:g}, must be below the upper one, {high:g}")
+        ends = [np.clip(np.full(self.shape, end), self.low, self.high).astype(self.dtype) for end in bounds]
+        return replace(self, low=ends[0], high=ends[1], clipped=True)
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,7 @@ class LocalServer:
         self.version, self.abi = version, abi
         self.patience = Patience()
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
+        self.place = ""  # ``file:line: `` of the model that creates interfaces now, for messages
         self._kept: dict[tuple[str, str], Segment] | None = None  # of interfaces that may return
         self._returned: set[tuple[str, str]] = set()  # that clients see already
         self._handed: dict[tuple[str, str], Interface[Any]] = {}  # that new interfaces may replace
@@ -77,7 +78,9 @@ class LocalServer:
             return segment
         if former is not None:
             log.warning(
-                "there is a second %s interface with id %r: the first one is served, the second model runs without it",
+                "%sthere is a second %s interface with id %r: "
+                "the first one is served, the second model runs without it",
+                self.place,
                 *key,
             )
             return Segment(bytearray(interface.size))

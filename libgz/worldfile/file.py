@@ -14,7 +14,7 @@ from lxml import etree
 
 from libgz.base.entities import Entities, encoded
 from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
-from libgz.base.files import expand, read_limited, write_whole, xml_parser
+from libgz.base.files import expand, is_file, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import element_spans, splice
@@ -231,6 +231,7 @@ class WorldFile:
         *,
         removed: Collection[WorldFileNode] = (),
         added: Iterable[WorldFileNode] = (),
+        backup: bool = False,
     ) -> int:
         """Write the file with its changed values; comments, order and layout stay. 0.
 
@@ -238,6 +239,7 @@ class WorldFile:
             filename: where to write; None for the file that was loaded.
             removed: elements that are left out of what is written.
             added: elements of other worldfiles, which are written at the end.
+            backup: keep the file that is there as ``NAME.bak``; a file that would stay as it is is not written.
 
         Raises:
             WorldFileError: the file cannot be written, or has no name.
@@ -252,6 +254,11 @@ class WorldFile:
             raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
         log.info("saving: %s", target)
         try:
+            if backup and is_file(Path(target)):
+                before = Path(target).read_bytes()
+                if before == source:
+                    return 0
+                write_whole(Path(f"{target}.bak"), before)
             write_whole(Path(target), source)
         except OSError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error.strerror}") from None

@@ -36,6 +36,7 @@ log = logging.getLogger("libgz.worldfile")
 T = TypeVar("T")
 _BLANK = " \t\r\n"
 LARGEST = 1e30  # no quantity of a world is near, and products of several numbers are still finite
+SAME = 1e-9  # [m], and of a quaternion's numbers: two places that differ by less are one
 MANY = 64  # children, from which on they are looked up by an index
 
 
@@ -314,6 +315,8 @@ class WorldFileNode:
             return default if default is not None else GzColor()
         node, text = found
         values = [self._number(node, token) for token in text.split()[:4]]
+        if len(values) < 3:
+            node.warn(f"has {len(values)} of 3 numbers; those that are missing are read as 0")
         r, g, b = [*values, 0.0, 0.0, 0.0][:3]
         return GzColor(r, g, b, values[3] if len(values) > 3 else 1.0)
 
@@ -326,6 +329,8 @@ class WorldFileNode:
         values = [self._finite(found[0], token) for token in tokens]
         if len(values) > count:
             found[0].warn(f"has {len(values)} numbers; {count} are allowed, and the rest is ignored")
+        if len(values) < count:
+            found[0].warn(f"has {len(values)} of {count} numbers; those that are missing are read as 0")
         return (values + [0.0] * count)[:count]
 
     def token_count(self, key: str) -> int:
@@ -426,6 +431,15 @@ class WorldFileNode:
         """Write roll, pitch, yaw in degrees: whole ones plain, others with three decimals."""
         degrees = [_no_minus_zero(RTOD(angle), 3) for angle in GzQuaternToEuler(value)]
         self._set(key, " ".join(f"{d:.0f}" if d == round(d) else f"{d:.3f}" for d in degrees), add)
+
+    def put_pose(self, position: VectorLike, rotation: QuaternLike) -> None:
+        """Write `xyz` and `rpy` with all digits, each only if it differs from the file's by more than 1e-9."""
+        if max(abs(a - b) for a, b in zip(self.GetPosition("xyz"), position, strict=True)) > SAME:
+            self._set("xyz", " ".join(repr(value + 0.0).removesuffix(".0") for value in position), add=True)
+        given = self.GetRotation("rpy")
+        if min(max(abs(a - s * b) for a, b in zip(given, rotation, strict=True)) for s in (1.0, -1.0)) > SAME:
+            degrees = (RTOD(angle) for angle in GzQuaternToEuler(rotation))
+            self._set("rpy", " ".join(f"{_no_minus_zero(value, 12):.15g}" for value in degrees), add=True)
 
     def _set(self, key: str, text: str, add: bool) -> None:
         old = self._find_old(key)

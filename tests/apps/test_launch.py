@@ -12,7 +12,7 @@ import pytest
 
 from libgz.apps.launch import importing
 
-COMMANDS = ["gazebo", "gzclient", "gzserver", "libgz"]
+COMMANDS = ["gazebo", "gz", "gzclient", "gzserver", "libgz"]
 INTERRUPT = "import os, signal; os.kill(os.getpid(), signal.SIGINT)\n"
 
 

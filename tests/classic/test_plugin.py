@@ -175,6 +175,13 @@ def test_a_plugin_that_raises_is_named_and_stopped_and_the_world_runs_on(stage, 
     assert world.events["WorldUpdateBegin"].ConnectionCount() == 1
 
 
+def test_a_load_with_wrong_parameters_is_shown_the_right_ones(plugin, run, caplog):
+    plugin("bad", "class P(WorldPlugin):\n    def Load(self, world): pass\nGZ_REGISTER_WORLD_PLUGIN(P)")
+    run(element("bad"))
+    assert "it is called as WorldPlugin declares it: Load(self, world, sdf)" in caplog.text
+    assert "classic/loading.py" not in caplog.text
+
+
 def test_connections_end_when_they_are_dropped(plugin, run, caplog):
     world = run(BOX.format(name="box", pose="0 0 1 0 0 0", inside=""))
     calls = []

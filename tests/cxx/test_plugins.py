@@ -187,7 +187,7 @@ def test_errors_at_the_end_are_one_line(tmp_path, what, caplog):
     compiled(tmp_path, fini=what)
     load(tmp_path, "Tester").close()
     message = caplog.records[-1].getMessage()
-    assert message.startswith("Fini of model 'm0' failed with\nlibgz.errors.PluginError: plugin /")
+    assert message.startswith("Fini of model 'm0' failed with\nlibgz.base.errors.PluginError: plugin /")
     assert message.count("\n") == 1
 
 

@@ -119,6 +119,20 @@ def test_bounds_of_actions_are_those_given_or_those_of_the_world(make):
     assert (data.cmd_vel_pos[0], data.cmd_vel_rot[2]) == pytest.approx((0.5, 1.4))
 
 
+def test_bounds_of_observations_are_those_given_and_clip(make):
+    bounded = {"robot1": {"pos": (-0.1, 0.1), "quat": None}, "sonar.robot1": {"ranges": (0.5, 9)}}
+    env = make("pioneer2at", DRIVE, bounded)
+    spaces = env.observation_space
+    assert spaces["robot1/pos"].high.tolist() == [0.1] * 3
+    assert spaces["sonar.robot1/ranges"].high.max() == 5.0  # no sonar reaches 9 m
+    assert spaces["robot1/quat"].high.tolist() == [1.0] * 4  # its own bounds
+    env.reset(seed=1)
+    for _ in range(10):
+        seen, *_ = env.step([0.5, 0.0])
+    assert seen in spaces
+    assert seen["robot1/pos"][0] == 0.1 < env.unwrapped.world.body("robot1").GetPosition()[0]
+
+
 def test_a_flat_observation_is_one_box(make):
     env = make("pioneer2at", DRIVE, {"sonar.robot1": ["ranges"], "position.robot1": ["pos[0:2]", "stall"]}, flat=True)
     seen, _ = env.reset()
@@ -146,6 +160,7 @@ ERRORS = [
     (DRIVE, {"position.robot1": ["pos[7]"]}, {}, "cannot be read: index 7 is out of bounds"),
     (DRIVE, {"fiducial.laser1": ["fids"]}, {}, "is not of numbers; name one of id, pos, rot"),
     (DRIVE, {"robot3": ["pos"]}, {}, "no interface, model, joint, body or sensor 'robot3'; .* did you mean 'robot1'"),
+    (DRIVE, {"position.robot1": {"pos[0]": (2, 1)}}, {}, "the lower bound, 2, must be below the upper one, 1"),
     (DRIVE, ODOMETRY, {"period": 0.03}, "must be a multiple of the world's step, 0.02 s"),
     (DRIVE, ODOMETRY, {"render_mode": "rgb_aray"}, "did you mean 'rgb_array'"),
     (DRIVE, ODOMETRY, {"randomise": {"crate/mas": ("uniform", 1, 2)}}, "nothing in the world reads <mas>"),
@@ -156,7 +171,7 @@ ERRORS = [
 @pytest.mark.parametrize(("actions", "observations", "options", "message"), ERRORS)
 def test_errors_name_what_is_wrong(actions, observations, options, message):
     with pytest.raises(libgz.GazeboError, match=message):
-        WorldEnv("pioneer2at", actions, observations, **options).reset()
+        WorldEnv("pioneer2at", actions, observations, **options)  # before any reset
 
 
 def test_wrong_calls(make):

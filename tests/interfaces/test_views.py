@@ -66,3 +66,16 @@ def test_commands_are_finite(bad):
 def test_an_id_is_a_string():
     with pytest.raises(libgz.InterfaceError, match=r"interface \[position\] id is 1; it must be a string, such as '1'"):
         serve(LocalServer(), libgz.Position, 1)
+
+
+def test_commands_of_another_kind_are_named():
+    server = LocalServer()
+    position, gripper, joints = serve(server, libgz.Position), serve(server, libgz.Gripper), serve(server, libgz.Joints)
+    for command, message in (
+        (lambda: position.command(vx="fast"), r"vx \[m/s\] is 'fast'; it must be a number"),
+        (lambda: position.command(vyaw=None), r"vyaw \[rad/s\] is None; it must be a number"),
+        (lambda: joints.command(0, [1]), r"angle \[rad\] is \[1\]; it must be a number"),
+        (lambda: gripper.command("open"), "code is 'open'; it must be one of GAZEBO_GRIPPER_CMD"),
+    ):
+        with pytest.raises(libgz.ParameterError, match=message):
+            command()

@@ -2,6 +2,7 @@
 
 import logging
 import math
+import re
 import textwrap
 
 import pytest
@@ -147,6 +148,40 @@ def test_an_exception_in_load_shows_its_own_traceback(tmp_path):
     text = str(caught.value)
     assert 'Bad.py", line' in text
     assert "simulation/world.py" not in text
+
+
+@pytest.mark.parametrize(
+    ("method", "own", "right"),
+    [
+        ("Load", "self, node", "Load(self, file, node)"),
+        ("Init", "self", "Init(self, file, node)"),
+        ("Update", "self", "Update(self, step)"),
+    ],
+)
+def test_a_method_with_wrong_parameters_is_shown_the_right_ones(tmp_path, caplog, method, own, right):
+    source = write(tmp_path, "Wrong").read_text()
+    text = re.sub(rf"def {method}\(.*\)", f"def {method}({own})", source)
+    (tmp_path / "Wrong.py").write_text(text)
+    try:
+        with run(tmp_path, "Wrong", "Wrong.so") as world:
+            world.Step()
+    except libgz.GazeboError as error:
+        logged = str(error)
+    else:
+        logged = caplog.text
+    assert f"it is called as Model declares it: {right}" in logged
+    assert str(tmp_path / "Wrong.py") in logged
+    assert "libgz/legacy" not in logged
+    assert "libgz/simulation" not in logged
+
+
+def test_a_second_interface_of_an_id_is_reported_with_its_line(tmp_path, caplog):
+    robot = "<model:Pioneer2AT><id>a</id></model:Pioneer2AT>\n"
+    path = tmp_path / "two.world"
+    path.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'>\n{robot}{robot}</gz:world>")
+    with libgz.World.from_file(path):
+        pass
+    assert "two.world:3: <model:Pioneer2AT>: there is a second position interface with id 'a'" in caplog.text
 
 
 def test_a_failing_init_ends_the_start(tmp_path):

@@ -5,20 +5,11 @@ import subprocess
 import sys
 from itertools import pairwise
 
-import pytest
-
 import libgz
 from libgz.ode.lib import ode
-from libgz.ode.native_step import NativeStep
 from libgz.physics.engine import Engine
 
 CACHE_LINE = 64
-
-
-@pytest.fixture(autouse=True)
-def native():
-    if not isinstance(Engine().step_form, NativeStep):
-        pytest.skip("the native step was not built")
 
 
 BESIDE = """

@@ -6,7 +6,6 @@ import struct
 
 import numpy as np
 import pytest
-from engine_parts import use_form
 from PIL import Image
 from sdf_worlds import GROUND, collision, friction, inertial, link, model, place, world
 
@@ -228,10 +227,8 @@ def test_an_ellipsoid_is_nearly_its_volume_and_stands_on_its_pole(load):
     assert made.body("m").GetPosition().z == pytest.approx(0.5, abs=0.005)
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
-def test_a_plane_has_normals_of_any_length_and_friction_by_direction(load, monkeypatch, form):
+def test_a_plane_has_normals_of_any_length_and_friction_by_direction(load):
     """At mu 0 along the slope, which is along the direction, a block slides at g sin; across it nothing moves."""
-    use_form(form, monkeypatch)
     slope = math.atan(0.4)
 
     def plane(y):
@@ -316,3 +313,13 @@ def test_a_texture_of_a_height_map_that_cannot_be_used_is_a_warning(load, inside
     shape = f"<heightmap><uri>file://{tmp_path}/h.png</uri><size>8 8 2</size>{inside}</heightmap>"
     load(world(terrain(shape)))
     assert text in caplog.text
+
+
+@pytest.mark.parametrize("more", ["", collision("sphere", name="ball", pose="0 0 9 0 0 0")])
+def test_a_plane_of_a_moving_model_falls_with_it(load, more):
+    plane = collision("<plane><normal>0 0 1</normal></plane>")
+    box = model("box", link("l", inertial(), collision()), pose="5 0 3 0 0 0")
+    made = load(world(GROUND, box, model("m", link("l", plane, more))))
+    made.step(30)
+    for name, start in (("m", 0.0), ("box", 3.0)):
+        assert place(made.body(name))[2] == pytest.approx(start - 9.8e-6 * 30 * 31 / 2)

@@ -17,12 +17,9 @@ from libgz.legacy.model import Model
 from libgz.models.bandit import JointServo
 from libgz.models.motion import Motion
 from libgz.models.pioneer2at import Pioneer2AT
-from libgz.ode.native_step import native_path
 from libgz.ode.records import Kind, numbers
 from libgz.simulation.formula import clamp
 from libgz.simulation.updates import Exchange
-
-pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 SICK = "<model:SickLMS200><id>{}</id><xyz>0.1 0 {}</xyz><rangeCount>{}</rangeCount></model:SickLMS200>"

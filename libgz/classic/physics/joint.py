@@ -215,7 +215,6 @@ class Joint(Base):
     def SetStopStiffness(self, index: int, stiffness: float) -> None:
         """Set the stiffness of a limit [N m/rad] or [N/m]; it is kept, and has no effect with ODE."""
         self._axis(index).stop_stiffness = finite(stiffness, "stop stiffness")
-        self.core.edits += 1
 
     def GetStopDissipation(self, index: int) -> float:
         """The `<dissipation>` of a limit; it is kept, and has no effect with ODE."""
@@ -224,7 +223,6 @@ class Joint(Base):
     def SetStopDissipation(self, index: int, dissipation: float) -> None:
         """Set the dissipation of a limit; it is kept, and has no effect with ODE."""
         self._axis(index).stop_dissipation = finite(dissipation, "stop dissipation")
-        self.core.edits += 1
 
     # Damping and springs -----------------------------------------------------------------------------------------
 

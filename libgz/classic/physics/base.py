@@ -161,7 +161,7 @@ class Base:
             ParameterError: it is a link or a collision, which end with their model.
         """
         child = which if isinstance(which, Base) else self.GetChild(which)
-        if child is None or child.GetParent() is not self:
+        if child is None or not any(part is child for part in self.children()):
             return
         remove = getattr(child, "remove", None)
         if remove is None:

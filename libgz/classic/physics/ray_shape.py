@@ -213,7 +213,6 @@ class MultiRayShape:
         self._rays = np.vstack([self._rays, np.array([*first, *((last - first) / length), length])])
         self._rows = np.append(self._rows, -1)
         self._reached = np.append(self._reached, sys.float_info.max)
-        self.noted.count()
 
     def Update(self) -> None:
         """Cast all rays, from the present pose of the link."""

@@ -101,8 +101,11 @@ static void copy_geoms(const parts *p, tape *t)
             copy(t, (void *)dGeomGetPosition(geom), 0, POSR_SIZE);
         else if (dGeomIsOffset(geom))
             copy(t, (void *)dGeomGetOffsetPosition(geom), 0, POSR_SIZE);
-        else
+        else {
+            if (!t->reading && t->at + POSR_SIZE <= t->size)
+                memset(t->bytes + t->at, 0, POSR_SIZE);
             t->at += POSR_SIZE;
+        }
     }
 }
 

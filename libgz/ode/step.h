@@ -312,6 +312,7 @@ typedef struct {
     void *aiming;
 } touching;
 
+/* A body as a member of an island. */
 typedef struct {
     int64_t root; /* the member that stands for the island, or one that is nearer to it */
     int64_t rows; /* of the solver, in the root's */

@@ -2,9 +2,8 @@
 
 A new kind of joint is a class here and a row in `MECHANISMS`.
 
-- In classic worlds angles count their turns (`Engine.count_turns`, `unwind` in `step.c`); ODE's are between -pi and pi.
-  A joint with a stop
-  beyond that gives ODE the stop that is near, before each step.
+- In classic worlds angles count their turns (`Engine.count_turns`, `unwind` in `motion.c`); ODE's are between -pi and
+  pi. A joint with a stop beyond that gives ODE the stop that is near, before each step.
 - ODE has neither screws nor gears. Both are made of a *line joint*, one row of the solver that keeps two bodies from
   moving along one line, placed along a thread's flank or a tooth before each step. A gearbox has a *rack*: a body
   without shape that both gears mesh with.

@@ -1,9 +1,10 @@
-# make demo: install everything and run a demonstration.  make test: install everything, check and test.
+# make demo: install what it needs and run a demonstration.  make test: install the rest, check and test.
 .PHONY: demo test lint types trials fuzz bench bench-more docs wheel setup clean
 
 BIN := .venv/bin
 
-demo: setup
+demo:
+	@./scripts/setup.sh view
 	@$(BIN)/libgz demo
 
 test: lint types
@@ -37,7 +38,8 @@ bench-more: setup
 
 # The documents as a site, offline: build/site/index.html
 docs: setup
-	@$(BIN)/sphinx-build -q -W --keep-going -E -a -c docs . build/site
+	@$(BIN)/python scripts/make_docs.py build/docs
+	@$(BIN)/sphinx-build -q -W --keep-going -E -a -c docs build/docs build/site
 	@echo "build/site/index.html"
 
 # A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl
@@ -45,7 +47,7 @@ wheel: setup
 	@$(BIN)/python scripts/make_wheel.py
 
 setup:
-	@./scripts/setup.sh
+	@./scripts/setup.sh dev
 
 clean:
 	rm -rf .venv build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis .fuzz

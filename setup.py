@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
-from setuptools import setup
+from setuptools import Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
+from setuptools.errors import BaseError, CCompilerError
 
 
 class BuildLibraries(build_ext):
@@ -18,6 +19,16 @@ class BuildLibraries(build_ext):
         """Build them without the directories of the Python that builds, where they would look for libraries."""
         self.compiler.linker_so = [word for word in self.compiler.linker_so if not word.startswith("-Wl,-rpath")]
         super().build_extensions()
+
+    def build_extension(self, ext: Extension) -> None:
+        """Build one; a part that is needed fails with what to install."""
+        try:
+            super().build_extension(ext)
+        except (BaseError, CCompilerError) as error:
+            if ext.optional:
+                raise
+            remedy = "libgz needs a C compiler: apt-get install gcc libc6-dev"
+            raise SystemExit(f"{remedy} ({ext.name}: {error})") from error
 
 
 class AnyPythonWheel(bdist_wheel):

@@ -1,4 +1,4 @@
-"""The engine's step in both forms, native and Python, over the same calls of ODE in a C loop.
+"""The engine's step over the same calls of ODE in a C loop.
 
 python benchmarks/step.py
 
@@ -7,7 +7,6 @@ The whole server is in figures.py.
 
 from __future__ import annotations
 
-import os
 from contextlib import ExitStack
 
 from reference import Reference, scene_of
@@ -21,19 +20,17 @@ NUMBERS = (1, 10, 100)
 
 def main() -> None:
     """Print a table."""
-    print(f"{'Pioneer2ATs':>12}{'C [us]':>10}{'native/C':>10}{'python/C':>10}   processor time; same motion as in C")
+    print(f"{'Pioneer2ATs':>12}{'C [us]':>10}{'step/C':>10}   processor time; same motion as in C")
     for number in NUMBERS:
         with ExitStack() as stack:
             runs: dict[str, Run] = {}
             worlds = []
-            for form in ("native", "python"):
-                os.environ["LIBGZ_STEP"] = form
-                world = stack.enter_context(libgz.World.from_string(text(number)))
-                for i in range(number):
-                    world.interface("position", f"r{i}").command(vx=0.2, vyaw=0.1)
-                world.step(60)
-                worlds.append(world)
-                runs[form] = of_calls(world.engine.step)
+            world = stack.enter_context(libgz.World.from_string(text(number)))
+            for i in range(number):
+                world.interface("position", f"r{i}").command(vx=0.2, vyaw=0.1)
+            world.step(60)
+            worlds.append(world)
+            runs["step"] = of_calls(world.engine.step)
             loop = stack.enter_context(Reference(scene_of(worlds[0], sensors=False)))
             loop.run(50)
             for world in worlds:

@@ -1,7 +1,8 @@
-"""The site of the documents: `make docs`, or sphinx-build -W -c docs . build/site.
+"""The site of the documents: `make docs`.
 
-The source is the whole tree, so that links between pages are the same here and in the repository. What a README lists
-becomes the navigation: each link at the beginning of a list item or of a table's row is a page below it.
+Its source is a copy of the tree that scripts/make_docs.py writes with all generated pages, so that links between pages
+are the same here and in the repository. What a README lists becomes the navigation: each link at the beginning of a
+list item or of a table's row is a page below it. Generated pages are below the pages that GENERATED names.
 """
 
 from __future__ import annotations
@@ -36,11 +37,21 @@ html_css_files = ["libgz.css"]
 html_copy_source = False
 html_show_copyright = False
 
+GENERATED = {  # page -> what is generated of its subject
+    "docs/api": "api/README",
+    "docs/classic": "classic/README",
+    "docs/interfaces": "structs",
+    "docs/models": "models/README",
+    "docs/sdf": "sdf_elements",
+    "docs/tools": "commands",
+}
 ENTRY = re.compile(r"^(?:- |\| )\[([^\]]+)\]\(([^)#:]+\.md)\)")
 
 
 def add_navigation(_app: Sphinx, page: str, source: list[str]) -> None:
-    """Append what a README lists as tables of contents that the page itself does not show."""
+    """Append what a README lists as tables of contents that the page itself does not show, and generated pages."""
+    if (below := GENERATED.get(page)) is not None:
+        source[0] += f"\n\n## In full\n\n```{{toctree}}\n:maxdepth: 1\n\n{below}\n```\n"
     if PurePosixPath(page).name != "README":
         return
     entries, heading = [], ""

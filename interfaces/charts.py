@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from libgz.base.errors import LibraryError, ParameterError
+from libgz.base.extras import install
 from libgz.transport.interface import Interface
 from libgz.transport.layout import CLIENT, fields_of
 
@@ -26,7 +27,7 @@ def figure_of(interfaces: list[Interface[Any]]) -> Any:
     try:
         module = importlib.import_module("matplotlib.figure")
     except ImportError:
-        raise LibraryError("plots need matplotlib, which is not installed: pip install 'libgz[plot]'") from None
+        raise LibraryError(f"plots need matplotlib, which is not installed: {install('plot')}") from None
     columns = min(len(interfaces), 3)
     rows = -(-len(interfaces) // columns)
     figure = module.Figure(figsize=(5.0 * columns, 4.0 * rows), layout="constrained")

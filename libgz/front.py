@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
 import libgz.models as models  # `from libgz import` would look among the public names first
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, WorldFileError, nearest
+from libgz.base.extras import install
 from libgz.base.files import exists
 from libgz.base.geometry import GzPose
 from libgz.legacy.factory import ModelFactory, register_builtin
@@ -301,7 +302,7 @@ class World(world.World):
 
         for entry in importlib.metadata.entry_points(group="libgz.viewers"):
             return entry.load()(self, **options)
-        raise LibraryError("there is no viewer here: pip install 'libgz[view]'; world.image() needs none")
+        raise LibraryError(f"there is no viewer here: {install('view')}; world.image() needs none")
 
     def _repr_png_(self) -> bytes | None:
         """What a notebook shows: an image of the world."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import ParameterError
+from libgz.base.files import read_file
 from libgz.physics.meshes import triangle_normals
 
 __all__ = ["GzbFile", "read_gzb", "write_gzb"]
@@ -41,7 +42,7 @@ def read_gzb(path: Path) -> GzbFile:
         ParameterError: the file cannot be read, or is not a terrain file.
     """
     try:
-        data = path.read_bytes()
+        data = read_file(path)
     except OSError as error:
         raise ParameterError(f"cannot read terrain {str(path)!r}: {error.strerror}") from None
     numbers = np.frombuffer(data, dtype=">i4", count=len(data) // 4)

@@ -39,7 +39,7 @@ class Road(Model):
     attributes = RoadAttributes
     example = """
         <param:Global>
-          <utmOffset>500000 4000000</utmOffset>
+          <utmOffset>500000 4000000 0</utmOffset>
         </param:Global>
 
         <model:Road>

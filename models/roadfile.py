@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
+from libgz.base.files import read_text
 from libgz.base.geometry import GzVector
 
 __all__ = ["RoadFile", "read_road"]
@@ -42,7 +43,7 @@ def read_road(path: Path, offset: GzVector) -> RoadFile:
         ParameterError: the file cannot be read.
     """
     try:
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = read_text(path).splitlines()
     except OSError as error:
         raise ParameterError(f"cannot be read: {error.strerror}") from None
     road = RoadFile()

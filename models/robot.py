@@ -13,7 +13,7 @@ from libgz.legacy.model import Model
 from libgz.models.device import Device
 from libgz.models.positionserver import PositionServer
 from libgz.ode.records import numbers
-from libgz.simulation.plan import Plan, replaced
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.state import declares
 from libgz.worldfile.attributes import number, read
@@ -110,7 +110,7 @@ class MobileRobot(Model):
         plan.do(self.act)
 
     def _plan_device(self, plan: Plan, device: Any) -> None:
-        if isinstance(device, Device) and not replaced(device, Device, "Update"):
+        if isinstance(device, Device) and not overrides(device, Device, "Update"):
             device.plan_update(plan)
         else:
             plan.do(lambda _: device.Update(self.world.GetSimTime()))

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Installs what the tests of C++ plugins and of 32-bit programs need. What cannot be installed is said, and its tests are skipped.
+# Installs what the tests of C++ plugins, of 32-bit programs and of written SDF need. What cannot be installed is said, and
+# its tests are skipped.
 set -eu
 
 as_root=
@@ -11,12 +12,13 @@ export DEBIAN_FRONTEND=noninteractive
 has_cxx() { echo "#include <exception>" | ${CXX:-g++} -x c++ -fsyntax-only - 2>/dev/null; }
 has_m32() { echo "int main(void) { return 0; }" | ${CC:-gcc} -m32 -x c - -o /dev/null 2>/dev/null; }
 
-# install PACKAGE WHAT: what is skipped without it
+# install PACKAGES WHAT: what is skipped without it
 install() {
     log=$(mktemp)
     if [ "$as_root" != none ] && command -v apt-get >/dev/null; then
         echo "installing $1"
-        if { $as_root apt-get -q update && $as_root apt-get -q install -y --no-install-recommends "$1"; } >"$log" 2>&1
+        # shellcheck disable=SC2086 # a list of words
+        if { $as_root apt-get -q update && $as_root apt-get -q install -y --no-install-recommends $1; } >"$log" 2>&1
         then
             rm -f "$log"
             return
@@ -29,3 +31,4 @@ install() {
 
 has_cxx || install g++ "C++ plugins"
 has_m32 || install gcc-multilib "32-bit programs"
+command -v ign >/dev/null || install "ignition-tools libsdformat-dev" "SDF that sdformat reads"

@@ -19,7 +19,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PACKAGE = ("libgz", "interfaces", "models", "worlds", "docs/man")
+PACKAGE = ("libgz", "interfaces", "models", "worlds")
 SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", *PACKAGE)
 BUNDLED = ("libode8", "libccd2")  # packages of Debian; what libgz.libs may contain
 PLATFORM = f"manylinux_2_24_{platform.machine()}"  # what docs/install.md promises
@@ -33,6 +33,7 @@ def main() -> None:
         plain = build(work)
         content = unpack(plain, work)
         bundle_ode(content)
+        add_man_pages(content)
         (work / "packed").mkdir()
         python("wheel", "pack", str(content), "--dest-dir", str(work / "packed"))
         (packed,) = (work / "packed").iterdir()
@@ -77,6 +78,17 @@ def bundle_ode(content: Path) -> None:
     for package in BUNDLED:
         shutil.copy(file_of(package, "/copyright"), libraries / f"{package}.copyright")
     shutil.copy(file_of("libode8", "/libode.so.8").resolve(), libraries / "libode.so.8")
+
+
+def add_man_pages(content: Path) -> None:
+    """Write the man pages of the commands where pip installs them in share/man/man1 of an environment."""
+    (data,) = (path.name.replace(".dist-info", ".data") for path in content.glob("*.dist-info"))
+    folder = content / data / "data" / "share" / "man" / "man1"
+    script = Path(__file__).with_name("make_docs.py")
+    command = [sys.executable, str(script), "--man", str(folder)]
+    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": str(content)}, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}\n{done.stderr}")
 
 
 def file_of(package: str, end: str) -> Path:

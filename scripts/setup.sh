@@ -1,8 +1,10 @@
 #!/bin/sh
-# Installs what `make demo` and `make test` need: Debian packages, a virtual environment, and this package in it.
+# setup.sh EXTRA: Debian packages, a virtual environment, and this package in it with one of its extras: `view` suffices for
+# `make demo`, `dev`, which contains it, is for tests. Nothing is installed that is there already.
 # Needs python3, and root or sudo if Debian packages are missing; otherwise it prints which ones to install.
 set -eu
 cd "$(dirname "$0")/.."
+extra=${1:?"usage: setup.sh view or setup.sh dev"}
 
 has_library() { python3 -c "import ctypes, sys; ctypes.CDLL(sys.argv[1])" "$1" 2>/dev/null; }
 has_venv() { python3 -c "import venv, ensurepip" 2>/dev/null; }
@@ -14,8 +16,7 @@ missing=
 has_library libode.so.8 || missing="$missing libode8"
 has_library libOSMesa.so.8 || missing="$missing libosmesa6"
 has_venv || missing="$missing python3-venv"
-# The parts in C are optional for those who ask for the step's Python form.
-[ "${LIBGZ_STEP:-}" = python ] || has_compiler || missing="$missing gcc libc6-dev"
+has_compiler || missing="$missing gcc libc6-dev"
 
 if [ -n "$missing" ]; then
     as_root=
@@ -42,14 +43,19 @@ fi
 
 .venv/bin/python -c "import pip" 2>/dev/null || python3 -m venv --clear .venv
 
-# Reinstall when a file was added or removed, a build input changed, a compiler came, or build/ was removed: the installed
-# tree is there, and links to this one.
-state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.py setup.cfg pyproject.toml libgz/ode/step.c libgz/ode/*.h libgz/ode/resting.c libgz/ode/updates.c libgz/ode/blocks.c libgz/ode/calls.c libgz/recording/changes.c libgz/rendering/frame.c libgz/rendering/pixels.c libgz/transport/*.c libgz/clib/*.[ch] libgz/cxx/host.c; has_compiler && echo compiler; } | cksum)
-if [ ! -d build ] || [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
+# Reinstall when a file of the package was added or removed, a build input changed, a compiler came, or build/ was removed:
+# the installed tree is there, and links to this one. What the installation itself makes (.so, bytecode) does not count.
+package_files() { find libgz interfaces models worlds -type f ! -name '*.so' ! -name '*.pyc' | LC_ALL=C sort; }
+build_inputs() { echo setup.py setup.cfg pyproject.toml; package_files | grep '\.[ch]$'; }
+# shellcheck disable=SC2046 # a list of words
+inputs=$({ package_files; cat $(build_inputs); if has_compiler; then echo compiler; fi; } | cksum)
+installed=$(cat .venv/installed 2>/dev/null || true)
+if [ "${installed##* }" = dev ]; then extra=dev; fi # what was set up for tests stays so
+if [ ! -d build ] || [ "$installed" != "$inputs $extra" ]; then
     echo "installing the package into .venv"
-    rm -rf build
-    .venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev]' --config-settings editable_mode=strict
-    echo "$state" >.venv/installed
+    rm -rf build .venv/installed
+    .venv/bin/pip install --quiet --disable-pip-version-check --editable ".[$extra]" --config-settings editable_mode=strict
+    echo "$inputs $extra" >.venv/installed
 fi
 # Compiled here, since where Python may not write its bytecode each command would compile the whole package anew.
 .venv/bin/python -m compileall -q build

@@ -6,9 +6,7 @@ import signal
 import pytest
 from c_programs import config
 from sdf_worlds import Loader
-from state_runs import forget_kept
 
-from libgz.simulation.snapshot import Snapshots
 from libgz.transport.server import Server
 
 # A shell starts jobs in the background with an ignored SIGINT, which programs under test would inherit.
@@ -24,20 +22,6 @@ def own_logging():
     yield
     logger.setLevel(level)
     logger.propagate, logger.handlers[:] = propagate, handlers
-
-
-@pytest.fixture(autouse=True)
-def whole_states(monkeypatch):
-    """Each state that a test takes is compared with one that is read anew: a change that nobody counted is an error."""
-    read = Snapshots.read
-
-    def audited(snapshots):
-        found = read(snapshots)
-        forget_kept(snapshots._world)
-        assert read(snapshots) == found, "something changed since the last state, and was not counted"
-        return found
-
-    monkeypatch.setattr(Snapshots, "read", audited)
 
 
 @pytest.fixture

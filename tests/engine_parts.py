@@ -1,41 +1,22 @@
-"""Parts of an engine's world for tests: ground, solids, makers of geoms; and both forms of the step."""
+"""Parts of an engine's world for tests: ground, solids, makers of geoms."""
 
 import math
 
 import numpy as np
-import pytest
 
 import libgz
-from libgz.ode.native_step import native_path
 from libgz.ode.types import ContactRule, Surface
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
 
 G = 9.8
 INF = math.inf
-FORMS = ("native", "python")
-
-
-def use_form(name, monkeypatch):
-    """Let new engines use a form of the step; skip the test if it is the native one and was not built."""
-    if name == "native" and native_path() is None:
-        pytest.skip("the native step was not built: there is no C compiler here")
-    monkeypatch.setenv("LIBGZ_STEP", name)
-
-
-def in_both_forms(run, monkeypatch):
-    """What `run` returns in either form of the step."""
-    results = []
-    for name in FORMS:
-        use_form(name, monkeypatch)
-        results.append(run())
-    return results
 
 
 def use_classic(engine):
     """Set the engine as SDF worlds do."""
     engine.contact_rule = ContactRule.CLASSIC
-    engine.exact_rest = engine.count_turns = engine.check_divergence = True
+    engine.exact_rest = engine.count_turns = True
 
 
 def ground(engine, friction=1.0):

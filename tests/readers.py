@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import re
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 from sample_files import TEXTURE_FORMATS, sample, with_library, with_texture, worlds
 
 from libgz import GazeboError, GzVector, World
-from libgz.base.errors import UNFORESEEN
+from libgz.base.errors import UNFORESEEN, StateError
 from libgz.base.files import installed_worlds
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.models.roadfile import read_road
 from libgz.physics.bone_motion import read_motion
 from libgz.physics.mesh_files import read_mesh
+from libgz.recording.capture import Capture
+from libgz.recording.reader import LogReader
 from libgz.rendering.image import read_image
 from libgz.rendering.skin import read_skin
 from libgz.view.local import LocalSource
@@ -68,8 +73,9 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
     "texture": [read_image, lambda path: with_texture(path)],
 }
 ASSETS = tuple(ASSET_WORLDS)
-KINDS = ("legacy", "sdf", *ASSETS)
-TEXT = ("legacy", "sdf", "road", "obj", "dae", "bvh", "mtl")
+SAVED = ("state", "mcap")  # what libgz itself wrote while a world ran
+KINDS = ("legacy", "sdf", "xacro", *ASSETS, *SAVED)
+TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl")
 WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
 
 
@@ -81,6 +87,10 @@ def seeds(kind: str) -> list[bytes]:
         robots = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.urdf"))
         files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
         return [path.read_bytes() for path in files]
+    if kind in SAVED:
+        return [_log()] if kind == "mcap" else [_world(path).get_state() for path in STATE_WORLDS]
+    if kind == "xacro":
+        return [(ROOT / "tests" / "data" / "urdf" / "features.xacro").read_bytes()]
     return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
 
 
@@ -107,6 +117,10 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
             if after is not None:
                 after(world)
 
+    if kind == "state":
+        return _problem_of_state(path)
+    if kind == "mcap":
+        return _problem(path, _read_log)
     if kind not in ASSETS:
         return _problem(path, load, line=True)
     for reader in READERS[kind]:
@@ -116,6 +130,53 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
     world = path.with_suffix(".world")
     world.write_text(ASSET_WORLDS[kind].format(path.name, path.stem))
     return _problem(world, load, line=True)
+
+
+STATE_WORLDS = (installed_worlds() / "pioneer2at.world", ROOT / "examples" / "sdf" / "gripper.world")
+
+
+@functools.cache
+def _world(path: Path) -> World:
+    world = World.from_file(path)
+    world.step(5)
+    return world
+
+
+def _problem_of_state(path: Path) -> str:
+    """Set a state in worlds that have others, one of which may be its own."""
+    data = path.read_bytes()
+    for world in map(_world, STATE_WORLDS):
+        before = world.get_state()
+        try:
+            world.set_state(data)
+        except StateError:
+            if world.get_state() != before:
+                return "a refused state has changed the world"
+            continue
+        with contextlib.suppress(Exception):  # an attribute may hold anything, also what its class cannot use
+            world.step(3)
+        world.set_state(before)
+        if world.get_state() != before:
+            return "a sound state that follows is not the same"
+    return ""
+
+
+def _log() -> bytes:
+    """A log of a few steps."""
+    with tempfile.TemporaryDirectory(prefix="libgz-log-") as folder:
+        path = Path(folder) / "log.mcap"
+        with World.from_file(STATE_WORLDS[0]) as world, Capture(world, path) as log:
+            for _ in range(5):
+                world.Step()
+                log.take()
+        return path.read_bytes()
+
+
+def _read_log(path: Path) -> None:
+    with LogReader(path) as log:
+        for message in log.messages():
+            _ = message.data
+        log.last(log.end)
 
 
 def show(world: World) -> None:

@@ -61,7 +61,7 @@ def test_a_command_loads_only_what_its_world_needs(tmp_path, monkeypatch):
     assert "libgz.front" in loaded
     assert "threads=1" in loaded
     slow = ("OpenGL", "PIL", "libgz.sdfworld", "libgz.classic", "urllib.request", "importlib.metadata", "http", "ssl")
-    slow += ("numpy.random", "subprocess", "tempfile", "difflib", "libgz.sdf.reader", "libgz.ode.python_step")
+    slow += ("numpy.random", "subprocess", "tempfile", "difflib", "libgz.sdf.reader")
     slow += ("libgz.physics.skeletons",)
     assert not [name for name in loaded if name.startswith(slow)]
 

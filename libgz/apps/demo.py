@@ -17,6 +17,7 @@ from libgz.apps.console import number_above_zero, number_from_zero
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, ServerError
 from libgz.base.files import installed_worlds
+from libgz.base.python import run_module
 from libgz.base.waiting import PERIOD
 from libgz.interfaces.client import Client
 
@@ -55,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     """
     seconds, rate = options.seconds, options.rate
     world = installed_worlds() / "pioneer2at.world"
-    command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world)]
+    command = run_module("libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world))
     shown = sys.stdout.isatty() and importlib.util.find_spec("viser") is not None
     stopped = False
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
@@ -82,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
 @contextlib.contextmanager
 def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
     """A viewer in a process of its own; its address is printed first."""
-    command = [sys.executable, "-m", "libgz", "view", "-s", str(server_id), "--parent", str(os.getpid())]
+    command = run_module("libgz", "view", "-s", str(server_id), "--parent", str(os.getpid()))
     command += ["--view-port", str(options.view_port), "--view-host", options.view_host]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
         try:

@@ -14,15 +14,15 @@ from dataclasses import dataclass
 
 from libgz._version import __version__
 from libgz.base.errors import GazeboError
+from libgz.base.extras import install
 from libgz.ode.lib import ode
-from libgz.ode.native_step import native_path
-from libgz.physics.engine import Engine
+from libgz.ode.step import library_path
 from libgz.rendering.context import CONTEXTS
 from libgz.transport.semaphores import SemaphoreSet
 
 __all__ = ["Finding", "configure", "examine", "run"]
 
-PACKAGES = ("numpy", "lxml", "pillow")
+PACKAGES = ("numpy", "lxml", "pillow", "PyYAML")
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,6 @@ EXTRAS = {
         "meshes and skins of more formats",
         "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
     ),
-    "urdf": Extra(("xacro",), "macros of xacro in robot descriptions", "robot descriptions without macros load"),
     "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their images as files, work"),
     "plot": Extra(("matplotlib",), "plots by libgz plot", "libgz echo and libgz export print the same figures"),
     "log": Extra(
@@ -96,7 +95,7 @@ def examine() -> Iterator[Finding]:
     for name, extra in EXTRAS.items():
         yield _extra(name, extra)
     yield _try("ode", lambda: f"{ode().path}, {ode().origin}: {ode().configuration}")
-    yield _try("step", _step)
+    yield _try("step", lambda: str(library_path()))
     yield _try("semaphores", _semaphores)
     yield _try("directory", _directory)
     yield from _contexts()
@@ -115,7 +114,7 @@ def _extra(name: str, extra: Extra) -> Finding:
     versions = {package: _version(package) for package in extra.packages}
     absent = [package for package, version in versions.items() if version is None]
     if absent:
-        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; pip install 'libgz[{name}]'"
+        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; {install(name)}"
         return Finding(name, text, good=False, needed=False)
     return Finding(name, f"{extra.gives}: " + ", ".join(f"{package} {v}" for package, v in versions.items()))
 
@@ -125,16 +124,6 @@ def _try(name: str, look: Callable[[], str]) -> Finding:
         return Finding(name, look())
     except (GazeboError, OSError) as error:
         return Finding(name, str(error), good=False)
-
-
-def _step() -> str:
-    """The implementation of the step that a new world uses, and why."""
-    engine = Engine()
-    form = engine.step_form.name
-    engine.close()
-    forced = os.environ.get("LIBGZ_STEP")
-    why = f"forced by LIBGZ_STEP={forced}" if forced else str(native_path() or "not built: there was no C compiler")
-    return f"{form} ({why})"
 
 
 def _semaphores() -> str:

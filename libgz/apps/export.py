@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from libgz.apps.series import Series, read_log
 from libgz.base.errors import ParameterError
 from libgz.recording.capture import check_packages
+from libgz.recording.own_messages import read_json
 
 if TYPE_CHECKING:  # needs the extra `log`
     from libgz.recording.reader import LogReader
@@ -64,7 +64,7 @@ def _all_targets(log: LogReader) -> list[str]:
     bodies = {
         f"state.{entity['id']}::{body['name']}": None
         for message in log.messages(topics=("/gz/scene",))
-        for entity in json.loads(message.data)["entities"]
+        for entity in read_json(message.data)["entities"]
         for body in entity["bodies"]
         if not body["static"]
     }

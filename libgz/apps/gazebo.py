@@ -34,7 +34,6 @@ from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError, PluginError, StrictError, WorldFileError
 from libgz.base.files import exists, is_file
 from libgz.front import World
-from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.sdf.recognition import is_sdf
@@ -78,7 +77,7 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="gazebo",
         description="Run a worldfile and serve the interfaces of its models to other programs.",
-        epilog=f"{SERVING_HELP} {CLASSIC_HELP}",
+        epilog=CLASSIC_HELP,
     )
     add = parser.add_argument
     add("worldfile", help="the worldfile to run, or the name of a world of libgz, which `libgz worlds` lists")
@@ -278,7 +277,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = "is a directory" if path.is_dir() else "is not a plain file" if exists(path) else missing
         return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
-        check_serving()
         return _run(path, options)
     except GazeboError as error:
         strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)

@@ -28,7 +28,6 @@ from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import get_master_uri, serve
 from libgz.front import World
-from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
@@ -64,7 +63,6 @@ def make_parser() -> Parser:
     """The options of Gazebo 11's gzserver, and --server-id, --gl and --steps."""
     usage = "gzserver [options] [WORLD]"
     parser = Parser("gzserver", f"gzserver -- Run the Gazebo server. WORLD is {EMPTY_WORLD} by default.", usage)
-    parser.epilog = SERVING_HELP
     add = parser.add_argument
     add("-u", "--pause", action="store_true", help="start paused")
     add("-e", "--physics", default="ode", help="physics engine; only ode is available")
@@ -74,6 +72,7 @@ def make_parser() -> Parser:
     iters = "number of iterations to run (default: until interrupted)"
     add("--iters", "--steps", type=whole_number("number"), metavar="N", help=iters)
     add("--server-id", type=whole_number("number"), help="serve the interfaces of legacy models under this server id")
+    add("--watch-only", action="store_true", help="refuse all that clients and pages do to change the world")
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_rewind_option(parser)
@@ -121,7 +120,6 @@ class Server:
 
     def run(self) -> int:
         """Run the world, with classic's order of events; return the exit code."""
-        check_serving()
         with Watchdog(self._interrupted) as self._watchdog:
             self._run()
         return 0
@@ -129,7 +127,7 @@ class Server:
     def _run(self) -> None:
         # Of System plugins, which belong to no world.
         problems = Problems(lambda: True, self.options.strict, warnings=False)
-        with SystemPlugins(self.options.server_plugin) as plugins, serve() as link:
+        with SystemPlugins(self.options.server_plugin) as plugins, serve(watch_only=self.options.watch_only) as link:
             if get_master_uri().port == 0:
                 sys.stdout.write(f"GAZEBO_MASTER_URI={link.address.uri}\n")
                 sys.stdout.flush()
@@ -208,7 +206,7 @@ class Server:
         with (
             record_videos(core, self.options.videos) as recorders,
             record_mcap(core, self.options) as capture,
-            SnapshotControl(core, self.options.rewind) as snapshots,
+            SnapshotControl(core, self.options.rewind, self.options.watch_only) as snapshots,
             view_process(self.options, core.server_id),
         ):
             self._steps(core, control, server, snapshots, [*recorders, *([capture] if capture is not None else [])])

@@ -6,7 +6,7 @@ import importlib
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NoReturn
 
 from libgz._version import __version__
@@ -83,13 +83,30 @@ def make_parser(wanted: str | None = None, *, everything: bool = False, prog: st
         command = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")
         if everything or name == wanted:
             importlib.import_module(f"libgz.apps.{name}").configure(command)
-    commands.add_parser("help", help="describe a command, or list all", description="Describe a command.")
+    about = "describe a command, a model, an interface or a class, or list all commands"
+    commands.add_parser("help", help=about, description=f"{about[0].upper()}{about[1:]}.")
     return parser
 
 
 def _help_words(words: list[str]) -> list[str]:
     """`libgz help` and `libgz help COMMAND` in the form that the parser knows."""
     return [*words[1:2], "-h"] if words[:1] == ["help"] else words
+
+
+def _asks_for_reference(words: list[str], known: Collection[str]) -> bool:
+    """Whether the words are `help NAME`, and the name is not that of a command."""
+    return words[:1] == ["help"] and len(words) == 2 and words[1][:1] != "-" and words[1] not in {*known, *WITHOUT}
+
+
+def _print_reference(prog: str, name: str) -> int:
+    from libgz.apps.names import reference_of
+
+    try:
+        print(reference_of(name), end="")
+    except GazeboError as error:
+        print(f"{prog}: {error}", file=sys.stderr)
+        return USAGE_ERROR
+    return 0
 
 
 def _terminated(number: int, _frame: object) -> NoReturn:
@@ -105,8 +122,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run_words(prog: str, words: list[str]) -> int:
     """Run `libgz`, or `gz` with its fewer subcommands, with the words of its command line."""
-    words = _help_words(words)
     known = COMMANDS if prog == "libgz" else CLASSIC
+    if _asks_for_reference(words, known):
+        return _print_reference(prog, words[1])
+    words = _help_words(words)
     if words and words[0] in WITHOUT and words[0] not in known:
         print(f"{prog}: there is no {words[0]!r}: {WITHOUT[words[0]]}", file=sys.stderr)
         return USAGE_ERROR

@@ -15,6 +15,7 @@ from typing import Any
 from libgz.apps.world_control import WorldControl
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError
+from libgz.base.extras import install
 from libgz.front import World
 from libgz.simulation.pacing import Pacer
 from libgz.transport.control import Request
@@ -130,7 +131,7 @@ class WorldView(Closing):
             from libgz.view.local import LocalSource
             from libgz.view.viewer import Viewer
         except ImportError as error:
-            raise LibraryError(f"the viewer needs the extra `view`: pip install 'libgz[view]' ({error})") from None
+            raise LibraryError(f"the viewer needs the extra `view`: {install('view')} ({error})") from None
         self.world, self._size = world, (width, height)
         source = LocalSource(world)
         self.viewer = Viewer(source, None if watch_only else _Controls(world), host=host, port=port)

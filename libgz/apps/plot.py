@@ -13,6 +13,7 @@ from libgz.apps.console import number_above_zero
 from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, observe, read_log
 from libgz.apps.target import add_server, connect, open_target
 from libgz.base.errors import LibraryError, ParameterError, ServerGoneError
+from libgz.base.extras import install
 from libgz.recording.capture import check_packages
 from libgz.transport.observer import Observer
 
@@ -141,7 +142,7 @@ def pyplot(what: str) -> Any:
         importlib.import_module("matplotlib").use("agg")
         return importlib.import_module("matplotlib.pyplot")
     except ImportError:
-        raise LibraryError(f"{what} needs matplotlib, which is not installed: pip install 'libgz[plot]'") from None
+        raise LibraryError(f"{what} needs matplotlib, which is not installed: {install('plot')}") from None
 
 
 def save_plot(plotter: Any, found: dict[str, Series], path: Path) -> None:

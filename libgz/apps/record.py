@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
+from libgz.base.extras import install
 from libgz.front import World
 from libgz.models.camera import eye_of
 from libgz.rendering.framing import free_camera
@@ -265,7 +266,7 @@ def _open(path: Path) -> Any:
         from imageio import v3
         from imageio.plugins import pyav  # noqa: F401 - raises ImportError here if av is missing
     except ImportError:
-        raise GazeboError("--record needs the packages imageio and av: pip install 'libgz[video]'") from None
+        raise GazeboError(f"--record needs the packages imageio and av: {install('video')}") from None
     try:
         return v3.imopen(path, "w", plugin="pyav")
     except (OSError, ValueError) as error:

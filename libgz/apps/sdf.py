@@ -10,8 +10,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from libgz.apps import upgrade
-from libgz.base.errors import Diagnostic, ParameterError, WorldFileError
+from libgz.base.errors import Diagnostic, ParameterError, WorldFileError, nearest
 from libgz.reference.check import check_sdf
+from libgz.reference.sdf_elements import sdf_block, sdf_blocks
 from libgz.reference.sdf_format import sdf_page, sdf_text
 from libgz.sdf.description import NEWEST, VERSIONS
 from libgz.sdf.reader import SdfFile
@@ -33,6 +34,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     what.add_argument("-c", "--convert", type=Path, metavar="FILE", help=f"convert the file to SDF {NEWEST}, in place")
     what.add_argument("-d", "--describe", action="store_true", help="print all elements with types and defaults")
     what.add_argument("-o", "--doc", action="store_true", help="print them as a page of HTML")
+    what.add_argument(
+        "--elements",
+        nargs="?",
+        const="all",
+        metavar="BLOCK",
+        help="list the blocks of SDF, or the elements of one (`joint`)",
+    )
     parser.add_argument("-v", "--version", choices=VERSIONS, help=f"with -d and -o: of SDF (default {NEWEST})")
     parser.add_argument("--json", action="store_true", help="with --check: print the errors as a JSON array")
 
@@ -49,6 +57,8 @@ def run(options: argparse.Namespace) -> int:
         version = options.version or NEWEST
         print(sdf_text(version) if options.describe else sdf_page(version), end="")
         return 0
+    if options.elements is not None:
+        return _elements(options.elements)
     if options.version is not None:
         raise ParameterError(f"-v goes with -d and -o; -c FILE converts a file to SDF {NEWEST}")
     if options.convert is not None:
@@ -56,6 +66,19 @@ def run(options: argparse.Namespace) -> int:
         print("Success")
         return 0
     return _check(options) if options.check else _print(options.print)
+
+
+def _elements(block: str) -> int:
+    """List the blocks, or print the elements of one: type, default, versions, and whether libgz acts on each.
+
+    Raises:
+        ParameterError: there is no such block.
+    """
+    blocks = sdf_blocks()
+    if block != "all" and block not in blocks:
+        raise ParameterError(f"SDF has no block {block!r}{nearest(block, blocks)}")
+    print("\n".join(blocks) + "\n" if block == "all" else sdf_block(block), end="")
+    return 0
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -6,17 +6,17 @@ in a log, a topic (``~/box/link/ray/scan``).
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.apps.target import element_values, find_field, unit_of, values_of
+from libgz.base.budget import Budget
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternToEuler, GzVector
 from libgz.classic.msgs.message import Message
 from libgz.interfaces.catalog import INTERFACES, new_interface
-from libgz.recording.own_messages import read_tables
+from libgz.recording.own_messages import read_json, read_tables
 from libgz.transport.interface import Interface
 from libgz.transport.observer import Observer
 from libgz.transport.server import LocalServer
@@ -69,9 +69,15 @@ class Series:
         self.times: list[float] = []
         self.lines: dict[str, list[float | None]] = {}
         self.units: dict[str, str] = {}
+        self._budget = Budget()
 
     def add(self, time: float, row: Row) -> None:
-        """Add the numbers of a moment [s]."""
+        """Add the numbers of a moment [s].
+
+        Raises:
+            BudgetError: these are more numbers than a reader may hold.
+        """
+        self._budget.take(8 * (1 + len(row)))
         for label, (unit, _) in row.items():
             if label not in self.lines:
                 self.lines[label] = [None] * len(self.times)
@@ -275,7 +281,7 @@ def _state_times(log: LogReader, values: StateValues) -> Iterator[float]:
     for message in log.messages(topics=("/gz/scene", "/gz/tables")):
         if message.channel.topic == "/gz/scene":
             try:
-                values.place(json.loads(message.data))
+                values.place(read_json(message.data))
                 there = True
             except NotFoundError as error:  # it may still come, or have gone
                 there, missing = False, missing or error

@@ -9,7 +9,7 @@ from pathlib import Path
 from libgz.apps.console import number_from_zero
 from libgz.apps.target import add_server
 from libgz.base.errors import ParameterError
-from libgz.base.files import write_whole
+from libgz.base.files import open_file, write_whole
 from libgz.transport.control import MOST, ask
 
 __all__ = ["configure", "run"]
@@ -65,7 +65,7 @@ def _read_state(name: str) -> bytes:
         ParameterError: the file cannot be read, or is none of these.
     """
     try:
-        with Path(name).open("rb") as file:
+        with open_file(name) as file:
             state = file.read(len(BEGINNING))
             if state != BEGINNING:
                 raise ParameterError(f"{name!r} is no state: it was not written by `libgz snapshot save`")

@@ -35,11 +35,12 @@ class SnapshotControl:
     Args:
         world: it is initialized.
         rewind: how many seconds of sim time are kept for rewinding [s]; None for none.
+        watch_only: refuse what changes the world.
     """
 
-    def __init__(self, world: World, rewind: float | None = None) -> None:
-        self.world = world
-        self.requests = WorldControl(world)
+    def __init__(self, world: World, rewind: float | None = None, watch_only: bool = False) -> None:
+        self.world, self._watch_only = world, watch_only
+        self.requests = WorldControl(world, watch_only)
         self._control: Control | None = None
         if rewind is not None:
             world.keep_rewind(rewind)
@@ -79,6 +80,8 @@ class SnapshotControl:
         world = self.world
         if request.verb == "save":
             return world.get_state()
+        if self._watch_only and request.verb in ("restore", "rewind"):
+            raise GazeboError(f"this server can only be watched (--watch-only): {request.verb} is refused")
         if request.verb == "restore":
             with self.requests.replaced():
                 world.set_state(request.content)

@@ -9,8 +9,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.console import INTERRUPTED, whole_number
+from libgz.apps.console import INTERRUPTED, TERMINATED, whole_number
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
+from libgz.base.extras import install
 from libgz.sweep import driver
 from libgz.sweep.results import FORMATS, open_results, read_results
 from libgz.sweep.study import Study
@@ -31,12 +32,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--jobs",
         "-j",
+        "--local",
         metavar="N",
         type=whole_number("number of processes"),
-        help="processes (default: one a processor)",
+        help="processes of this machine (default: one a processor)",
     )
-    add("--scheduler", metavar="ADDRESS", help="run on the cluster of this dask.distributed scheduler")
-    add("--local", metavar="N", type=whole_number("number of workers"), help="run on N dask workers of this machine")
+    add(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on the cluster of this dask.distributed scheduler, tls://HOST:PORT; with tcp:// it must be trusted",
+    )
     add("--dry-run", action="store_true", help="check the study, and print how many runs it has")
     add("--output", "-o", metavar="DIR", help=f"with `{REPORT}`: where plots go (default: beside the results)")
 
@@ -47,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
         return _report(options)
     if options.results_of is not None:
         raise ParameterError(f"{options.results_of!r} is too much: give one study, or `{REPORT}` and its results")
-    if sum(given is not None for given in (options.jobs, options.scheduler, options.local)) > 1:
-        raise ParameterError("give only one of --jobs, --scheduler and --local")
-    if 0 in (options.jobs, options.local):
-        raise ParameterError("the number of processes or workers must be at least 1")
+    if options.jobs is not None and options.scheduler is not None:
+        raise ParameterError("give only one of --jobs and --scheduler")
+    if options.jobs == 0:
+        raise ParameterError("the number of processes must be at least 1")
     study = Study.load(options.study)
     digest = study.digest()
     driver.check(study, digest)
@@ -67,13 +72,13 @@ def _run(study: Study, digest: str, options: argparse.Namespace) -> int:
     try:
         with contextlib.closing(results), _pool(options) as pool:
             progress = driver.sweep(study, digest, results, pool, line.show)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit) as error:  # Ctrl-C and SIGTERM
         line.end()
         print(
             f"libgz: {len(results.recorded)} of {len(study)} runs are recorded; the same command continues",
             file=sys.stderr,
         )
-        return INTERRUPTED
+        return TERMINATED if isinstance(error, SystemExit) else INTERRUPTED
     except driver.SchedulerLostError as error:
         line.end()
         done = f"{len(results.recorded)} of {len(study)} runs are recorded; the same command continues"
@@ -84,9 +89,7 @@ def _run(study: Study, digest: str, options: argparse.Namespace) -> int:
 
 
 def _pool(options: argparse.Namespace) -> Any:
-    if options.scheduler is not None:
-        return driver.cluster(options.scheduler)
-    return driver.local_cluster(options.local) if options.local else driver.processes(options.jobs)
+    return driver.cluster(options.scheduler) if options.scheduler is not None else driver.processes(options.jobs)
 
 
 def _folder(given: str | None, study: str) -> Path:
@@ -135,10 +138,12 @@ def _report(options: argparse.Namespace) -> int:
     folder = Path(options.results_of)
     folder = folder.with_suffix(".results") if folder.suffix == ".toml" else folder
     about, rows = read_results(folder)
+    if len(rows) < about.get("runs", 0):
+        print(f"{len(rows)} of {about['runs']} runs are recorded", file=sys.stderr)
     try:
         from libgz.sweep.report import plot_measures
     except ImportError as error:
-        raise LibraryError(f"plots need the extra `plot`: pip install 'libgz[plot]' ({error})") from None
+        raise LibraryError(f"plots need the extra `plot`: {install('plot')} ({error})") from None
     for path in plot_measures(about, rows, Path(options.output) if options.output else folder):
         print(path)
     return 0

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import number_above_zero, whole_number
-from libgz.apps.view_process import add_view_options
+from libgz.apps.view_process import TOKEN, add_view_options
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
+from libgz.base.extras import install
 from libgz.transport.observer import Observer
 from libgz.transport.paths import server_directory
 
@@ -116,8 +117,9 @@ def make_viewer(source: Any, controls: Any, options: argparse.Namespace, **more:
     try:
         from libgz.view.viewer import Viewer
     except ImportError as error:
-        raise LibraryError(f"the viewer needs the extra `view`: pip install 'libgz[view]' ({error})") from None
-    return Viewer(source, controls, host=options.view_host, port=options.view_port, **more)
+        raise LibraryError(f"the viewer needs the extra `view`: {install('view')} ({error})") from None
+    token = os.environ.pop(TOKEN, None)
+    return Viewer(source, controls, host=options.view_host, port=options.view_port, token=token, **more)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -28,6 +28,8 @@ __all__ = ["WorldControl"]
 
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
+# Requests that only read.
+READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings")
 KEYS = "~/keyboard/keypress"
 
 
@@ -36,12 +38,13 @@ class WorldControl:
 
     Args:
         world: it is initialized.
+        watch_only: refuse what changes the world.
 
     Attributes:
         speed: simulated seconds per second of real time that was asked for; None before that.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, watch_only: bool = False) -> None:
         self.world = world
         self.speed: float | None = None
         self._steps = 0  # that the paused world is still to do
@@ -69,6 +72,9 @@ class WorldControl:
             "reload": self._reload,
             "readings": self._readings,
         }
+        self._watch_only = watch_only
+        if watch_only:
+            self._verbs = {verb: function for verb, function in self._verbs.items() if verb in READING}
 
     def obey(self, request: Request) -> bytes:
         """Do what a request asks for; its answer.
@@ -111,7 +117,7 @@ class WorldControl:
 
     def _abilities(self, _argument: str, _content: dict[str, Any]) -> list[str]:
         """What a viewer can offer: the requests that are answered, and whether robots obey their interfaces."""
-        return [*self._verbs, "rewind", "interfaces"]
+        return [*self._verbs] if self._watch_only else [*self._verbs, "rewind", "interfaces"]
 
     # The world -------------------------------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ import signal
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol, TypeAlias
+from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
 __all__ = [
     "USER_ERRORS",
@@ -32,6 +32,7 @@ __all__ = [
     "StateError",
     "StrictError",
     "WorldFileError",
+    "advise",
     "explain",
     "nearest",
     "pass_interrupt",
@@ -160,6 +161,23 @@ def explain(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return f"{UNFORESEEN} ({type(error).__name__}: {error}); please report this with the file"
+
+
+T = TypeVar("T")
+
+
+def advise(check: Callable[..., T], default: T, *arguments: object) -> T:
+    """What a check that only warns returns; where it fails, that is logged, and `default` is returned.
+
+    All checks of loaded worlds run here, so that none can end a load.
+    """
+    try:
+        return check(*arguments)
+    except Exception as error:
+        name = getattr(check, "__name__", str(check))
+        log.warning("the check %s could not look at this world (%s: %s)", name, type(error).__name__, error)
+        log.debug("%s", name, exc_info=error)
+        return default
 
 
 Severity: TypeAlias = Literal["error", "warning"]

@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import importlib.util
+import io
 import os
+import stat
 from pathlib import Path
+from typing import BinaryIO
 
 from lxml import etree
 
@@ -16,7 +19,10 @@ __all__ = [
     "installed_worlds",
     "is_file",
     "is_folder",
+    "open_file",
+    "read_file",
     "read_limited",
+    "read_text",
     "write_whole",
     "xml_attribute",
     "xml_parser",
@@ -64,15 +70,58 @@ def expand(name: str) -> Path:
         return Path(name)
 
 
+def open_file(path: str | os.PathLike[str]) -> BinaryIO:
+    """Open a file for reading, but no pipe, socket or device: those may never end.
+
+    Raises:
+        OSError: it cannot be opened, or is none; `strerror` says what it is.
+    """
+    # Not blocking, because opening a pipe waits for its writer. What is opened is checked, not what has the name.
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+        if not stat.S_ISREG(mode):
+            kind = "pipe" if stat.S_ISFIFO(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
+            raise OSError(errno.EINVAL, f"it is a {kind}, not a file", os.fspath(path))
+        return open(descriptor, "rb")  # noqa: PTH123 - for the caller's `with`
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def read_file(path: str | os.PathLike[str]) -> bytes:
+    """The bytes of a file that is no pipe, socket or device.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    with open_file(path) as file:
+        return file.read()
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """The text of a file that is no pipe, socket or device; bytes that are no UTF-8 are replaced.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    with io.TextIOWrapper(open_file(path), encoding="utf-8", errors="replace") as file:
+        return file.read()
+
+
 def read_limited(path: Path) -> bytes:
     """The bytes of a world or model file of at most 64 MiB.
 
     Raises:
         OSError: the file cannot be read, or is larger.
     """
-    if path.stat().st_size > LARGEST_FILE:
+    with open_file(path) as file:
+        data = file.read(LARGEST_FILE + 1)  # not by the size that the system gives: /proc has files of 0 bytes
+    if len(data) > LARGEST_FILE:
         raise OSError(errno.EFBIG, f"it is larger than {LARGEST_FILE >> 20} MiB", str(path))
-    return path.read_bytes()
+    return data
 
 
 def xml_text(text: str) -> str:

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.base.errors import GazeboError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.base.law import asin, atan2, cos, rarely, sin
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "GzHomoMul",
     "GzPose",
     "GzPoseFinite",
+    "GzPoseOf",
     "GzPosePointAt",
     "GzPoseSet",
     "GzQuatern",
@@ -132,6 +133,22 @@ class GzPose:
 
     pos: GzVector = field(default_factory=GzVector)
     rot: GzQuatern = field(default_factory=GzQuatern)
+
+
+def GzPoseOf(value: GzPose | Sequence[float]) -> GzPose:
+    """A pose as it is, or one of six numbers: position [m], and roll, pitch, yaw [rad].
+
+    Raises:
+        ParameterError: it is neither.
+    """
+    if hasattr(value, "pos") and hasattr(value, "rot"):
+        return value  # type: ignore[return-value]
+    try:
+        x, y, z, roll, pitch, yaw = map(float, value)
+    except (TypeError, ValueError):
+        what = "a GzPose or Pose3d, or six numbers: x y z [m], roll pitch yaw [rad]"
+        raise ParameterError(f"the pose is {value!r}; it must be {what}") from None
+    return GzPose(GzVector(x, y, z), GzQuaternFromEuler(roll, pitch, yaw))
 
 
 @dataclass(slots=True)

@@ -35,7 +35,6 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import BUILT
 from libgz.simulation.reloading import reload
-from libgz.simulation.state import seldom
 from libgz.simulation.world import World as CoreWorld
 from libgz.transport.tally import Tally
 
@@ -72,8 +71,8 @@ class PausedSteps:
     """
 
     STATE = ("_remaining", "_lifted")
-    _remaining: int = seldom()
-    _lifted: bool = seldom()  # whether the pause is lifted for them
+    _remaining: int
+    _lifted: bool  # whether the pause is lifted for them
 
     def __init__(self, core: CoreWorld) -> None:
         self._core = core

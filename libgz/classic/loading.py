@@ -21,7 +21,7 @@ from libgz.simulation.event import Connection, Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import carry_state, check, declares, fields, get_state, seldom, set_state
+from libgz.simulation.state import carry_state, check, declares, fields, get_state, set_state
 
 __all__ = [
     "LoadedPlugin",
@@ -60,9 +60,9 @@ class LoadedPlugin:
         number: of the order in which plugins were loaded, which is that of their callbacks.
     """
 
-    plugin: PluginT | None = seldom()
-    source: str = seldom()
-    number: int = seldom()
+    plugin: PluginT | None
+    source: str
+    number: int
 
     def __init__(
         self,

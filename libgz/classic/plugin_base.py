@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from typing import ClassVar, TypeVar
 
+from libgz.base.encoding import register
 from libgz.classic.common import Color, NumericKeyFrame, PoseKeyFrame, Time
 from libgz.classic.math import (
     Angle,
@@ -20,14 +21,13 @@ from libgz.classic.math import (
 )
 from libgz.classic.names import takes_names
 from libgz.sdf.element import Element
-from libgz.simulation.state import plain
 
 __all__ = ["PluginT"]
 
 # What the state of a plugin may hold as a value, beside plain data and messages.
 _VALUES: tuple[type, ...] = (Angle, AxisAlignedBox, Color, Inertiald, MassMatrix3d, Matrix3d, NumericKeyFrame, Pose3d)
 for _value in (*_VALUES, PoseKeyFrame, Quaterniond, Time, Vector2d, Vector2i, Vector3d):
-    plain(_value)
+    register(_value)
 
 console = logging.getLogger("libgz.classic.console")
 

@@ -30,7 +30,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Kept, changes, decode, encode, get_values, runs_code, set_values, undeclared
+from libgz.simulation.state import decode, encode, get_values, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -113,13 +113,6 @@ class WorldServer:
         self._started = self._reloading = False
         self._first: Sequence[Any] | None = None  # the state at the start, if the world ran before
         self._first_plugins: dict[tuple[str, str, str, str], int] = {}  # their numbers at the start
-        self._kept = Kept()  # of `_settings`
-        self._kept_at = -1  # the count of changes then
-        self._kept_quiet = Kept()  # of `_quiet`
-        self._listed = b""  # the plugins, encoded
-        self._listed_at = -1  # the count of changes then
-        self._keeping: list[LoadedPlugin] = []  # those that keep a state
-        self._runs_code = False  # whether one of them has code that runs when its state is set
         self._not_loaded: dict[tuple[str, str, str, str], str] = {}  # plugins that failed for this state, and why
         self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
@@ -473,14 +466,9 @@ class WorldServer:
         for plugin in self.plugins():
             plugin.check_state()
 
-    def calls_users(self, state: Sequence[Any] | None) -> bool:
-        """Whether plugins are loaded for a state, or have a LoadState."""
-        plugins = state[-1] if state else None  # the last of the PARTS
-        return bool(plugins and (plugins[0] != self._list_plugins() or self._runs_code))
-
     def loads_plugins(self, state: Sequence[Any] | None) -> bool:
         """Whether plugins of a state do not run."""
-        plugins = state[-1] if state else None
+        plugins = state[-1] if state else None  # the last of the PARTS
         return bool(plugins and plugins[0] != self._list_plugins() and any(True for _ in self._missing(plugins[0])))
 
     def _missing(self, listed: bytes) -> Iterator[tuple[str, str, str, str, str]]:
@@ -506,7 +494,7 @@ class WorldServer:
         """What few worlds have much of, encoded."""
         scene = self.scene.save() if self.scene is not None else None
         wind = self.world.Wind().save()
-        return self._kept_quiet.encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene, wind))
+        return encode((Rand.SaveState(), self.ids.save(), self.activity.save(), scene, wind))
 
     def set_state(self, state: Sequence[Any] | None) -> bool:
         """Take what `get_state` returned; None, for what a world was before this was attached to it.
@@ -541,7 +529,6 @@ class WorldServer:
                 set_values(part, values)
             if state is None or saved["plugins"] is None:  # a reset leaves the pause as it is, and its iterations
                 set_values(self.paused_steps, requested)
-            changes.count()
         contacts = self.physics.GetContactManager()
         contacts.forget()
         contacts.published = saved["published"]
@@ -563,10 +550,7 @@ class WorldServer:
         return self.physics, self.presets, self.paused_steps
 
     def _settings(self) -> bytes:
-        if self._kept_at != (count := changes.last):
-            self._kept.encode([get_values(part) for part in self._parts_with_settings])
-            self._kept_at = count
-        return self._kept.encoded
+        return encode([get_values(part) for part in self._parts_with_settings])
 
     def entities_rebuilt(self, state: Sequence[Any] | None) -> None:
         """Entities were built again: make their sensors, and load their plugins, and others that a state has.
@@ -623,15 +607,15 @@ class WorldServer:
 
     def _saved_plugins(self) -> tuple[bytes, list[Any]]:
         """Which plugins there are, encoded, and the states of those that keep one."""
-        listed = self._list_plugins()
-        return listed, [plugin.save() for plugin in self._keeping]
+        return self._list_plugins(), [plugin.save() for plugin in self._keeping()]
+
+    def _keeping(self) -> list[LoadedPlugin]:
+        """The plugins that keep a state, in the order of their list."""
+        holders = sorted(self._plugins_by_holder(), key=itemgetter(0, 1))
+        return [one for *_, plugins in holders for one in plugins if one.plugin is not None and one.keeps]
 
     def _list_plugins(self) -> bytes:
         """By kind and holder: file, name and text of each plugin, when it was loaded, and whether it keeps a state."""
-        count = changes.last
-        if count == self._listed_at:
-            return self._listed
-        self._keeping = []
         rows = []
         holders = sorted(self._plugins_by_holder(), key=itemgetter(0, 1))
         numbers = sorted(one.number for *_, plugins in holders for one in plugins if one.plugin is not None)
@@ -640,18 +624,15 @@ class WorldServer:
             for plugin in plugins:
                 if plugin.plugin_class not in self._seen and not self._reloading:
                     self._warn_of_undeclared(plugin)
-            self._keeping += [plugin for plugin in running if plugin.keeps]
             if running:
                 kept = [(p.filename, p.name, p.source, bisect_left(numbers, p.number), p.keeps) for p in running]
                 rows.append((kind, holder, kept))
-        self._runs_code = any(runs_code(plugin.plugin_class) for plugin in self._keeping)
-        self._listed, self._listed_at = encode(rows), count
-        return self._listed
+        return encode(rows)
 
     def _load_plugins(self, listed: bytes, states: Sequence[Any]) -> bool:
         """Make the plugins those of a state, and set their states; whether they were others."""
         if listed == self._list_plugins():
-            for plugin, saved in zip(self._keeping, states, strict=True):
+            for plugin, saved in zip(self._keeping(), states, strict=True):
                 self._load_state(plugin, saved)
             return False
         left = iter(states)
@@ -689,7 +670,6 @@ class WorldServer:
         self._arrange([plugin for *_, plugin in sorted(present, key=itemgetter(0, 1))])
         for *_, plugins in self._plugins_by_holder():
             plugins.sort(key=attrgetter("number"))
-        changes.count()
 
     def _match(
         self, kind: str, holder: str, present: list[LoadedPlugin], rows: Sequence[Any]
@@ -721,7 +701,6 @@ class WorldServer:
         present[:] = [plugin for plugin, *_ in found]
         for plugin, _, saved in found:
             self._load_state(plugin, saved)
-        changes.count()
         return [(number, plugin) for plugin, number, _ in found]
 
     def _load_state(self, plugin: LoadedPlugin, saved: Any) -> None:

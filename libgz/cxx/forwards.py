@@ -10,6 +10,7 @@ import ctypes
 import logging
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from libgz.physics import geoms, surfaces
 from libgz.physics.appearance import RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
+from libgz.physics.image_files import open_image
 from libgz.physics.joint import BallJoint, HingeJoint, Joint, JointGroup, SliderJoint
 from libgz.physics.rays import RayProximity
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
@@ -82,11 +84,11 @@ def Error_Print(type: int, level: int, file: str, line: int, text: str) -> None:
 
 def Image_Load(filename: str | None, width: int, height: int, components: int, data: int) -> int:
     try:
-        with Image.open(filename or "") as image:
+        with open_image(Path(filename or "")) as image:
             bands = len(image.getbands())
             mode = image.mode if image.mode in ("L", "LA", "RGB", "RGBA") else "RGBA" if bands in (2, 4) else "RGB"
             pixels = np.asarray(image.convert(mode))
-    except (OSError, ValueError) as error:
+    except GazeboError as error:
         log.error("failed to open image file %s: %s", filename, error)
         return -1
     model = current()

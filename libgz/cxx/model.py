@@ -203,7 +203,6 @@ class CxxModel(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("sensors",)
-    SELDOM: ClassVar[tuple[str, ...]] = ()  # C++ code writes its fields at any time
 
     plugin: ClassVar[LoadedFile]
     create: ClassVar[int]

@@ -13,11 +13,12 @@ from __future__ import annotations
 import os
 
 from libgz.base.errors import LibraryError
+from libgz.base.extras import install
 
 try:
     import gymnasium
 except ImportError as error:
-    raise LibraryError(f"libgz.gym needs the extra `gym`: pip install 'libgz[gym]' ({error})") from None
+    raise LibraryError(f"libgz.gym needs the extra `gym`: {install('gym')} ({error})") from None
 
 # Mesa's threads do not survive a fork, and AsyncVectorEnv makes an environment before it forks its processes.
 os.environ.setdefault("LP_NUM_THREADS", "0")

@@ -14,6 +14,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.base.extras import install
 from libgz.base.geometry import GzPose
 from libgz.front import World
 from libgz.physics.check import finite
@@ -451,5 +452,5 @@ def _open_page(world: World) -> Page:
     try:
         from libgz.gym.page import BrowserPage
     except ImportError as error:
-        raise LibraryError(f"render_mode 'human' needs the extra `view`: pip install 'libgz[view]' ({error})") from None
+        raise LibraryError(f"render_mode 'human' needs the extra `view`: {install('view')} ({error})") from None
     return BrowserPage(world)

@@ -16,7 +16,7 @@ from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, G
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
-from libgz.simulation.plan import Plan, replaced
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.plugins import own_place, own_traceback
 from libgz.simulation.running_code import names
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
@@ -203,12 +203,12 @@ class Model(Entity):
     def MasterPlan(self, plan: Plan) -> None:
         """Describe the update: by `plan_update`, where no subclass has an `Update` of its own."""
         self._watched = {"MasterUpdate", "Update", "LogPose", *_names_in_plans(type(self))}
-        if replaced(self, Model, "MasterUpdate"):
+        if overrides(self, Model, "MasterUpdate"):
             plan.do(self.MasterUpdate)
             return
         if self.logPoses:
             plan.do(lambda _: self.LogPose())
-        if replaced(self, Model, "Update"):
+        if overrides(self, Model, "Update"):
             plan.do(self.Update)
         else:
             self.plan_update(plan)

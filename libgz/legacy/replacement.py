@@ -9,7 +9,7 @@ from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.simulation.plugins import own_place, own_traceback
-from libgz.simulation.state import carry_state, get_state
+from libgz.simulation.state import carry_state, decode, encode, get_state
 
 __all__ = ["Replacement"]
 
@@ -39,7 +39,7 @@ class Replacement:
         interfaces = [one for one in world.gz_server.interfaces.values() if one.model_id == old.GetIntId()]
         holders = [(child, child.parentBody) for child in old.children]
         try:
-            state = get_state(old)
+            state = decode(encode(get_state(old)))
             new = self._loader.load_again(old)
             with world.gz_server.hand_over(interfaces):
                 try:

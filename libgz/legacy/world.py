@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 from libgz.base.digest import blake2b
 from libgz.base.entities import encoded
-from libgz.base.errors import GazeboError, ParameterError, StateError, WorldFileError
+from libgz.base.errors import GazeboError, ParameterError, StateError, WorldFileError, advise
 from libgz.base.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
@@ -195,8 +195,7 @@ class LegacyWorld(Era):
             node = next(reversed(find_global_nodes(file)), file.GetRootNode())
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
-        warn_of_sweeps(self.models, warn_of_overlaps(self.models))
-        warn_of_contacts(self.models)
+        _warn_of_models(self.models)
         file.note_foreign()
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
@@ -249,8 +248,7 @@ class LegacyWorld(Era):
             if not added:
                 reasons = "\n".join(map(str, file.diagnostics.warnings))
                 raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
-            warn_of_sweeps(added, warn_of_overlaps(added))
-            warn_of_contacts(added)
+            _warn_of_models(added)
             world.initialize(added)
         except BaseException:
             world.remove(world.entities[count:])
@@ -301,3 +299,11 @@ def _with_root(text: str) -> str:
         text = text.partition("?>")[2]
     declared = " ".join(f"xmlns:{prefix}='{prefix}'" for prefix in PREFIXES)
     return f"<gz:world {declared}>{text}</gz:world>"
+
+
+def _warn_of_models(models: Sequence[Model]) -> None:
+    """Warn of models of this world that cannot rest or move as they are placed."""
+    overlapping: set[frozenset[Model]] = set()
+    overlapping = advise(warn_of_overlaps, overlapping, models)
+    advise(warn_of_sweeps, None, models, overlapping)
+    advise(warn_of_contacts, None, models)

@@ -1,17 +1,14 @@
-"""What both forms of the step work on, and their common interface."""
+"""What the step works on."""
 
 from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from libgz.ode.parts import Parts
 
 __all__ = [
     "CONTACT",
@@ -21,7 +18,6 @@ __all__ = [
     "STEP_NEEDS_RECOVERY",
     "Publication",
     "RayScan",
-    "Step",
     "StepContext",
 ]
 
@@ -47,7 +43,7 @@ CONTACT = np.dtype(
 
 
 class StepContext(ctypes.Structure):
-    """What both forms of the step work on; mirrors `context` in step.c, where the fields are explained."""
+    """What the step works on; mirrors `context` in step.c, where the fields are explained."""
 
     _fields_ = [
         ("world", c_void_p),
@@ -61,7 +57,6 @@ class StepContext(ctypes.Structure):
         ("quick", c_int64),
         ("contact_rule", c_int64),
         ("count_turns", c_int64),
-        ("check_divergence", c_int64),
         ("seed", c_uint64),
         ("steps", c_int64),
         ("contact_count", c_int64),
@@ -150,50 +145,3 @@ class RayScan(NamedTuple):
     owner: int
     ranges: NDArray[np.float64]
     rows: NDArray[np.int64]
-
-
-class Step(Protocol):
-    """Either form."""
-
-    name: str
-    reads_all: bool  # whether step() leaves all states copied out
-
-    def step(self) -> int:
-        """Both halves. Returns 1, 0 when ODE ran out of memory, or STEP_NEEDS_RECOVERY."""
-
-    def collide(self) -> None:
-        """The first half: find contacts and make joints of them."""
-
-    def solve(self) -> int:
-        """The second half: move everything, empty the contact group; returns what `step` does."""
-
-    @property
-    def release(self) -> Callable[[], object]:
-        """A function that frees what was allocated, without a reference to the engine."""
-
-    def contacts(self) -> NDArray[np.void]:
-        """A copy of the contact points recorded in this step, as `CONTACT`; without forces until `solve`."""
-
-    def set_contacts(self, contacts: bytes) -> None:
-        """Replace the contact points recorded in the last step by others, as `CONTACT`."""
-
-    def get_state(self, parts: Parts) -> bytes:
-        """The memory of ODE that decides what comes next: bodies, joints, and the order of geoms."""
-
-    def set_state(self, parts: Parts, state: bytes) -> bool:
-        """Put it back; false, and nothing has changed, if a geom is not in the space or on the body of the state."""
-
-    def read(self) -> None:
-        """Copy all body and joint states into the tables."""
-
-    def publish(self, publication: Publication) -> None:
-        """Copy header and states to a mapped file, with its counter odd meanwhile; the tables stay as they are."""
-
-    def overlap(self, geom1: int, geom2: int) -> float:
-        """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""
-
-    def forget(self, geom: int) -> None:
-        """Drop what is cached of a geom, because it was destroyed or got another body."""
-
-    def scanner(self, scan: RayScan) -> Callable[[], object]:
-        """A prepared scan that can be run again and again; see gz_scan in step.c."""

@@ -1,4 +1,4 @@
-/* Contacts of bodies at rest, solved at once; python_resting.py does the same work, operation by operation.
+/* Contacts of bodies at rest, solved at once.
  *
  * Where every contact carries and none slides, contacts are linear: M v = M v0 + J' p and J v + E p = c, with velocities v,
  * momentum M v0 without contacts, impulses p, softness E and velocities to reach c. Without p this is one positive

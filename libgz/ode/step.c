@@ -2,8 +2,7 @@
  *
  * It is not linked with ODE. gz_step_needs() lists the ODE functions it calls, gz_step_bind() takes their addresses in
  * that order; so it builds without ODE's headers and always uses the ODE library that is loaded.
- * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories
- * are equal to the last bit; a test compares them.
+ * tests/ode/recorded.json holds motions that it repeats to the last bit.
  */
 #include "calls.h"
 #include "memory.h"
@@ -247,7 +246,6 @@ typedef struct {
     int64_t quick;            /* 1: dWorldQuickStep */
     int64_t contact_rule;     /* LEGACY_RULE or CLASSIC_RULE */
     int64_t count_turns;      /* 1: joint angles continue beyond pi; 0: they stay within -pi to pi */
-    int64_t check_divergence; /* read by the Python form only; this one always checks */
     uint64_t seed;            /* ODE's random state, one per world */
     int64_t steps;            /* so far */
     int64_t contact_count;    /* of the last step */
@@ -1120,8 +1118,6 @@ static void rotate(const double *q, const double *v, double *out)
     out[1] = v[1] + q[0] * ty + (q[3] * tx - q[1] * tz);
     out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
 }
-
-void gz_rotate(const double *q, const double *v, double *out) { rotate(q, v, out); }
 
 int gz_may_sleep(void *body) { return dBodyGetAutoDisableFlag(body); }
 

@@ -1,85 +1,186 @@
-"""One physics step and one ray scan, in two forms that give the same numbers: native (step.c) and pure Python.
-
-`choose_step` returns the native one if it was built. The environment variable LIBGZ_STEP forces a choice:
-``native`` (an error if it was not built), ``python``, or ``auto``. The Python form is the reference for tests: it is
-slower, and ODE ends the process where one of its assertions fails, which the native form survives. So a server uses it
-only where LIBGZ_STEP asks for it.
-"""
+"""One physics step and one ray scan: step.c and what it is linked with, by ctypes."""
 
 from __future__ import annotations
 
-import logging
-import os
-from functools import lru_cache
+import ctypes
+import functools
+import threading
+from collections.abc import Callable
+from ctypes import c_double, c_int64, c_void_p
+from pathlib import Path
+from typing import Any
 
-from libgz.base.errors import LibraryError, ParameterError
-from libgz.ode.context import Step, StepContext
-from libgz.ode.native_step import NativeStep, native_path
-from libgz.ode.tables import Tables
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["SERVING_HELP", "check_serving", "choose_step"]
+from libgz.base.errors import LibraryError
+from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
+from libgz.ode.lib import ode
+from libgz.ode.parts import Parts
+from libgz.ode.records import check_sizes
 
-log = logging.getLogger("libgz.ode")
-
-_CHOICES = ("auto", "native", "python")
-_DRAWBACKS = "slow, and ends where one of ODE's assertions fails"
-_REMEDY = "install a C compiler (apt-get install gcc libc6-dev) and then libgz again"
-# For the help of commands that serve.
-SERVING_HELP = (
-    "Environment: LIBGZ_STEP=python serves although the native step was not built: the server is "
-    "then slow, and ends where one of ODE's assertions fails. `libgz doctor` reports which form of the step is used."
-)
+__all__ = ["Step", "library_path"]
 
 
-def choose_step(context: StepContext, tables: Tables) -> Step:
-    """The form of the step to use, by LIBGZ_STEP and by what was built.
-
-    Raises:
-        ParameterError: LIBGZ_STEP has an unknown value.
-        LibraryError: LIBGZ_STEP is ``native`` and the native step was not built.
-    """
-    choice, path = _choice(), native_path()
-    if choice == "python":
-        return _python_step(context, tables)
-    if path is not None:
-        return NativeStep(context, path)
-    if choice == "native":
-        raise LibraryError("LIBGZ_STEP=native, but the native step was not built: a C compiler is needed")
-    _warn_of_python()
-    return _python_step(context, tables)
+LIBRARY = Path(__file__).with_name("_step.so")
+LONGEST = 0.005  # [s] of real time without Python, if there is more than one step; then signals are noticed
+_ALLOCATORS = tuple(f"d{verb}{what}Handler" for what in ("Alloc", "Realloc", "Free") for verb in ("Get", "Set"))
+_loading = threading.Lock()
 
 
-def _python_step(context: StepContext, tables: Tables) -> Step:
-    from libgz.ode.python_step import PythonStep  # the native form does without it
-
-    return PythonStep(context, tables)
-
-
-def check_serving() -> None:
-    """Check that the form of the step is one for servers; a warning if LIBGZ_STEP asks for the Python form.
+def library_path() -> Path:
+    """Where the step was built.
 
     Raises:
-        ParameterError: LIBGZ_STEP has an unknown value.
-        LibraryError: the native step was not built, and LIBGZ_STEP does not ask for the Python form.
+        LibraryError: it was not built.
     """
-    choice = _choice()
-    if choice == "python":
-        log.warning("LIBGZ_STEP=python: the server is %s", _DRAWBACKS)
-    elif native_path() is None:
+    if not LIBRARY.exists():
         raise LibraryError(
-            f"the native step was not built, and without it a server is {_DRAWBACKS}: {_REMEDY}, "
-            "or set LIBGZ_STEP=python to serve all the same"
+            "the step was not built: install a C compiler (apt-get install gcc libc6-dev) and then libgz again"
         )
+    return LIBRARY
 
 
-def _choice() -> str:
-    choice = os.environ.get("LIBGZ_STEP", "auto") or "auto"
-    if choice not in _CHOICES:
-        raise ParameterError(f"LIBGZ_STEP is {choice!r}; allowed are {', '.join(_CHOICES)}")
-    return choice
+class Step:
+    """The step of one engine. The interpreter lock is released while it runs; other worlds wait.
+
+    Raises:
+        LibraryError: it was not built, or from another version of the sources.
+    """
+
+    _library: ctypes.CDLL | None = None
+
+    def __init__(self, context: StepContext) -> None:
+        self._shared = self._bind()
+        self._context = context
+        self._buffer, self._size = ctypes.create_string_buffer(0), c_int64(0)  # of the last state
+        self._address = ctypes.addressof(context)
+        self._shared.gz_use_calls(context.world)
+        # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
+        self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
+        self._publish = functools.partial(self._shared["gz_publish"], c_void_p(self._address))
+        self._get_state = self._shared["gz_get_state"]
+        self._get_state.restype = c_int64
+        self._scan = self._shared["gz_scan"]
+        self._scan.restype = None
+        self.release = functools.partial(_release, self._shared, context)
+
+    @classmethod
+    def _bind(cls) -> ctypes.CDLL:
+        """Load the shared object and pass it ODE's addresses, once."""
+        with _loading:
+            if cls._library is None:
+                cls._library = cls._load(library_path())
+            return cls._library
+
+    @staticmethod
+    def _load(path: Path) -> ctypes.CDLL:
+        library = ctypes.CDLL(str(path))
+        library.gz_step_needs.restype = ctypes.POINTER(ctypes.c_char_p)
+        library.gz_step_context_size.restype = ctypes.c_size_t
+        library.gz_step_bind.argtypes = [c_void_p]
+        library.gz_collide.argtypes = [c_void_p]
+        library.gz_solve.argtypes = [c_void_p]
+        library.gz_free_contacts.argtypes = [c_void_p]
+        library.gz_free_contacts.restype = None
+        library.gz_read.argtypes = [c_void_p]
+        library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
+        library.gz_overlap.restype = c_double
+        library.gz_parts_size.restype = ctypes.c_size_t
+        library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
+        library.gz_set_contacts.restype = None
+        library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
+        sizes = library.gz_step_context_size(), library.gz_parts_size()
+        if sizes != (ctypes.sizeof(StepContext), ctypes.sizeof(Parts)):
+            raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
+        check_sizes(library)
+        names = []
+        for name in library.gz_step_needs():
+            if name is None:
+                break
+            names.append(name.decode())
+        addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
+        library.gz_step_bind(addresses)
+        library.gz_use_blocks.argtypes = [c_void_p]
+        library.gz_use_calls.argtypes, library.gz_use_calls.restype = [c_void_p], None
+        library.gz_calls_made.restype = c_int64
+        library.gz_use_blocks((c_void_p * len(_ALLOCATORS))(*(ode().address(name) for name in _ALLOCATORS)))
+        return library
+
+    def step(self) -> int:
+        """Both halves. Returns 1, 0 when ODE ran out of memory, or STEP_NEEDS_RECOVERY."""
+        done: int = self._step()
+        return done
+
+    def collide(self) -> None:
+        """The first half: find contacts and make joints of them."""
+        self._shared.gz_collide(self._address)
+
+    def solve(self) -> int:
+        """The second half: move everything, empty the contact group, copy all states out; returns what `step` does."""
+        return int(self._shared.gz_solve(self._address))
+
+    def contacts(self) -> NDArray[np.void]:
+        """A copy of the contact points recorded in this step, as `CONTACT`; without forces until `solve`."""
+        count = self._context.record_count
+        if not count:
+            return np.empty(0, dtype=CONTACT)
+        records = (ctypes.c_char * (count * CONTACT.itemsize)).from_address(self._context.records)
+        return np.frombuffer(bytearray(records), dtype=CONTACT)
+
+    def set_contacts(self, contacts: bytes) -> None:
+        """Replace the contact points recorded in the last step by others, as `CONTACT`."""
+        self._shared.gz_set_contacts(self._address, contacts, len(contacts) // CONTACT.itemsize)
+
+    def get_state(self, parts: Parts) -> bytes:
+        """The memory of ODE that decides what comes next: bodies, joints, and the order of geoms."""
+        where, buffer = ctypes.byref(parts), self._buffer
+        size: int = self._get_state(where, buffer, self._size)
+        if size > len(buffer):
+            self._buffer, self._size = ctypes.create_string_buffer(size), c_int64(size)
+            self._get_state(where, self._buffer, self._size)
+            buffer = self._buffer
+        return buffer.raw if size == len(buffer) else ctypes.string_at(buffer, size)
+
+    def set_state(self, parts: Parts, state: bytes) -> bool:
+        """Put it back; false, and nothing has changed, if a geom is not where the state has it."""
+        return bool(self._shared.gz_set_state(ctypes.addressof(parts), state, len(state)))
+
+    def read(self) -> None:
+        """Copy all states out."""
+        self._shared.gz_read(self._address)
+
+    def publish(self, publication: Publication) -> None:
+        """Copy header and states to a mapped file, with its counter odd meanwhile; the tables stay as they are."""
+        self._publish(ctypes.byref(publication))
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""
+        return float(self._shared.gz_overlap(self._address, geom1, geom2))
+
+    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[], int]]]:
+        """The function that does rows, see `libgz.ode.records`; and one that prepares a call for whole steps.
+
+        Such a call makes as many steps as the number that it is prepared with says, and leaves there how many it did
+        not make.
+        """
+        run, repeat = self._shared["gz_updates_run"], self._shared["gz_updates_repeat"]
+        run.argtypes, run.restype, repeat.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
+
+        def prepare(record: Any, count: int, steps: c_int64) -> Callable[[], int]:
+            return functools.partial(repeat, record, c_int64(count), ctypes.byref(steps), c_double(LONGEST))
+
+        return run, prepare
+
+    def scanner(self, scan: RayScan) -> Callable[[], object]:
+        """A prepared scan that can be run again and again, see gz_scan in step.c; it keeps the arrays alive."""
+        frame, rays, ranges, rows = (
+            array.ctypes.data_as(c_void_p) for array in (scan.frame, scan.rays, scan.ranges, scan.rows)
+        )
+        count, owner = c_int64(len(scan.rays)), c_int64(scan.owner)
+        return functools.partial(self._scan, c_void_p(self._address), frame, rays, count, owner, ranges, rows)
 
 
-@lru_cache
-def _warn_of_python() -> None:
-    """Warn once in a process."""
-    log.warning("the native step was not built: this process is %s; %s", _DRAWBACKS, _REMEDY)
+def _release(library: ctypes.CDLL, context: StepContext) -> None:
+    """Free the memory of the contact records."""
+    library.gz_free_contacts(ctypes.addressof(context))

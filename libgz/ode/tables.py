@@ -1,7 +1,7 @@
-"""The state tables: arrays with one row for each body, joint and geom, which both forms of the step read and fill.
+"""The state tables: arrays with one row for each body, joint and geom, which the step reads and fills.
 
 Setters mark rows as stale, getters read a stale row from ODE first. step.c gets the addresses of the arrays and
-describes their columns.
+describes their columns. After a step all rows are fresh.
 """
 
 from __future__ import annotations
@@ -139,14 +139,14 @@ class BodyTable(_Table):
         self.ids[row] = 0
         self._free_row(row)
 
-    def publish(self, context: StepContext, fresh: bool) -> None:
-        """Hand the arrays to the step; `fresh` is what rows are after one."""
+    def publish(self, context: StepContext) -> None:
+        """Hand the arrays to the step."""
         context.bodies, context.com = self.ids.ctypes.data, self.com.ctypes.data
         context.body_state, context.body_motion = self.state.ctypes.data, self.motion.ctypes.data
         context.body_count = self.used
         self.values = _flat(self.state)
         self.fresh = bytearray(self.size)
-        self._after_step = (b"\1" if fresh else b"\0") * self.size
+        self._after_step = b"\1" * self.size
         record = self._record
         record.bodies, record.body_state = context.bodies, context.body_state
         record.body_fresh, record.body_size = _address(self.fresh), self.size
@@ -231,15 +231,15 @@ class JointTable(_Table):
         """Find the rows with a spring or damper, after `springs` was changed."""
         self.sprung = {row for row in self.objects if self.springs[row, 0] or self.springs[row, 1]}
 
-    def publish(self, context: StepContext, fresh: bool) -> None:
-        """Hand the arrays to the step; `fresh` is what rows are after one."""
+    def publish(self, context: StepContext) -> None:
+        """Hand the arrays to the step."""
         context.joints, context.joint_types = self.ids.ctypes.data, self.types.ctypes.data
         context.joint_state, context.springs = self.state.ctypes.data, self.springs.ctypes.data
         context.joint_count = self.used
         self.values = _flat(self.state)
         self.fresh = bytearray(self.size)
         self._stale = bytes(self.size)
-        self._after_step = (b"\1" if fresh else b"\0") * self.size
+        self._after_step = b"\1" * self.size
         record = self._record
         record.joints, record.joint_state = context.joints, context.joint_state
         record.joint_fresh, record.joint_size = _address(self.fresh), self.size
@@ -367,7 +367,6 @@ class Tables:
         self.bodies = BodyTable(ode_, self.record)
         self.joints = JointTable(ode_, context, self.record)
         self.geoms = GeomTable(self.record)
-        self.fresh_after_step = False  # whether a step leaves all rows up to date
         self.publish()
 
     @property
@@ -392,8 +391,8 @@ class Tables:
 
     def publish(self) -> None:
         """Hand the arrays to the step, after one was added to."""
-        self.bodies.publish(self._context, self.fresh_after_step)
-        self.joints.publish(self._context, self.fresh_after_step)
+        self.bodies.publish(self._context)
+        self.joints.publish(self._context)
         self.geoms.publish(self._context)
         self.touched = True
 
@@ -442,7 +441,7 @@ class Tables:
         """Mark all rows as a step leaves them."""
         self.bodies.step_done()
         self.joints.step_done()
-        self.touched = not self.fresh_after_step
+        self.touched = False
 
 
 def _doubled(table: NDArray[Any]) -> NDArray[Any]:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from itertools import islice
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from libgz.base.geometry import GzColor, GzPose, GzVector
-from libgz.physics.edits import edits
+from libgz.base.errors import StateError
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 
-__all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "Appearance", "Backdrop"]
+__all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "SAME", "Appearance", "Backdrop"]
 
 # GZ_RENDER_*: the passes of a frame, in order.
 RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT = range(3)
+SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # the matrix of textures that are neither scaled, turned nor moved
 
 
 @dataclass
@@ -28,6 +32,7 @@ class Appearance:
     shininess: float = 0.0
     texture_file: Path | None = None
     texture_size: GzVector = field(default_factory=lambda: GzVector(2.0, 2.0, 0.0))  # [m] covered by one image
+    texture_matrix: tuple[float, ...] = SAME  # of texture coordinates: u' = a u + b v + c, v' = d u + e v + f
     skin_file: Path | None = None
     skin_pose: GzPose = field(default_factory=GzPose)  # in the frame of the geom's centre
     skin_scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))
@@ -42,13 +47,6 @@ class Appearance:
     pick_id: int = 0
     render_order: int = RENDER_OPAQUE
     version: int = 0  # grows with each change; a renderer then rebuilds the geom
-    edits: int = field(default=0, init=False, compare=False)  # grows with each assignment
-
-    def __setattr__(self, name: str, value: object) -> None:
-        values = vars(self)
-        values[name] = value
-        values["edits"] = values.get("edits", 0) + 1
-        edits.count()
 
     def set_color(self, color: GzColor) -> None:
         """The material of one colour: ambient a fifth of it, specular a fifth above it."""
@@ -63,6 +61,50 @@ class Appearance:
         for name, value in values.items():
             setattr(self, name, value)
         self.version += 1
+
+    def saved(self) -> list[Any]:
+        """All of it but the version, for a state: numbers as bytes, paths as texts, and the rest."""
+        files = [None if file is None else str(file) for file in _files_of(self)]
+        return [_NUMBERS.pack(*_numbers_of(self)), files, [*_rest_of(self)]]
+
+    def restore(self, packed: bytes, files: list[Any], rest: list[Any]) -> None:
+        """Take what `saved` returned, which may be damaged.
+
+        Raises:
+            StateError: it is not what a look has.
+        """
+        numbers = iter(_NUMBERS.unpack(packed))
+        for name, (make, parts) in _PARTS.items():
+            value = make(*islice(numbers, len(parts) or 1))
+            if value != getattr(self, name):
+                setattr(self, name, value)
+        for name, file in zip(_FILES, files, strict=True):
+            setattr(self, name, None if file is None else Path(file))
+        for name, number in zip(_REST, rest, strict=True):
+            if not isinstance(number, int):
+                raise StateError("the state is damaged: a geom has other looks")
+            setattr(self, name, number)
+
+
+def _pose(*numbers: float) -> GzPose:
+    return GzPose(GzVector(*numbers[:3]), GzQuatern(*numbers[3:]))
+
+
+# What makes an attribute of numbers, and their names in it.
+_PARTS: dict[str, tuple[Callable[..., Any], tuple[str, ...]]] = {
+    **dict.fromkeys(("ambient", "diffuse", "specular", "emission"), (GzColor, ("r", "g", "b", "a"))),
+    **dict.fromkeys(("texture_size", "skin_scale", "scale"), (GzVector, ("x", "y", "z"))),
+    "skin_pose": (_pose, (*(f"pos.{axis}" for axis in "xyz"), *(f"rot.{axis}" for axis in "uxyz"))),
+    **dict.fromkeys(("transparency", "shininess", "laser", "retro"), (float, ())),
+}
+_numbers_of = attrgetter(
+    *(f"{name}.{part}" if part else name for name, (_, parts) in _PARTS.items() for part in parts or ("",))
+)
+_NUMBERS = struct.Struct(f"{sum(len(parts) or 1 for _, parts in _PARTS.values())}d")
+_FILES = ("texture_file", "skin_file", "skin_instead")
+_files_of = attrgetter(*_FILES)
+_REST = ("visible", "skin_null", "cast_shadows", "fiducial", "pick_id", "render_order")
+_rest_of = attrgetter(*_REST)
 
 
 @dataclass

@@ -16,6 +16,7 @@ from libgz.base.errors import ClosedError, ParameterError
 from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzPose,
+    GzPoseOf,
     GzQuatern,
     GzQuaternIdent,
     GzQuaternInverse,
@@ -34,7 +35,6 @@ from libgz.base.geometry import (
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.check import FAR, LARGEST, finite_tuple, not_negative, rotation_tuple
-from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
 
@@ -54,7 +54,7 @@ _STILL = (0.0, 0.0, 0.0)
 _numbers = itertools.count(1)
 
 
-class Body(Edited):
+class Body:
     """A rigid body.
 
     Its frame is the one its geoms are placed in; ODE's own origin is the centre of mass, and the difference is kept
@@ -75,7 +75,7 @@ class Body(Edited):
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
-    KEPT: ClassVar[tuple[str, ...]] = (
+    SAVED: ClassVar[tuple[str, ...]] = (
         "bodyName",
         "kinematic",
         "made_static",
@@ -112,7 +112,6 @@ class Body(Edited):
             self.row = self.engine.tables.add_body(self, handle)
         else:
             self.engine.dummies[self] = None
-            self.engine.dummy_moves += 1
 
     def __repr__(self) -> str:
         return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}{place_of(self)}>"
@@ -175,7 +174,6 @@ class Body(Edited):
             self._id = None
         self.engine.moved_dummies.discard(self)
         self.engine.dummies.pop(self, None)
-        self.engine.dummy_moves += 1
         self._closed = True
 
     # State -------------------------------------------------------------------------------------------------------
@@ -224,6 +222,7 @@ class Body(Edited):
         Raises:
             ParameterError: a component is not finite.
         """
+        pose = GzPoseOf(pose)
         position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
         if max(map(abs, position)) > FAR:
@@ -231,7 +230,6 @@ class Body(Edited):
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             self.engine.moved_dummies.add(self)
-            self.engine.dummy_moves += 1
             self.engine.tables.record.changes += 1
             for geom in self.geoms:
                 geom.follow_dummy()
@@ -600,8 +598,7 @@ class Body(Edited):
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
-        near = max(map(abs, total.c[:3])) <= LARGEST
-        if not (near and math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
+        if not (max(map(abs, total.c[:3])) <= LARGEST and mass_.is_possible(final)):
             raise ParameterError(
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
                 "of inertia is out of range"

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
+from libgz.base.files import read_text
 from libgz.physics.skeletons import Figure, SkeletonAnimation, matrix_turns, turn_matrices
 
 __all__ = ["fitted", "read_motion"]
@@ -46,7 +47,7 @@ def read_motion(path: Path) -> Figure:
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise GazeboError(f"motion {path} has {path.stat().st_size} bytes; {LARGEST_FILE} are allowed")
-        words = iter(path.read_text(encoding="utf-8", errors="replace").split())
+        words = iter(read_text(path).split())
     except OSError as error:
         raise GazeboError(f"motion {path} cannot be read: {error.strerror}") from None
     try:

@@ -1,4 +1,13 @@
-"""Checks of arguments before they reach ODE, whose own assertions would end the process."""
+"""Checks of arguments before they reach ODE, whose own assertions would end the process.
+
+- ODE's assertions abort the process. Check arguments in Python first (`libgz/physics/check.py`);
+  `tests/ode/assertions.tsv` lists what each declared function asserts, and where that is checked. A body faster than
+1e7 m/s, or with a force above 1e12 N, is stopped before the step, one that comes beyond 2e9 m after it. ODE's cells are
+  made wider where something lies beyond 1e8 m: it counts them in 32 bits. An assertion while solving
+skips the step, one in collision skips the pair of geoms; both are reported once. What ODE had allocated and queued for
+  a
+skipped step is dropped: its queue is `calls.c`, for ODE's own is the process's, and cannot be emptied.
+"""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ class Thread:
         pitch: [rad/m], not zero.
     """
 
-    KEPT = ("pitch",)
+    SAVED = ("pitch",)
 
     def __init__(self, piston: PistonJoint, pitch: float) -> None:
         self.piston = piston
@@ -177,7 +177,7 @@ class Gears:
         reference: what carries both; None or a dummy for the world.
     """
 
-    KEPT = ("ratio", "references", "angles", "_local", "_hubs", "_speed", "_radii", "_mass")
+    SAVED = ("ratio", "references", "angles", "_local", "_hubs", "_speed", "_radii", "_mass")
 
     def __init__(
         self,

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import VectorLike
-from libgz.ode.context import RayScan, Step, StepContext
+from libgz.ode.context import RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
 from libgz.ode.nearby import geoms_near
-from libgz.ode.step import choose_step
+from libgz.ode.step import Step
 from libgz.ode.tables import Tables
 from libgz.ode.types import ContactRule
 from libgz.physics.check import FAR, LARGEST, finite, finite_tuple, not_negative, positive
@@ -93,7 +93,6 @@ class Engine:
         quirks: names of quirks of the legacy server that are in force.
         ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         moved_dummies: bodies without an ODE body whose pose was set; who publishes their poses empties it.
-        dummy_moves: grows when the pose of such a body is set, and when one comes or goes.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
@@ -131,13 +130,11 @@ class Engine:
         self._context.max_distance = 2.0 * FAR
         self._context.no_cylinder_pairs = True
         self.tables = Tables(self._context, lib)
-        self.step_form: Step = choose_step(self._context, self.tables)
-        self.tables.fresh_after_step = self.step_form.reads_all
-        self.tables.publish()
-        self._step = self.step_form.step
+        self.native = Step(self._context)
+        self._step = self.native.step
         self._thread = 0  # that stepped last
         self._destroy = weakref.finalize(
-            self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in), self.step_form.release
+            self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in), self.native.release
         )
         self.bodies: dict[int, Any] = self.tables.bodies.objects
         self.joints: dict[int, Any] = self.tables.joints.objects
@@ -152,7 +149,6 @@ class Engine:
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
         self._made: list[weakref.ref[Any]] | None = None  # where joints and rays that are made are noted
         self.moved_dummies: set[Any] = set()
-        self.dummy_moves = 0
         self.collisions = 0
         self.facade: Any = None
         self.abandoned = False
@@ -284,19 +280,6 @@ class Engine:
     def count_turns(self, value: bool) -> None:
         self._context.count_turns = int(value)
 
-    @property
-    def check_divergence(self) -> bool:
-        """Whether the Python form of the step checks bodies for divergence; off by default.
-
-        It takes as long as a legacy world's whole step. The native form always checks.
-        """
-        return bool(self._context.check_divergence)
-
-    @check_divergence.setter
-    @exclusive
-    def check_divergence(self, value: bool) -> None:
-        self._context.check_divergence = int(value)
-
     @exclusive
     def extend_range(self) -> None:
         """Use cells of 4 m instead of 1/8 m in ODE's hash space.
@@ -390,7 +373,7 @@ class Engine:
         not move. All global. Bodies that are asleep carry what they carried before. After `collide`, the forces of
         others are zero.
         """
-        return self.step_form.contacts()
+        return self.native.contacts()
 
     # States ------------------------------------------------------------------------------------------------------
 
@@ -403,7 +386,7 @@ class Engine:
         """
         if self.tables.touched:
             with self.lock:  # reading releases the interpreter lock
-                self.step_form.read()
+                self.native.read()
         bodies = self.tables.bodies
         view = bodies.state[: bodies.used].view()
         view.flags.writeable = False
@@ -413,9 +396,6 @@ class Engine:
     def lowest(self) -> float:
         """Height of the lowest body [m], closed ones included; 0 if all are above that."""
         bodies = self.tables.bodies
-        if not self.tables.fresh_after_step:
-            with self.lock:
-                self.step_form.read()
         return float(bodies.state[: bodies.used, 2].min(initial=0.0))
 
     @property
@@ -470,15 +450,11 @@ class Engine:
         _ = self.world  # raises if it is closed
         return self._state.get()
 
-    def read_state(self, kept: Callable[[bytes], Any]) -> tuple[Any, ...]:
-        """The values of `get_state`, in the order of PARTS, for a caller that holds the lock.
-
-        Args:
-            kept: returns what stands for ODE's memory, which can be large.
-        """
+    def read_state(self) -> dict[str, Any]:
+        """`get_state`, for a caller that holds the lock."""
         if not self._destroy.alive:
             _ = self.world  # raises
-        return self._state.values(kept)
+        return self._state.get()
 
     @exclusive
     def set_state(self, state: dict[str, Any]) -> None:
@@ -538,12 +514,12 @@ class Engine:
         """The first half of a step, for work between contacts and motion; `solve` follows."""
         self._enter_thread()
         self.collisions += 1
-        self.step_form.collide()
+        self.native.collide()
 
     @exclusive
     def solve(self) -> None:
         """The second half of a step."""
-        self._finish(self.step_form.solve())
+        self._finish(self.native.solve())
 
     def _finish(self, done: int) -> None:
         """Note which rows are fresh now, and recover from what went wrong."""
@@ -595,7 +571,7 @@ class Engine:
     def overlap(self, geom1: int, geom2: int) -> float:
         """The depth of the deepest contact point of two geoms, by their handles [m]; -1 if they do not touch."""
         self._ode.ensure_thread()
-        return self.step_form.overlap(geom1, geom2)
+        return self.native.overlap(geom1, geom2)
 
     @exclusive
     def geoms_near(self, low: Sequence[float], high: Sequence[float]) -> list[Any]:
@@ -649,7 +625,7 @@ class Engine:
 
     def scanner(self, scan: RayScan) -> Callable[[], None]:
         """A prepared scan that can be run again and again, at less cost than as many calls of `scan`."""
-        ensure_thread, cast, lock = self._ode.ensure_thread, self.step_form.scanner(scan), self.lock
+        ensure_thread, cast, lock = self._ode.ensure_thread, self.native.scanner(scan), self.lock
 
         def make() -> None:
             if not lock.try_acquire():
@@ -671,7 +647,6 @@ class Engine:
         for part in [*self.joints.values(), *self.bodies.values(), *self.geoms.values(), *self.spaces]:
             part.close()
         self._destroy()
-        self._state.forget()
         self._step = self._closed_step
 
     def _closed_step(self) -> int:

@@ -13,6 +13,7 @@ from libgz.base.geometry import (
     GzColor,
     GzCoordPoseAdd,
     GzPose,
+    GzPoseOf,
     GzQuatern,
     GzQuaternMul,
     GzQuaternNormal,
@@ -27,7 +28,6 @@ from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, rotation_tuple
-from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine
 from libgz.physics.lock import built, exclusive
 from libgz.physics.space import Space
@@ -41,7 +41,7 @@ Color = tuple[float, ...]  # red, green, blue, alpha
 _numbers = itertools.count(1)
 
 
-class Geom(Edited):
+class Geom:
     """Base of all kinds of geom.
 
     Attributes:
@@ -60,7 +60,7 @@ class Geom(Edited):
     extra_rotation: GzQuatern | None = None  # between ODE's shape and this one
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)  # multiple of its first size, as set by classic's SetScale
 
-    KEPT: ClassVar[tuple[str, ...]] = ("_relative", "_mass", "volume_mass", "scale", "_slip")
+    SAVED: ClassVar[tuple[str, ...]] = ("_relative", "_mass", "volume_mass", "scale", "_slip")
 
     @built
     def __init__(
@@ -103,7 +103,6 @@ class Geom(Edited):
 
     def _destroy_handle(self) -> None:
         if self._id is not None:
-            self.body.engine.step_form.forget(self._id)
             ode().dGeomDestroy(self._id)
             self._id = None
 
@@ -216,6 +215,7 @@ class Geom(Edited):
         Raises:
             ParameterError: a component is not finite.
         """
+        pose = GzPoseOf(pose)
         position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         if max(map(abs, position)) > WIDE:

@@ -81,7 +81,7 @@ class BoxGeom(Geom):
         ParameterError: a length is negative or not finite.
     """
 
-    KEPT = ("size",)
+    SAVED = ("size",)
 
     @built
     def __init__(self, body: Body, space: Space | None, xDim: float, yDim: float, zDim: float) -> None:
@@ -110,7 +110,7 @@ class SphereGeom(Geom):
         ParameterError: the radius is not positive.
     """
 
-    KEPT = ("radius",)
+    SAVED = ("radius",)
 
     @built
     def __init__(self, body: Body, space: Space | None, radius: float) -> None:
@@ -141,7 +141,7 @@ class CylinderGeom(Geom):
         ParameterError: a length is not positive.
     """
 
-    KEPT = ("radius", "length")
+    SAVED = ("radius", "length")
 
     @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
@@ -237,7 +237,7 @@ class TriMeshGeom(Geom):
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
     image: Callable[[], NDArray[np.uint8]] | None = None  # a texture that is computed, shape (n, m, 3), top row first
-    KEPT = ("changed_mesh",)
+    SAVED = ("changed_mesh",)
     _mesh: Mesh | None = None  # the present one
     _first_mesh: Mesh | None = None
     columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
@@ -480,7 +480,7 @@ class LightGeom(Geom):
         cast_shadows: whether bodies cast shadows in its light, where images have shadows.
     """
 
-    KEPT = ("attenuation", "kind", "direction", "spot", "range", "cast_shadows")
+    SAVED = ("attenuation", "kind", "direction", "spot", "range", "cast_shadows")
 
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import GazeboError
+from libgz.base.files import open_file
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -37,7 +38,7 @@ def open_image(path: Path, most_pixels: int = MOST_PIXELS) -> Iterator[Image.Ima
     from PIL import Image  # here, because most worlds read no image
 
     try:
-        with Image.open(path, formats=FORMATS) as image:
+        with open_file(path), Image.open(path, formats=FORMATS) as image:
             if image.width * image.height > most_pixels:
                 raise _TooLarge(f"image {path} has {image.width} x {image.height} pixels; {most_pixels} are allowed")
             image.load()

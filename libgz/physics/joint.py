@@ -29,7 +29,6 @@ from libgz.ode.types import (
 )
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis, vector_of
-from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
 
@@ -95,7 +94,7 @@ class JointGroup:
             self._native = None
 
 
-class Joint(Edited):
+class Joint:
     """Base of all joints.
 
     Attributes:
@@ -108,7 +107,7 @@ class Joint(Edited):
         name: for look-up.
     """
 
-    KEPT: ClassVar[tuple[str, ...]] = ("name",)
+    SAVED: ClassVar[tuple[str, ...]] = ("name",)
     kind: ClassVar[JointType]
     motors: ClassVar[tuple[int, ...]] = ()  # parameters that switch its motors off when 0
     bodies_needed: ClassVar[int] = 0  # which must be attached before anchor, axes and efforts, or ODE ends the process
@@ -431,7 +430,7 @@ class HingeJoint(AxisJoint):
         commanded: the angles between which a controller turns it, where it has no stops [rad]; None if it is not known.
     """
 
-    KEPT = ("_stops", "_stopped")
+    SAVED = ("_stops", "_stopped")
     kind, motors = JointType.HINGE, (dParamFMax,)
     commanded: tuple[float, float] | None = None
     _stops: tuple[float, float] = (-math.inf, math.inf)  # as set by callers

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -17,10 +18,13 @@ from libgz.physics.check import LARGEST, finite_tuple, positive
 
 __all__ = [
     "Mass",
+    "about_centre",
+    "about_origin",
     "box_mass",
     "capsule_mass",
     "cylinder_mass",
     "given_mass",
+    "is_possible",
     "moved",
     "positive_definite",
     "scaled",
@@ -135,6 +139,11 @@ def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass
         raise ParameterError(f"moments of inertia {numbers} are not positive definite")
     ode().dMassSetParameters(_address(mass), positive(kilograms, "mass [kg]"), 0.0, 0.0, 0.0, *numbers)
     return moved(mass, pose)
+
+
+def is_possible(mass: Mass) -> bool:
+    """Whether ODE can use a mass matrix about its own centre of mass: finite, positive definite to its last bits."""
+    return math.isfinite(sum(mass.I)) and bool(ode().dMassCheck(_address(mass)))
 
 
 def about_centre(mass: Mass) -> Mass:

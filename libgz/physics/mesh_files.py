@@ -5,9 +5,12 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import logging
 import math
 import os
 import struct
+import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
-from libgz.base.files import is_file
+from libgz.base.extras import install
+from libgz.base.files import is_file, open_file, read_file, read_text
+from libgz.physics.faces import cut_fans, cut_polygons, cut_strips
 from libgz.physics.meshes import triangle_normals, units
 
 __all__ = [
@@ -26,15 +31,20 @@ __all__ = [
     "NamedImage",
     "Texture",
     "read_mesh",
+    "read_numbers",
     "reading",
     "step_matrix",
     "trimesh_parts",
     "used",
 ]
 
+log = logging.getLogger("libgz.physics")
+
 Array = NDArray[np.float64]
 
 MOST_TRIANGLES = 20_000_000
+MOST_KEPT = 256 << 20  # bytes of meshes that were read
+TEXT_START = 4096  # bytes of an STL file in which a text has its first vertex
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
 LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says
 LARGEST_COORDINATE = 1e6  # of a texture: how often it repeats
@@ -57,12 +67,12 @@ class Texture:
     """An image on a part.
 
     Attributes:
-        image: by its name.
+        image: by its name; None if the file names none, and a material may bring one.
         coordinates: of the corners of each triangle, shape (m, 3, 2), (0, 0) is the lower left of the image; None if
             the file has none for this part, or damaged ones.
     """
 
-    image: NamedImage
+    image: NamedImage | None
     coordinates: Array | None
 
     def mirrored(self) -> Texture:
@@ -97,10 +107,11 @@ def read_mesh(path: Path) -> list[MeshPart]:
         GazeboError: it cannot be read, or holds no triangles.
     """
     path = path.resolve()
-    found = _read(path, _changed(path))
-    if any(_changed(library) != changed for library, changed in found.libraries.items()):
-        _read.cache_clear()
-        found = _read(path, _changed(path))
+    when = _changed(path)
+    found = _kept.get(path)
+    if found is None or found.when != when or any(_changed(one) != then for one, then in found.libraries.items()):
+        found = _read(path, when)
+        _kept.put(path, found)
     return found.parts
 
 
@@ -111,10 +122,48 @@ def _changed(path: Path) -> int:
 
 @dataclass
 class _Mesh:
-    """A mesh that was read, and when each material library that it names was last changed [ns]."""
+    """A mesh that was read, and when its file, and each material library that it names, was last changed [ns]."""
 
     parts: list[MeshPart]
+    when: int
     libraries: dict[Path, int]
+
+    @property
+    def size(self) -> int:
+        """Bytes of its arrays."""
+        arrays = [a for part in self.parts for a in (part.vertices, part.triangles, part.normals)]
+        arrays += [part.texture.coordinates for part in self.parts if part.texture is not None]
+        return sum(array.nbytes for array in arrays if array is not None)
+
+
+class _Kept:
+    """The meshes that were read last, as many as have a bounded size: worlds use the same ones again and again."""
+
+    def __init__(self) -> None:
+        self._meshes: dict[Path, _Mesh] = {}  # the one that was used last comes last
+        self._lock = threading.Lock()
+
+    def get(self, path: Path) -> _Mesh | None:
+        """The mesh of a file, as it was when it was read; None if it is not kept."""
+        with self._lock:
+            found = self._meshes.pop(path, None)
+            if found is not None:
+                self._meshes[path] = found
+            return found
+
+    def put(self, path: Path, mesh: _Mesh) -> None:
+        """Keep a mesh, and as many of the others as fit."""
+        with self._lock:
+            self._meshes.pop(path, None)
+            self._meshes[path] = mesh
+            total = sum(kept.size for kept in self._meshes.values())
+            for old in list(self._meshes):
+                if total <= MOST_KEPT:
+                    break
+                total -= self._meshes.pop(old).size
+
+
+_kept = _Kept()
 
 
 @contextlib.contextmanager
@@ -140,8 +189,7 @@ def reading(path: Path) -> Iterator[None]:
         raise GazeboError(f"mesh {path} cannot be read: it is damaged ({reason})") from None
 
 
-@functools.lru_cache(maxsize=32)
-def _read(path: Path, _when: int) -> _Mesh:
+def _read(path: Path, when: int) -> _Mesh:
     libraries: dict[Path, int] = {}
     readers: dict[str, Callable[[Path], Iterator[MeshPart]]] = {
         ".stl": _read_stl,
@@ -157,7 +205,7 @@ def _read(path: Path, _when: int) -> _Mesh:
         outside = part.triangles.min() < 0 or part.triangles.max() >= len(part.vertices)
         if outside or not np.isfinite(part.vertices).all():
             raise GazeboError(f"mesh {path} cannot be read: a vertex is not finite, or a triangle names none")
-    return _Mesh(parts, libraries)
+    return _Mesh(parts, when, libraries)
 
 
 def _bounded(parts: Iterable[MeshPart], path: Path) -> Iterator[MeshPart]:
@@ -184,9 +232,10 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     try:
         import trimesh  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        raise GazeboError(f"{what} {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
+        raise GazeboError(f"{what} {path} needs the package trimesh: {install('mesh')}") from None
     try:
-        loaded: Any = trimesh.load(path, force="scene")
+        with open_file(path):  # which checks it
+            loaded: Any = trimesh.load(path, force="scene")
         parts = loaded.dump()
     except Exception as error:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
         raise GazeboError(f"{what} {path} cannot be read: {error}") from None
@@ -197,22 +246,29 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
 
 
 def _read_stl(path: Path) -> Iterator[MeshPart]:
-    data = path.read_bytes()
+    data = read_file(path)
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else -1
-    if len(data) == 84 + 50 * count:
-        rows = np.frombuffer(data, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")], offset=84)
+    # Binary files may begin with the word solid, and end with anything.
+    text = data.lstrip().startswith(b"solid") and b"vertex" in data[:TEXT_START]
+    if count >= 0 and (len(data) == 84 + 50 * count or not text):
+        if len(data) < 84 + 50 * count:
+            raise ValueError(f"it has {(len(data) - 84) // 50} of {count} triangles")
+        kind = [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")]
+        rows = np.frombuffer(data, dtype=kind, offset=84, count=count)
         yield _soup("", rows["corners"].reshape(-1, 3))
         return
     name, corners = "", []
     for line in data.decode("utf-8", "replace").splitlines():
         words = line.split()
-        if words[:1] == ["solid"]:
-            name = " ".join(words[1:])
-        elif words[:1] == ["vertex"]:
+        key = words[0].lower() if words else ""
+        if key == "vertex":
             corners.append([float(word) for word in words[1:4]])
-        elif words[:1] == ["endsolid"] and corners:
-            yield _soup(name, np.array(corners))
-            corners = []
+        elif key in ("solid", "endsolid"):
+            if corners:
+                yield _soup(name, np.array(corners[: len(corners) // 3 * 3]))
+            name, corners = " ".join(words[1:]), []
+    if len(corners) >= 3:  # the last solid has no end
+        yield _soup(name, np.array(corners[: len(corners) // 3 * 3]))
 
 
 def _soup(name: str, corners: NDArray[Any]) -> MeshPart:
@@ -222,12 +278,6 @@ def _soup(name: str, corners: NDArray[Any]) -> MeshPart:
     triangles = np.array(index, dtype=np.int64).reshape(-1, 3)
     flat = np.repeat(triangle_normals(vertices, triangles)[:, None, :], 3, axis=1)
     return MeshPart(name, vertices, triangles, normals=flat)
-
-
-def _fans(polygons: Iterable[list[int]]) -> NDArray[np.int64]:
-    """Convex polygons as triangles."""
-    rows = [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
-    return np.array(rows, dtype=np.int64).reshape(-1, 3)
 
 
 def _coordinates(table: Array, corners: NDArray[np.int64]) -> Array | None:
@@ -259,6 +309,7 @@ class _Look:
     file: Path
     color: tuple[float, ...] | None = None
     opacity: float = 1.0
+    dissolved: bool = False  # whether `d` gave the opacity
     image: str = ""
 
     @property
@@ -269,19 +320,31 @@ class _Look:
         return (*(self.color or (1.0, 1.0, 1.0))[:3], self.opacity)
 
 
+class _Faces:
+    """Faces of one group of an OBJ file: the rows of vertices, texture coordinates and normals of their corners."""
+
+    def __init__(self) -> None:
+        self.counts: list[int] = []
+        self.rows: tuple[list[int], list[int], list[int]] = [], [], []
+
+    def add(self, words: list[str], counts: tuple[int, int, int]) -> None:
+        """Add a face of corners such as `7/3/1`, where so many vertices, coordinates and normals stand before it."""
+        self.counts.append(len(words))
+        for place, rows in enumerate(self.rows):
+            rows += [_row(word, place, counts[place]) for word in words]
+
+
 def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
-    vertices: list[list[float]] = []
+    vertices: list[list[str]] = []
     coordinates: list[list[str]] = []
     normals: list[list[str]] = []
     looks: dict[str, _Look] = {}
-    groups: dict[tuple[str, str], list[list[int]]] = {}
-    textured: dict[tuple[str, str], list[list[int]]] = {}  # numbers of texture coordinates, where there is an image
-    lit: dict[tuple[str, str], list[list[int]]] = {}  # numbers of normals
+    groups: dict[tuple[str, str], _Faces] = {}
     name = material = ""
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+    for line in read_text(path).replace("\\\n", " ").splitlines():
         key, _, rest = line.strip().partition(" ")
         if key == "v":
-            vertices.append([float(word) for word in rest.split()[:3]])
+            vertices.append(rest.split())
         elif key == "vt":
             coordinates.append(rest.split())
         elif key == "vn":
@@ -295,25 +358,35 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
                 libraries[library] = _changed(library)
                 looks |= _read_mtl(library)
         elif key == "f":
-            words = rest.split()
-            corners = [int(word.partition("/")[0]) for word in words]
-            face = [corner - 1 if corner > 0 else len(vertices) + corner for corner in corners]
-            groups.setdefault((name, material), []).append(face)
-            if material in looks and looks[material].image:
-                textured.setdefault((name, material), []).append([_row(w, 1, len(coordinates)) for w in words])
-            if normals:
-                lit.setdefault((name, material), []).append([_row(w, 2, len(normals)) for w in words])
-    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    table = _table(coordinates, 2) if textured else np.empty((0, 2))
-    directions = _table(normals, 3)
-    for group, faces in groups.items():
-        look, texture = looks.get(group[1]), None
-        # A library that comes after faces gives them no image.
-        if look is not None and look.image and len(textured.get(group, ())) == len(faces):
-            texture = Texture(NamedImage(look.image, look.file), _coordinates(table, _fans(textured[group])))
-        known = len(lit.get(group, ())) == len(faces)
-        shading = _normals(directions, _fans(lit[group])) if known else None
-        yield used(group[0], points, _fans(faces), look.shown if look is not None else None, texture, shading)
+            group = groups.setdefault((name, material), _Faces())
+            group.add(rest.split(), (len(vertices), len(coordinates), len(normals)))
+    points, table, directions = _positions(vertices), _table(coordinates, 2), _table(normals, 3)
+    for (name, material), faces in groups.items():
+        look = looks.get(material)
+        corners, texels, lit = (np.array(rows, dtype=np.int64) for rows in faces.rows)
+        if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
+            raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
+        cut = cut_polygons(np.array(faces.counts), points[corners])
+        image = NamedImage(look.image, look.file) if look is not None and look.image else None
+        placed = _coordinates(table, texels[cut])
+        texture = Texture(image, placed) if image is not None or (placed is not None and texels.max() >= 0) else None
+        shading = _normals(directions, lit[cut])
+        yield used(name, points, corners[cut], look.shown if look is not None else None, texture, shading)
+
+
+def _positions(rows: list[list[str]]) -> Array:
+    """Positions of vertices; a number that is missing or damaged is 0, as in Gazebo."""
+    try:
+        return np.array([row[:3] for row in rows], dtype=np.float64).reshape(-1, 3)
+    except ValueError:
+        return np.array([[_number(word) for word in (*row, "0", "0", "0")[:3]] for row in rows])
+
+
+def _number(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        return 0.0
 
 
 def _table(rows: list[list[str]], columns: int) -> Array:
@@ -325,7 +398,7 @@ def _table(rows: list[list[str]], columns: int) -> Array:
 
 
 def _row(word: str, place: int, count: int) -> int:
-    """The row of the texture coordinates (place 1) or the normal (2) of a corner, such as `7/3/1`, of so many rows.
+    """The row of vertex (place 0), texture coordinates (1) or normal (2) of a corner `7/3/1`, of so many rows.
 
     It is -1 if the corner has none, -2 if the number is damaged.
     """
@@ -350,13 +423,13 @@ def _read_mtl(path: Path) -> dict[str, _Look]:
     """Diffuse colours, opacities and images by material; none if there is no such file.
 
     Raises:
-        GazeboError: it cannot be read, or a colour has no three finite numbers.
+        GazeboError: it cannot be read.
     """
     if not is_file(path):
         return {}
     name, found = "", dict[str, _Look]()
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(path)
     except OSError as error:
         raise GazeboError(f"material library {path} cannot be read: {error.strerror}") from None
     for number, line in enumerate(text.splitlines(), start=1):
@@ -366,11 +439,15 @@ def _read_mtl(path: Path) -> dict[str, _Look]:
         elif words[:1] == ["Kd"] and words[1:2] not in (["spectral"], ["xyz"]):
             color = _color(words[1:4])
             if color is None:
-                raise GazeboError(f"material library {path}:{number}: {line.strip()[:80]!r} is not Kd RED GREEN BLUE")
+                log.warning("material library %s:%d: %r is not Kd RED GREEN BLUE", path, number, line.strip()[:80])
             found.setdefault(name, _Look(path)).color = color
         elif words[:1] in (["d"], ["Tr"]) and _is_number(words[-1]):  # `d -halo 0.5`, too
             value = min(max(float(words[-1]), 0.0), 1.0)
-            found.setdefault(name, _Look(path)).opacity = value if words[0] == "d" else 1.0 - value
+            look = found.setdefault(name, _Look(path))
+            if words[0] == "d":
+                look.opacity, look.dissolved = value, True
+            elif not look.dissolved:  # programs disagree about what Tr means
+                look.opacity = 1.0 - value
         elif words and words[0].lower() == "map_kd":
             found.setdefault(name, _Look(path)).image = _image_name(line.strip()[len("map_Kd") :].strip())
     return found
@@ -420,6 +497,20 @@ def used(
 # COLLADA ---------------------------------------------------------------------------------------------------------
 
 
+def read_numbers(text: str | None, kind: Any = np.float64) -> NDArray[Any]:
+    """The numbers of a list in a document.
+
+    Raises:
+        ValueError: it has something else.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # numpy's before 2.3, of text that is no number
+        try:
+            return np.fromstring(text or "", dtype=kind, sep=" ")
+        except DeprecationWarning as error:
+            raise ValueError(str(error)) from None
+
+
 @dataclass
 class _Effect:
     """The look of a COLLADA material.
@@ -435,6 +526,9 @@ class _Effect:
     coordinates: str | None = None
 
 
+FACES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
+
+
 class Collada:
     """A COLLADA document. Its unit is honoured, its up axis is not: classic took coordinates as they are."""
 
@@ -443,13 +537,14 @@ class Collada:
 
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True, remove_comments=True)
         try:
-            self.root = etree.parse(os.fsencode(path), parser).getroot()
+            with open_file(path):  # which checks it
+                self.root = etree.parse(os.fsencode(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
         self.path = path
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
-        self.ids = {element.get("id"): element for element in self.root.iter() if element.get("id")}
+        self.ids = {element.get("id"): element for element in self.root.iter(etree.Element) if "id" in element.attrib}
         self._looks: dict[str, _Effect] = {}
 
     @staticmethod
@@ -459,11 +554,12 @@ class Collada:
 
     def all(self, element: Any, name: str) -> list[Any]:
         """The children of a name."""
-        return [child for child in element if self.tag(child) == name]
+        return list(element.iterchildren(f"{{*}}{name}")) if element is not None else []
 
     def deep(self, element: Any, name: str) -> Iterator[Any]:
         """The element and all in it of a name."""
-        return (child for child in element.iter() if self.tag(child) == name)
+        found: Iterator[Any] = element.iter(f"{{*}}{name}")
+        return found
 
     def target(self, url: str | None) -> Any:
         """The element that a reference names.
@@ -496,12 +592,25 @@ class Collada:
     def parts(self) -> Iterator[MeshPart]:
         """The triangles of its scene."""
         scale = self.unit
-        scenes = list(self.deep(self.root, "visual_scene"))
-        if not scenes:
+        axis = next(self.deep(self.root, "up_axis"), None)
+        if axis is not None and (axis.text or "").strip() not in ("Z_UP", ""):
+            noted = "mesh %s has <up_axis>%s</up_axis>; its coordinates are taken as they are, as in Gazebo classic"
+            log.warning(noted, self.path, (axis.text or "").strip())
+        scene = self.scene()
+        if scene is None:
             for geometry in self.deep(self.root, "geometry"):
                 yield from self.geometry(geometry, "", scale * np.eye(4), {})
-        for node in (node for scene in scenes[:1] for node in self.all(scene, "node")):
+            return
+        for node in self.all(scene, "node"):
             yield from self.node(node, np.diag([scale, scale, scale, 1.0]))
+
+    def scene(self) -> Any:
+        """The visual scene that `<scene>` names, else the first one; None if there is none."""
+        scenes = list(self.deep(self.root, "visual_scene"))
+        for instance in self.deep(self.root, "instance_visual_scene"):
+            named = (instance.get("url") or "").removeprefix("#")
+            return next((scene for scene in scenes if scene.get("id") == named), next(iter(scenes), None))
+        return next(iter(scenes), None)
 
     def node(self, node: Any, frame: Array) -> Iterator[MeshPart]:
         """The triangles of a node and of all below it, in a frame.
@@ -534,13 +643,13 @@ class Collada:
     def bind_shape(self, skin: Any) -> Array:
         """The transformation of a skin's mesh before bones move it."""
         for matrix in self.all(skin, "bind_shape_matrix"):
-            return np.array([float(word) for word in (matrix.text or "").split()]).reshape(4, 4)
+            return read_numbers(matrix.text).reshape(4, 4)
         return np.eye(4)
 
     def steps(self, node: Any) -> list[tuple[str, str, Array]]:
         """A node's transformations in their order: (sid, kind, numbers)."""
         return [
-            (child.get("sid", ""), self.tag(child), np.array([float(word) for word in (child.text or "").split()]))
+            (child.get("sid", ""), self.tag(child), read_numbers(child.text))
             for child in node
             if self.tag(child) in ("matrix", "translate", "scale", "rotate")
         ]
@@ -555,17 +664,21 @@ class Collada:
     def geometry(self, geometry: Any, name: str, frame: Array, bound: dict[str, Any]) -> Iterator[MeshPart]:
         """The triangles of a geometry, by material; `bound` has the `<instance_material>` of each symbol."""
         for mesh in self.all(geometry, "mesh"):
-            for kind in ("triangles", "polylist", "polygons"):
-                for group in self.all(mesh, kind):
-                    points, triangles = self.primitive(group, kind)
-                    points = points @ frame[:3, :3].T + frame[:3, 3]
-                    material = bound.get(group.get("material"))
-                    look = self.look(material)
-                    texture = self.texture(material, group, kind, len(triangles))
-                    shading = self.normals(group, kind, len(triangles), frame)
-                    yield used(name or geometry.get("name", ""), points, triangles, look.color, texture, shading)
+            for group in self.groups(mesh):
+                points, triangles, cut = self.primitive(group)
+                points = points @ frame[:3, :3].T + frame[:3, 3]
+                material = bound.get(group.get("material"))
+                look = self.look(material)
+                texture = self.texture(material, group, cut)
+                shading = self.normals(group, cut, frame)
+                yield used(name or geometry.get("name", ""), points, triangles, look.color, texture, shading)
 
-    def normals(self, group: Any, kind: str, count: int, frame: Array) -> Array | None:
+    def groups(self, mesh: Any) -> Iterator[Any]:
+        """The groups of faces of a mesh."""
+        for kind in FACES:
+            yield from self.all(mesh, kind)
+
+    def normals(self, group: Any, cut: NDArray[np.int64], frame: Array) -> Array | None:
         """The normals of the corners of a group's triangles in a frame; None if it has none, or damaged ones."""
         if np.linalg.det(frame[:3, :3]) <= 0.0:
             return None  # mirrored: they would point against the order of the corners
@@ -576,54 +689,67 @@ class Collada:
         if given is None:
             return None
         try:
-            corners = self.corners(group, kind, own if own is not None else vertex)
+            corners = self.corners(group, own if own is not None else vertex)
             table = self.rows(self.target(given.get("source")), 3)
-            found = _normals(table @ np.linalg.inv(frame[:3, :3]), corners)
-        except (ValueError, OverflowError):
+            return _normals(table @ np.linalg.inv(frame[:3, :3]), corners[cut])
+        except (ValueError, OverflowError, IndexError):
             return None
-        return found if found is not None and len(found) == count else None
 
-    def primitive(self, group: Any, kind: str) -> tuple[Array, NDArray[np.int64]]:
-        """(positions, triangles) of one group of faces."""
+    def primitive(self, group: Any) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+        """(positions, triangles, the corners of the group that those of the triangles are) of one group of faces."""
         vertex = self.first(self.inputs(group, "VERTEX"), "an <input> of vertices")
         given = self.all(self.target(vertex.get("source")), "input")
         positions = self.first((i for i in given if i.get("semantic") == "POSITION"), "an <input> of positions")
-        source = self.target(positions.get("source"))
-        array = self.first(self.deep(source, "float_array"), "<float_array>")
-        points = np.array((array.text or "").split(), dtype=np.float64).reshape(-1, 3)
-        return points, self.corners(group, kind, vertex)
+        points = self.rows(self.target(positions.get("source")), 3)
+        corners = self.corners(group, vertex)
+        if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
+            raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
+        cut = self.cut(group, points, corners)
+        return points, corners[cut], cut
 
     def inputs(self, group: Any, semantic: str) -> list[Any]:
         """What a group of faces numbers, of one meaning."""
         return [i for i in self.all(group, "input") if i.get("semantic") == semantic]
 
-    def corners(self, group: Any, kind: str, wanted: Any) -> NDArray[np.int64]:
-        """The numbers of one input for the corners of a group's triangles, shape (m, 3)."""
-        stride = 1 + max(int(i.get("offset", "0")) for i in self.all(group, "input"))
-        offset = int(wanted.get("offset", "0"))
-        runs = [np.array((p.text or "").split(), dtype=np.int64)[offset::stride] for p in self.all(group, "p")]
-        if kind == "triangles":
-            return np.concatenate(runs).reshape(-1, 3) if runs else np.zeros((0, 3), dtype=np.int64)
-        if kind == "polygons":
-            return _fans(run.tolist() for run in runs)
-        counts = np.array((self.first(self.deep(group, "vcount"), "<vcount>").text or "").split(), dtype=np.int64)
-        corners = np.split(np.concatenate(runs), np.cumsum(counts)[:-1])
-        return _fans(corner.tolist() for corner in corners)
+    def runs(self, group: Any) -> list[NDArray[np.int64]]:
+        """The numbers of a group of faces, of each `<p>`; of a polygon with holes those of its outline."""
+        return [read_numbers(p.text, np.int64) for p in self.deep(group, "p")]
 
-    def texture(self, material: Any, group: Any, kind: str, count: int) -> Texture | None:
-        """The image of a group of so many triangles, whose `<instance_material>` is given; None if it has none."""
+    def stride(self, group: Any) -> int:
+        """How many numbers a corner of a group has."""
+        return 1 + max(int(i.get("offset", "0")) for i in self.all(group, "input"))
+
+    def corners(self, group: Any, wanted: Any) -> NDArray[np.int64]:
+        """The numbers of one input for all corners of a group, in their order."""
+        stride, offset = self.stride(group), int(wanted.get("offset", "0"))
+        found = [run[offset::stride] for run in self.runs(group)]
+        return np.concatenate(found) if found else np.zeros(0, dtype=np.int64)
+
+    def cut(self, group: Any, points: Array, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The triangles of a group by its corners, shape (m, 3)."""
+        kind = self.tag(group)
+        if kind == "triangles":
+            return np.arange(len(corners) // 3 * 3).reshape(-1, 3)
+        if kind == "polylist":
+            counts = read_numbers(self.first(self.deep(group, "vcount"), "<vcount>").text, np.int64)
+            return cut_polygons(counts, points[corners])
+        stride = self.stride(group)
+        counts = np.array([-(-len(run) // stride) for run in self.runs(group)], dtype=np.int64)
+        if kind == "polygons":
+            return cut_polygons(counts, points[corners])
+        return cut_strips(counts) if kind == "tristrips" else cut_fans(counts)
+
+    def texture(self, material: Any, group: Any, cut: NDArray[np.int64]) -> Texture | None:
+        """The image of a group, whose `<instance_material>` is given, and where it shows; None if it has neither."""
         look = self.look(material)
-        if not look.image:
-            return None
         try:
             chosen = self.coordinate_input(material, group, look.coordinates)
-            corners = self.corners(group, kind, chosen)
-            coordinates = _coordinates(self.rows(self.target(chosen.get("source"))), corners)
-        except (ValueError, OverflowError):
+            corners = self.corners(group, chosen)
+            coordinates = _coordinates(self.rows(self.target(chosen.get("source"))), corners[cut])
+        except (ValueError, OverflowError, IndexError):
             coordinates = None
-        if coordinates is not None and len(coordinates) != count:
-            coordinates = None
-        return Texture(NamedImage(look.image, self.path), coordinates)
+        image = NamedImage(look.image, self.path) if look.image else None
+        return Texture(image, coordinates) if image is not None or coordinates is not None else None
 
     def coordinate_input(self, material: Any, group: Any, symbol: str | None) -> Any:
         """The texture coordinates of a group that an `<instance_material>` binds to a symbol; else its first ones.
@@ -647,9 +773,11 @@ class Collada:
             ValueError: they are damaged.
         """
         array = self.first(self.deep(source, "float_array"), "<float_array>")
-        numbers = np.array((array.text or "").split(), dtype=np.float64)
+        numbers = read_numbers(array.text)
         accessor = next(self.deep(source, "accessor"), None)
         stride = int(accessor.get("stride", "1")) if accessor is not None else columns
+        if columns == 3:
+            stride = max(stride, 3)  # positions and normals have three, whatever the accessor says
         if stride < columns:
             raise ValueError(f"rows of {columns} numbers have a stride of {stride}")
         return numbers[: len(numbers) // stride * stride].reshape(-1, stride)[:, :columns]

@@ -22,8 +22,13 @@ def _area(points: Points) -> float:
     return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
 
 
-def _inside(p: Points, a: Points, b: Points, c: Points) -> bool:
-    return _cross(a, b, p) >= 0.0 and _cross(b, c, p) >= 0.0 and _cross(c, a, p) >= 0.0
+def _any_inside(points: Points, *corners: Points) -> bool:
+    """Whether one of several points lies in a triangle, or on a side of it; its corners do not count."""
+    inside = ~np.any([(points == corner).all(axis=1) for corner in corners], axis=0)
+    x, y = points.T
+    for p, q in zip(corners, (*corners[1:], corners[0]), strict=True):
+        inside &= (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) >= 0.0
+    return bool(inside.any())
 
 
 def triangulate(points: Points) -> NDArray[np.int64]:
@@ -37,8 +42,7 @@ def triangulate(points: Points) -> NDArray[np.int64]:
         for k in range(len(left)):
             i, j, n = left[k - 1], left[k], left[(k + 1) % len(left)]
             a, b, c = points[i], points[j], points[n]
-            others = (points[m] for m in left if not (points[m] == a).all() and not (points[m] == b).all())
-            if _cross(a, b, c) <= 0.0 or any(_inside(p, a, b, c) for p in others if not (p == c).all()):
+            if _cross(a, b, c) <= 0.0 or _any_inside(points[left], a, b, c):
                 continue
             triangles.append((i, j, n))
             del left[k]

@@ -396,24 +396,23 @@ class _Reader:
         shape = np.diag([unit] * 3 + [1.0]) @ document.bind_shape(skin)
         weights, bones = self._weights(skin, np.array(places, dtype=np.int64))
         for mesh in document.all(document.target(skin.get("source")), "mesh"):
-            for kind in ("triangles", "polylist", "polygons"):
-                for group in document.all(mesh, kind):
-                    points, triangles = document.primitive(group, kind)
-                    if not len(triangles):
-                        continue
-                    if not 0 <= triangles.min() <= triangles.max() < min(len(points), len(weights)):
-                        raise ValueError("a triangle names a vertex that does not exist, or has no weights")
-                    material = bound.get(group.get("material"))
-                    kept, index = np.unique(triangles, return_inverse=True)
-                    yield SkinPart(
-                        points[kept] @ shape[:3, :3].T + shape[:3, 3],
-                        np.array(index, dtype=np.int64).reshape(-1, 3),
-                        bones[kept],
-                        weights[kept],
-                        binds,
-                        document.look(material).color,
-                        document.texture(material, group, kind, len(triangles)),
-                    )
+            for group in document.groups(mesh):
+                points, triangles, cut = document.primitive(group)
+                if not len(triangles):
+                    continue
+                if triangles.max() >= len(weights):
+                    raise ValueError("a triangle names a vertex that has no weights")
+                material = bound.get(group.get("material"))
+                kept, index = np.unique(triangles, return_inverse=True)
+                yield SkinPart(
+                    points[kept] @ shape[:3, :3].T + shape[:3, 3],
+                    np.array(index, dtype=np.int64).reshape(-1, 3),
+                    bones[kept],
+                    weights[kept],
+                    binds,
+                    document.look(material).color,
+                    document.texture(material, group, cut),
+                )
 
     def _place(self, name: str) -> int:
         for key in ("sid", "id", "name"):

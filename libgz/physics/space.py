@@ -1,13 +1,15 @@
-"""Space: a group of geoms that never touch each other."""
+"""Space: a group of geoms that never touch each other.
+
+Each model has a space of its own inside a hash space: geoms of one model never touch, and spaces of fixed models ignore
+each other.
+"""
 
 from __future__ import annotations
 
 from typing import Protocol
 
 from libgz.base.errors import ClosedError
-from libgz.ode.context import Step
 from libgz.ode.lib import ode
-from libgz.physics.edits import Edited
 from libgz.physics.lock import WorldLock, built, exclusive
 
 __all__ = ["Space"]
@@ -30,12 +32,8 @@ class SpaceOwner(Protocol):
     def spaces(self) -> dict[Space, None]:
         """All open spaces below the top."""
 
-    @property
-    def step_form(self) -> Step:
-        """The form of the step."""
 
-
-class Space(Edited):
+class Space:
     """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
 
     Args:
@@ -89,7 +87,6 @@ class Space(Edited):
         for part in self._parts:
             part.close()
         if self._id is not None:
-            self.engine.step_form.forget(self._id)
             ode().dSpaceSetCleanup(self._id, 0)
             ode().dSpaceDestroy(self._id)
             self._id = None

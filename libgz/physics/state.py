@@ -1,57 +1,70 @@
 """EngineState: what an engine's next steps depend on, as plain data.
 
 ODE's own memory is copied by the step (`Step.get_state`), the tables are copied as arrays. What Python knows besides
-(names, sizes, stops, who is attached to whom) changes rarely: it is collected as tuples at each call, by getters that
-are made once for all objects of a class, and only encoded again when one of them differs from the last time.
+(names, sizes, stops, who is attached to whom) is read from the objects: a class lists such attributes as SAVED.
 
 Objects are numbered in the order of their construction, so that a state fits another process that built the same world.
+A state is not trusted: what it says is checked before it reaches ODE (`bounds`). Its parts:
+
+- ODE's memory, copied by the step (`gz_get_state`). ODE's setters change last bits (they normalise quaternions), and
+  it has no getters for idle counters, what joints measure their angles from, and the marks of geoms that have moved.
+  `ode/memory.py` finds where these lie. No pointer is copied; those that link bodies are exchanged.
+- Orders: of geoms in spaces and on bodies, of bodies, and of joints as they were attached; ODE computes in them. Geoms
+  are removed from their spaces and added again, last one first, parents after their parts; then boxes are computed, and
+  the marks are written. Joints are attached again from the first one on that differs.
+- Tables, by objects in order of construction. Rows are part of a state: springs are applied in their order, and
+  contacts are recorded with them. Objects that were built again get the rows of the old ones.
+- SAVED attributes, and how geoms look. A class that gets a new attribute that may change later adds it there, and
+  replaces its value instead of changing it in place.
+- Settings of the engine, its counters and random state, recorded contacts, feedback of joints, gears and threads.
+
+What was made since a state is closed, newest first; what is missing is named, and nothing has changed (`matching`).
 """
 
 from __future__ import annotations
 
-import base64
 import ctypes
 import functools
-import json
+import math
 import struct
 import weakref
-import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
 from operator import attrgetter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from libgz.base.errors import ParameterError, StateError
+from libgz.base import encoding
+from libgz.base.errors import GazeboError, LibraryError, ParameterError, StateError
 from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
-from libgz.ode.context import StepContext
+from libgz.ode.context import CONTACT, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.memory import layout, order_bodies
 from libgz.ode.parts import Parts
 from libgz.ode.types import ContactRule, JointFeedback, Mass
-from libgz.physics.edits import edits
+from libgz.physics.bounds import FINITE, Block, check_memory
+from libgz.physics.check import FAR, LARGEST
+from libgz.physics.matching import codes_of, match
 from libgz.physics.meshes import Mesh
 
 __all__ = ["PARTS", "EngineState"]
 
 MOST_ROWS = 1 << 24  # of a table
-MOST_NAMED = 5  # missing objects in a message
 
 PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")
 
 # Fields of the context that are saved as their bytes, for they follow each other.
 SAVED_FIELDS = (
-    *("step", "quick", "contact_rule", "count_turns", "check_divergence", "seed", "steps", "contact_count"),
+    *("step", "quick", "contact_rule", "count_turns", "seed", "steps", "contact_count"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
-_FIELDS = struct.Struct("=d4qQ4q3dq")
+_FIELDS = struct.Struct("=d3qQ4q3dq")
 _FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
 _PROGRESS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("seed", "max_contacts"))
 # The attributes of an engine that set most of them.
 SETTINGS = (
-    *("step_time", "contact_rule", "count_turns", "check_divergence"),
+    *("step_time", "contact_rule", "count_turns"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
 # Other attributes of an engine: settings, those that are set together, and plain ones.
@@ -64,59 +77,28 @@ _numbers = attrgetter(
     *("_context.record_motion", "_context.exact_rest", "_surface_layer"),
     *(*SOLVER, *CONSTRAINTS, "_context.max_distance", *COUNTERS),
 )
-_NUMBERS = len(SWITCHES) + len(SOLVER) + len(CONSTRAINTS) + 1 + len(COUNTERS)
-
+_DISTANCE = len(SWITCHES) + len(SOLVER) + len(CONSTRAINTS)  # the number with which that begins
+_NUMBERS = _DISTANCE + 1 + len(COUNTERS)
 
 _type: Any = type  # mypy takes a class for no key of a cache
 
 
 @functools.cache
+def _saved(kind: Any) -> tuple[str, ...]:
+    """The attributes that a class and its bases list as SAVED."""
+    return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("SAVED", ())))
+
+
+@functools.cache
 def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
-    """Reads what a class and its bases keep: their attributes KEPT."""
-    names = _kept(kind)
+    """Reads these attributes."""
+    names = _saved(kind)
     get = attrgetter(*names)
     return get if len(names) > 1 else lambda thing: (get(thing),)
 
 
-@functools.cache
-def _watcher(kind: Any, *more: str) -> Callable[[Any], Any]:
-    """Reads what a class keeps, and more attributes."""
-    return attrgetter(*_kept(kind), *more)
-
-
-@functools.cache
-def _kept(kind: Any) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
-
-
-def _pose_bytes(pose: GzPose) -> bytes:
-    place, turn = pose.pos, pose.rot
-    return _POSE.pack(place.x, place.y, place.z, turn.u, turn.x, turn.y, turn.z)
-
-
-class _Present:
-    """The objects of an engine, as they were when the tables last changed.
-
-    Attributes:
-        changes: of the tables, then.
-        rows: of bodies, joints and geoms.
-        watched: getters of what decides how objects are encoded, each with the objects of its class.
-    """
-
-    def __init__(self, engine: Any) -> None:
-        tables = engine.tables
-        of_each = (tables.bodies, tables.joints, tables.geoms)
-        self.changes = tables.changes
-        self.rows = [_rows(table) for table in of_each]
-        self.bodies, self.geoms, self.joints = (
-            list(table.values()) for table in (engine.bodies, engine.geoms, engine.joints)
-        )
-        watched: dict[Any, list[Any]] = {}
-        looks = ((self.bodies, ()), (self.geoms, ("appearance.edits", "space")), (self.joints, ("bodies", "_feedback")))
-        for things, more in looks:
-            for thing in things:
-                watched.setdefault(_watcher(_type(thing), "_id", *more), []).append(thing)
-        self.watched = list(watched.items())
+def _values(thing: Any) -> tuple[Any, ...]:
+    return _getter(_type(thing))(thing)
 
 
 class EngineState:
@@ -130,156 +112,145 @@ class EngineState:
     def __init__(self, engine: Any, context: StepContext) -> None:
         self._owner = weakref.ref(engine)
         self._context = context
-        self._now: _Present | None = None
-        self._collected: list[Any] = []  # at the last encoding
-        self._block = b""  # that encoding
-        self._seen: tuple[int, ...] = ()  # how much was edited by then, and how many objects there were
-        self._parts: Parts | None = None
-        self._parts_have_motion = 0
         self._settings = memoryview(context).cast("B")[_FIRST : _FIRST + _FIELDS.size]
-        self._dummy_moves = -1  # the count when their poses were read last
-        self._dummies = b""  # those
 
     @property
     def _engine(self) -> Any:
         return self._owner()
 
-    @functools.cached_property
-    def _digest(self) -> str:
-        return layout().digest
-
-    def forget(self) -> None:
-        """Drop what was collected, which can be large."""
-        self._now, self._collected, self._block, self._seen, self._parts = None, [], b"", (), None
-
     # Get ---------------------------------------------------------------------------------------------------------
 
     def get(self) -> dict[str, Any]:
         """The state; see `Engine.get_state`."""
-        return dict(zip(PARTS, self.values(), strict=True))
-
-    def values(self, kept: Callable[[bytes], Any] = bytes) -> tuple[Any, ...]:
-        """The parts of the state, in the order of PARTS; ODE's memory, which can be large, as `kept` returns it."""
-        engine: Any = self._owner()
-        context, tables = self._context, engine.tables
-        turning = context.count_turns
+        engine, turning = self._engine, self._context.count_turns
+        tables = engine.tables
         if tables.touched:
             _refresh(tables.bodies)
             if not turning:  # else reading would count turns
                 _refresh(tables.joints)
-        present = self._present(engine)
-        objects = self._objects(engine, present)
-        joints, dummies, couplings, quirks = present.joints, engine.dummies, engine.couplings, engine.quirks
-        return (
-            self._digest,
-            self._settings.tobytes(),
-            _numbers(engine),
-            sorted(quirks) if quirks else [],
-            objects,
-            kept(engine.step_form.get_state(self._present_parts(engine, present))),
-            bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
-            self._dummy_poses(dummies) if dummies else b"",
-            _couplings(couplings, joints) if couplings else [],
-            engine.contacts.tobytes() if context.record_contacts else b"",
+        joints = list(engine.joints.values())
+        return {
+            "ode": layout().digest,
+            "settings": self._settings.tobytes(),
+            "numbers": list(_numbers(engine)),
+            "quirks": sorted(engine.quirks),
+            "objects": self._objects(),
+            "memory": engine.native.get_state(self._parts(self._blocks(self._context.record_motion))),
+            "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning else b"",
+            "dummies": self._dummy_poses(),
+            "couplings": [[joints.index(one.line), _lists(_values(one))] for one in engine.couplings if not one.broken],
+            "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
+        }
+
+    def _dummy_poses(self) -> bytes:
+        poses = [dummy._pose for dummy in self._engine.dummies]
+        return b"".join([_POSE.pack(*_place_of(pose)) for pose in poses])
+
+    def _parts(self, blocks: Sequence[Block]) -> Parts:
+        """What is copied by the step."""
+        engine, tables = self._engine, self._engine.tables
+        geoms = [0] * tables.geoms.used
+        for row, geom in engine.geoms.items():
+            geoms[row] = geom._id or 0
+        return Parts(
+            layout(),
+            [body._id for body in engine.bodies.values()],
+            [joint._id for joint in engine.joints.values()],
+            geoms,
+            [engine.top.id, *(space._id for space in engine.spaces)],
+            [(block.address, 8 * block.columns * block.rows) for block in blocks],
         )
 
-    def _dummy_poses(self, dummies: Iterable[Any]) -> bytes:
-        """The poses of dummies, read again only after one was set, or one came or went."""
-        if self._dummy_moves != (moves := self._engine.dummy_moves):
-            self._dummies = b"".join([_pose_bytes(dummy._pose) for dummy in dummies])
-            self._dummy_moves = moves
-        return self._dummies
-
-    def _present(self, engine: Any) -> _Present:
-        if self._now is None or self._now.changes != engine.tables.changes:
-            self._now = _Present(engine)
-        return self._now
-
-    def _present_parts(self, engine: Any, present: _Present) -> Parts:
-        """For the step; to be called after `_objects`, which notices other handles."""
-        motion = self._context.record_motion
-        if self._parts is None or self._parts_have_motion != motion:
-            geoms = [0] * engine.tables.geoms.used
-            for row, geom in engine.geoms.items():
-                geoms[row] = geom._id or 0
-            self._parts = Parts(
-                layout(),
-                [body._id for body in present.bodies],
-                [joint._id for joint in present.joints],
-                geoms,
-                [engine.top.id, *(space._id for space in engine.spaces)],
-                [*_memory(engine.tables, present, motion), *_feedbacks(present.joints)],
-            )
-            self._parts_have_motion = motion
-        return self._parts
-
-    def _objects(self, engine: Any, present: _Present) -> bytes:
-        """What Python knows of the objects, as compressed JSON."""
-        seen = edits.last, len(engine.dummies), len(engine.attached), len(engine.spaces)
-        if self._seen == seen and self._collected[0] is present:
-            return self._block
-        dummies, attached = list(engine.dummies), list(engine.attached)
-        collected: list[Any] = [present, dummies, attached, list(engine.spaces)]
-        collected += [list(map(get, things)) for get, things in present.watched]
-        collected += [_getter(_type(dummy))(dummy) for dummy in dummies]
-        if collected != self._collected:
-            text = self._encode(present.bodies, dummies, present.geoms, present.joints, attached)
-            self._block = zlib.compress(text, 1)
-            self._collected, self._parts = collected, None
-        self._seen = seen
-        return self._block
-
-    def _encode(
-        self, bodies: list[Any], dummies: list[Any], geoms: list[Any], joints: list[Any], attached: list[Any]
-    ) -> bytes:
+    def _blocks(self, motion: int) -> list[Block]:
+        """Rows of tables that follow each other; with their motion, if it is recorded."""
         engine, tables = self._engine, self._engine.tables
-        codes = _codes(bodies, dummies)
+        bodies, joints, geoms = map(_runs, (tables.bodies, tables.joints, tables.geoms))
+        arrays = [("com", tables.bodies.com, bodies), ("state", tables.bodies.state, bodies)]
+        arrays += [("motion", tables.bodies.motion, bodies)] * bool(motion)
+        arrays += [("joints", tables.joints.state, joints), ("springs", tables.joints.springs, joints)]
+        arrays += [("surface", tables.geoms.surface, geoms)]
+        found = [
+            Block(name, array.shape[1], count, array.ctypes.data + first * array.strides[0])
+            for name, array, runs in arrays
+            for first, count in runs
+        ]
+        size = ctypes.sizeof(JointFeedback) // 8
+        feedbacks = [joint._feedback for joint in engine.joints.values() if joint._feedback is not None]
+        return found + [Block("feedback", size, 1, ctypes.addressof(feedback)) for feedback in feedbacks]
+
+    def _objects(self) -> bytes:
+        """What Python knows of the objects, encoded."""
+        engine, tables = self._engine, self._engine.tables
+        bodies, geoms, joints = map(list, (engine.bodies.values(), engine.geoms.values(), engine.joints.values()))
+        dummies = list(engine.dummies)
+        codes: dict[Any, int | None] = {None: None, **codes_of(bodies, dummies)}
         place = {space: i for i, space in enumerate((engine.top, *engine.spaces))}
         number = {joint: i for i, joint in enumerate(joints)}
         plain = {
             "rows": [table.census() for table in (tables.bodies, tables.joints, tables.geoms)],
-            "bodies": [[body.label, _named(body)] for body in bodies],
-            "dummies": [[body.label, _named(body)] for body in dummies],
+            "bodies": [[body.label, _values(body)] for body in bodies],
+            "dummies": [[body.label, _values(body)] for body in dummies],
             "geoms": [
-                [type(geom).__name__, codes[geom.body], _named(geom), _appearance(geom.appearance)] for geom in geoms
+                [type(geom).__name__, codes[geom.body], _values(geom), geom.appearance.saved()] for geom in geoms
             ],
             "joints": [
-                [type(joint).__name__, [codes.get(body) for body in joint.bodies], _named(joint)] for joint in joints
+                [type(joint).__name__, [codes.get(body) for body in joint.bodies], _values(joint)] for joint in joints
             ],
             "feedback": [joint._feedback is not None for joint in joints],
-            "attached": [number[joint] for joint in attached],
+            "attached": [number[joint] for joint in engine.attached],
             "spaces": [place[space.parent] for space in engine.spaces],
             "inside": [None if geom.space is None else place[geom.space] for geom in geoms],
         }
-        return json.dumps(plain, separators=(",", ":")).encode()
+        return encoding.encode(plain, exact=False)
 
     # Set ---------------------------------------------------------------------------------------------------------
 
     def set(self, state: dict[str, Any]) -> None:
         """Set a state; see `Engine.set_state`."""
-        engine = self._engine
-        if state.get("ode") != self._digest:
+        if state.get("ode") != layout().digest:
             raise StateError("this state was made with another build of ODE")
-        block, present = state["objects"], self._present(engine)
-        if block != self._objects(engine, present):
-            saved = _decoded(block)
+        try:
+            self._set(state)
+        except (StateError, LibraryError):
+            raise
+        except (
+            GazeboError,
+            ArithmeticError,
+            AttributeError,
+            LookupError,
+            TypeError,
+            ValueError,
+            struct.error,
+        ) as error:
+            raise StateError(f"the state is damaged: {error}") from error
+
+    def _set(self, state: dict[str, Any]) -> None:
+        engine = self._engine
+        if state["objects"] != self._objects():
+            saved = encoding.decode(state["objects"])
             _check_objects(saved)
             self._restore_objects(saved)
-            present = self._present(engine)
-            self._objects(engine, present)
-        self._restore_settings(state)
-        if not engine.step_form.set_state(self._present_parts(engine, present), bytes(state["memory"])):
+        numbers, memory = list(state["numbers"]), bytes(state["memory"])
+        if len(numbers) != _NUMBERS or len(state["settings"]) != _FIELDS.size:
+            raise StateError("the state is damaged: it has not all numbers of an engine")
+        blocks = self._blocks(numbers[0])
+        parts, distance = self._parts(blocks), numbers[_DISTANCE]
+        if distance not in (2.0 * FAR, 2.0 * LARGEST):
+            raise StateError(f"the state is damaged: bodies may be {distance} m from the origin")
+        check_memory(parts, blocks, memory, engine.native.get_state(parts), distance)
+        self._restore_settings(state, numbers)
+        if not engine.native.set_state(parts, memory):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
         engine.tables.disturb()
 
-    def _restore_settings(self, state: dict[str, Any]) -> None:
+    def _restore_settings(self, state: dict[str, Any], numbers: list[Any]) -> None:
         engine, context = self._engine, self._context
-        engine.quirks = frozenset(state["quirks"])
-        numbers = tuple(state["numbers"])
-        if len(numbers) != _NUMBERS or len(state["settings"]) != _FIELDS.size:
-            raise StateError("the state is damaged: it has not all numbers of an engine")
+        quirks = state["quirks"]
+        if not all(isinstance(quirk, str) for quirk in quirks):
+            raise StateError("the state is damaged: quirks have no names")
+        engine.quirks = frozenset(quirks)
         settings, present = state["settings"], self._settings
         if settings[:_PROGRESS] != present[:_PROGRESS] or settings[_REST:] != present[_REST:]:
             then, now = _fields(settings), _fields(present)
@@ -288,7 +259,7 @@ class EngineState:
                     setattr(engine, name, then[name])
             context.quick = then["quick"]
         present[_PROGRESS:_REST] = settings[_PROGRESS:_REST]  # random state, how many steps and contacts there were
-        if numbers != (others := _numbers(engine)):
+        if numbers != (others := list(_numbers(engine))):
             for name, value, other in zip(SWITCHES, numbers, others, strict=False):
                 if value != other:
                     setattr(engine, name, value)
@@ -297,7 +268,8 @@ class EngineState:
             engine.set_constraints(*islice(rest, len(CONSTRAINTS)))
             if (distance := next(rest)) != context.max_distance:
                 engine.set_range(distance)
-            engine.collisions, engine.abandoned = rest
+            engine.collisions, abandoned = map(int, rest)
+            engine.abandoned = bool(abandoned)
 
     def _restore_tables(self, state: dict[str, Any]) -> None:
         """What follows from the tables, whose numbers were copied with ODE's memory."""
@@ -316,24 +288,32 @@ class EngineState:
         if state["couplings"] or engine.couplings:
             joints = list(engine.joints.values())
             present = {joints.index(one.line): one for one in engine.couplings if not one.broken}
-            engine.couplings = [present[place] for place, _ in state["couplings"]]
-            for coupling, (_, values) in zip(engine.couplings, state["couplings"], strict=True):
-                for name, value in zip(_kept(_type(coupling)), values, strict=True):
+            couplings = [(present[place], values) for place, values in state["couplings"]]
+            for coupling, values in couplings:
+                for name, value, present in zip(_saved(_type(coupling)), values, _values(coupling), strict=True):
+                    if not _fits(value, present):
+                        raise StateError("the state is damaged: a screw or gear has numbers that none has")
                     setattr(coupling, name, value)
+            engine.couplings = [coupling for coupling, _ in couplings]
         engine.moved_dummies.update(engine.dummies)
         engine.tables.record.changes += 1
-        if engine.dummies and state["dummies"] != self._dummy_poses(engine.dummies):
+        if state["dummies"] != self._dummy_poses():
             for dummy, place in zip(engine.dummies, _POSE.iter_unpack(state["dummies"]), strict=True):
+                if not all(abs(number) <= LARGEST for number in place):
+                    raise StateError("the state is damaged: the pose of a body is out of range")
                 dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
-            engine.dummy_moves += 1
         if engine.record_contacts:
-            engine.step_form.set_contacts(state["contacts"])
+            contacts = np.frombuffer(state["contacts"], CONTACT)
+            known = {0, *engine.geoms}
+            if not known.issuperset([*contacts["geom1"].tolist(), *contacts["geom2"].tolist()]):
+                raise StateError("the state is damaged: a contact is one of a geom that is not there")
+            engine.native.set_contacts(contacts.tobytes())
 
     # Objects -----------------------------------------------------------------------------------------------------
 
     def _restore_objects(self, saved: dict[str, Any]) -> None:
         engine, tables = self._engine, self._engine.tables
-        matched = self._match(saved)
+        matched = match(self._engine, saved)
         keep = set(map(id, (thing for things in matched for thing in things)))
         present = (engine.joints.values(), engine.geoms.values(), engine.bodies.values(), engine.dummies)
         for things in present:
@@ -350,7 +330,7 @@ class EngineState:
             order_bodies(engine.world, [body._id for body in bodies])
         ordered = ((tables.bodies, bodies), (tables.joints, joints), (tables.geoms, geoms))
         for (table, things), census in zip(ordered, saved["rows"], strict=True):
-            if table.census() != _tuples(census) or list(table.objects.values()) != things:
+            if [*map(list, table.census())] != census or list(table.objects.values()) != things:
                 table.arrange(things, *census)
         tables.publish()
         tables.bodies.ids[:] = tables.joints.ids[:] = 0
@@ -364,16 +344,13 @@ class EngineState:
             self._restore_geom(geom, values, look)
         self._restore_joints(saved, joints, [*bodies, *dummies], len(bodies))
 
-    def _restore_geom(self, geom: Any, values: list[Any], look: dict[str, Any]) -> None:
+    def _restore_geom(self, geom: Any, values: list[Any], look: list[Any]) -> None:
         if geom._id is not None:
             ode().dGeomSetData(geom._id, geom.row)
         self._engine.tables.geoms.owner[geom.row] = geom.body.number
         changed = _assign(geom, values)
-        if look != (present := _appearance(geom.appearance)):
-            if look.keys() != present.keys():
-                raise StateError("the state is damaged: a geom has other looks")
-            for name, value in look.items():
-                setattr(geom.appearance, name, _value(value))
+        if look != geom.appearance.saved():
+            geom.appearance.restore(*look)
             changed = True
         geom.appearance.version += changed
         geom.mark()
@@ -403,112 +380,11 @@ class EngineState:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)
 
-    def _match(self, saved: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any], list[Any], list[Any]]:
-        """The objects that are in the state: bodies, dummies, geoms, joints, spaces; nothing is changed yet."""
-        engine, tables = self._engine, self._engine.tables
-        censuses = dict(zip(("bodies", "joints", "geoms"), saved["rows"], strict=True))
-        # By numbers from 0 on, and from -1 on downwards, as `_codes`.
-        names = [label for label, _ in (*saved["bodies"], *reversed(saved["dummies"]))]
-        missing: list[str] = []
-
-        def find(
-            kind: str, wanted: list[Any], things: Iterable[Any], trait: Callable[[Any], Any], least: int
-        ) -> list[Any]:
-            """Things of these traits, else of their first parts: those of the same numbers first, then any."""
-            table, present = getattr(tables, kind, None), list(things)
-            numbers = dict(zip(table.census()[1], present, strict=True)) if table is not None else {}
-            found = [numbers.get(number) for number in censuses[kind][1]] if table is not None else []
-            for parts in (None, least):
-                for candidates in (found, _chosen(present, wanted, trait, parts)):
-                    traits = [trait(thing)[:parts] if thing is not None else None for thing in candidates]
-                    if traits == [want[:parts] for want in wanted]:
-                        return candidates
-            chosen = _chosen(present, wanted, trait, least)
-            missing.extend(_text(kind, want, names) for want, one in zip(wanted, chosen, strict=True) if one is None)
-            return chosen
-
-        bodies, dummies = (
-            find(kind, [(values[0], label) for label, values in saved[kind]], things, _body_trait, 1)
-            for kind, things in (("bodies", engine.bodies.values()), ("dummies", engine.dummies))
-        )
-        codes = _codes(bodies, dummies)
-        wanted = [tuple(row[:2]) for row in saved["geoms"]]
-        geoms = find("geoms", wanted, engine.geoms.values(), lambda g: (type(g).__name__, codes.get(g.body)), 2)
-        joints = find(
-            "joints",
-            [(kind, values[0], *pair) for kind, pair, values in saved["joints"]],
-            engine.joints.values(),
-            lambda joint: (type(joint).__name__, joint.name, *map(codes.get, joint.bodies)),
-            2,
-        )
-        spaces = self._match_spaces(saved, geoms)
-        if None in spaces:
-            missing.append(f"{spaces.count(None)} spaces of geoms")
-        if missing:
-            more = len(missing) - MOST_NAMED
-            listed = ", ".join(missing[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
-            raise StateError(f"this state has what the world has not (any more): {listed}")
-        return bodies, dummies, geoms, joints, spaces
-
-    def _match_spaces(self, saved: dict[str, Any], geoms: list[Any]) -> list[Any]:
-        """The spaces in the order of the state: known by their geoms, and by their parts; of empty ones any."""
-        engine, parents = self._engine, saved["spaces"]
-        found: dict[int, Any] = {0: engine.top}
-        for geom, place in zip(geoms, saved["inside"], strict=True):
-            if place is not None and geom is not None and geom.space is not None:
-                found.setdefault(place, geom.space)
-        for i in range(len(parents), 0, -1):
-            if i in found:
-                found.setdefault(parents[i - 1], found[i].parent)
-        left = [space for space in engine.spaces if space not in found.values()]
-        for i, parent in enumerate(parents, 1):
-            if i not in found:
-                found[i] = next((space for space in left if space.parent is found.get(parent)), None)
-                left = [space for space in left if space is not found[i]]
-        return [found[i] for i in range(1, len(parents) + 1)]
-
-
-def _couplings(couplings: Iterable[Any], joints: list[Any]) -> list[tuple[int, list[Any]]]:
-    """What couplings keep, each behind the number of its first joint."""
-    return [(joints.index(one.line), [*_plain_values(one)]) for one in couplings if not one.broken]
-
-
-def _body_trait(body: Any) -> tuple[Any, ...]:
-    return body.bodyName, body.label
-
-
-def _text(kind: str, trait: Sequence[Any], names: Sequence[str]) -> str:
-    """What is missing, in words."""
-    if kind in ("bodies", "dummies"):
-        return f"body {trait[0] or 'unnamed'!r}"
-    return f"{trait[0]} of body {names[trait[1]]!r}" if kind == "geoms" else f"{trait[0]} {trait[1] or 'unnamed'!r}"
-
-
-def _chosen(
-    things: Iterable[Any], wanted: Sequence[Any], trait: Callable[[Any], Any], least: int | None
-) -> list[Any | None]:
-    """A thing for each of the wanted traits: by all of it, else by its first parts; None where there is none."""
-    left, found = list(things), [None] * len(wanted)
-    for parts in dict.fromkeys((None, least)):
-        by_trait: dict[Any, list[Any]] = {}
-        for thing in reversed(left):
-            by_trait.setdefault(trait(thing)[:parts], []).append(thing)
-        for i, want in enumerate(wanted):
-            if found[i] is None and by_trait.get(want[:parts]):
-                found[i] = by_trait[want[:parts]].pop()
-        left = [thing for others in by_trait.values() for thing in reversed(others)]
-    return found
-
-
-def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:
-    """Bodies by numbers from 0 on, dummies by -1 and less."""
-    return {body: i for i, body in enumerate(bodies)} | {body: ~i for i, body in enumerate(dummies)}
-
 
 # Tables -------------------------------------------------------------------------------------------------------------
 
 
-def _rows(table: Any) -> list[tuple[int, int]]:
+def _runs(table: Any) -> list[tuple[int, int]]:
     """The rows in use, in order of construction: (first, count) of those that follow each other."""
     runs: list[tuple[int, int]] = []
     for row in table.objects:
@@ -519,24 +395,6 @@ def _rows(table: Any) -> list[tuple[int, int]]:
     return runs
 
 
-def _memory(tables: Any, present: _Present, motion: bool) -> Iterator[tuple[int, int]]:
-    """Where the numbers of all objects are in the tables: (address, size [byte]) of rows that follow each other."""
-    bodies, joints, geoms = present.rows
-    arrays = [(tables.bodies.com, bodies), (tables.bodies.state, bodies)]
-    arrays += [(tables.bodies.motion, bodies)] * bool(motion)
-    arrays += [(tables.joints.state, joints), (tables.joints.springs, joints), (tables.geoms.surface, geoms)]
-    for array, rows in arrays:
-        width = array.strides[0]
-        for first, count in rows:
-            yield array.ctypes.data + first * width, count * width
-
-
-def _feedbacks(joints: Iterable[Any]) -> Iterator[tuple[int, int]]:
-    for joint in joints:
-        if joint._feedback is not None:
-            yield ctypes.addressof(joint._feedback), ctypes.sizeof(JointFeedback)
-
-
 def _refresh(table: Any) -> None:
     """Read stale rows from ODE."""
     fresh = table.fresh
@@ -544,13 +402,6 @@ def _refresh(table: Any) -> None:
         for row in table.objects:
             if not fresh[row]:
                 table.read(row)
-
-
-def _decoded(block: bytes) -> Any:
-    try:
-        return json.loads(zlib.decompress(block))
-    except (zlib.error, ValueError) as error:
-        raise StateError(f"the state is damaged: {error}") from error
 
 
 def _check_objects(saved: Any) -> None:
@@ -596,83 +447,73 @@ def _counts(census: Any, count: int) -> bool:
 # Plain data ---------------------------------------------------------------------------------------------------------
 
 
-def _plain_values(thing: Any) -> Iterable[Any]:
-    return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(_type(thing))(thing))
-
-
 def _fields(settings: Any) -> dict[str, Any]:
     """What is to be set, by the names of SETTINGS, and `quick`."""
     step, quick, rule, *values = _FIELDS.unpack(settings)
     if quick not in (0, 1) or rule not in list(ContactRule):
         raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
-    turns, check, _, _, _, most, cone, x, y, z, record = values
+    turns, _, _, _, most, cone, x, y, z, record = values
     return {
-        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns, "check_divergence": check},
+        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns},
         **{"max_contacts": most, "cone": cone, "gravity": (x, y, z), "record_contacts": record},
     }
 
 
-def _named(thing: Any) -> list[Any]:
-    """What an object keeps, in the order of its KEPT."""
-    return [_plain(value) for value in _getter(_type(thing))(thing)]
-
-
-def _appearance(look: Any) -> dict[str, Any]:
-    return {name: _plain(value) for name, value in vars(look).items() if name not in ("version", "edits")}
-
-
 def _assign(thing: Any, values: list[Any]) -> bool:
-    """Set what an object keeps; returns whether something was different."""
+    """Set what an object saves; returns whether something was different."""
     changed = False
-    for name, value, present in zip(_kept(_type(thing)), values, _named(thing), strict=True):
-        if value != present:
-            setattr(thing, name, _value(value))
+    for name, value, present in zip(_saved(_type(thing)), map(_tuples, values), _values(thing), strict=True):
+        if encoding.encode(value) != encoding.encode(present):
+            if not _fits(value, present):
+                raise StateError(f"the state is damaged: {name} of a {type(thing).__name__} is out of its range")
+            setattr(thing, name, value)
             changed = True
     return changed
 
 
-def _plain(value: Any) -> Any:
-    """A value as JSON has them; others than numbers, texts and lists as {kind: data}."""
-    if isinstance(value, GzPose):
-        return {"pose": [*value.pos, *value.rot]}
-    for kind in (GzVector, GzQuatern, GzColor):  # also where a layer above has a class of its own for them
-        if isinstance(value, kind):
-            return {kind.__name__: list(value)}
-    if isinstance(value, Mass):
-        return {"mass": [value.mass, *value.c, *value.I]}
-    if isinstance(value, np.ndarray):
-        return {"array": [value.dtype.str, list(value.shape), base64.b64encode(value.tobytes()).decode()]}
-    if isinstance(value, Mesh):
-        return {"mesh": [_plain(value.vertices), _plain(value.triangles)]}
-    if isinstance(value, Path):
-        return {"path": str(value)}
-    if isinstance(value, (tuple, list)):
-        return [_plain(item) for item in value]
-    return value
-
-
-def _value(plain: Any) -> Any:
-    """The value that `_plain` was made of; lists become tuples."""
-    if isinstance(plain, list):
-        return tuple(map(_value, plain))
-    if not isinstance(plain, dict):
-        return plain
-    ((kind, data),) = plain.items()
-    if kind == "pose":
-        return GzPose(GzVector(*data[:3]), GzQuatern(*data[3:]))
-    if kind == "mass":
-        mass = Mass(data[0])
-        mass.c[:], mass.I[:] = data[1:5], data[5:]
-        return mass
-    if kind == "array":
-        kind_of_number, shape, text = data
-        return np.frombuffer(base64.b64decode(text), dtype=kind_of_number).reshape(shape).copy()
-    if kind == "mesh":
-        return Mesh(*map(_value, data))
-    if kind == "path":
-        return Path(data)
-    return {"GzVector": GzVector, "GzQuatern": GzQuatern, "GzColor": GzColor}[kind](*data)
+def _lists(values: Iterable[Any]) -> list[Any]:
+    return [list(value) if isinstance(value, (tuple, list)) else value for value in values]
 
 
 def _tuples(value: Any) -> Any:
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
+
+def _made_mass(data: bytes) -> Mass:
+    if len(data) != ctypes.sizeof(Mass):
+        raise StateError("the state is damaged: a mass has other numbers")
+    mass = Mass.from_buffer_copy(data)
+    if not all(map(_is_finite, (mass.mass, *mass.c, *mass.I))):
+        raise StateError("the state is damaged: a mass is not finite")
+    return mass
+
+
+encoding.register_raw(Mass, bytes, _made_mass)
+encoding.register(Mesh, lambda mesh: [mesh.vertices, mesh.triangles], Mesh)
+
+
+def _fits(value: Any, present: Any) -> bool:
+    """Whether a value may stand where another one is: as many numbers as there are; None in place of anything."""
+    if isinstance(value, (tuple, list)):
+        if isinstance(present, (tuple, list)):
+            return len(value) == len(present) and all(map(_fits, value, present))
+        return present is None and all(_fits(item, None) for item in value)
+    if isinstance(value, (int, float)):
+        return not math.isnan(value) and (present is None or isinstance(present, (int, float)))
+    if isinstance(value, GzPose):
+        return isinstance(present, GzPose) and all(_is_finite(number) for number in _place_of(value))
+    if isinstance(value, (GzVector, GzQuatern, GzColor)):
+        return type(present) in (type(value), type(None)) and all(_is_finite(number) for number in value)
+    optional = (str, Mass, Mesh, type(None))
+    return (
+        isinstance(value, optional)
+        and (value is None or present is None or type(present) is type(value))
+        and (isinstance(present, optional))
+    )
+
+
+def _is_finite(number: Any) -> bool:
+    return isinstance(number, (int, float)) and abs(number) <= FINITE
+
+
+_place_of = attrgetter("pos.x", "pos.y", "pos.z", "rot.u", "rot.x", "rot.y", "rot.z")

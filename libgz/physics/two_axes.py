@@ -19,7 +19,7 @@ __all__ = ["Hinge2Joint", "TwoAxisJoint", "UniversalJoint"]
 class TwoAxisJoint(Joint):
     """Base of both. ODE ends the process on parallel axes: an axis that was not set is turned away from the other."""
 
-    KEPT = ("_set",)
+    SAVED = ("_set",)
     motors = (dParamFMax, dParamFMax2)
     _set = (False, False)  # which axes were set
 

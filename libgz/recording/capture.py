@@ -2,6 +2,16 @@
 
 The server only compares and copies bytes: compression, schemas and what other programs read are that process's work. A
 log of a server that is killed is finished by that process; if both are killed, at most the last half second is lost.
+
+- A log takes from the server what changed, and nothing else (`libgz/recording/`). `Capture` compares memory with what
+  it last
+sent, in one native call a step (`changes.c`), and writes patches to a pipe; another process puts them together, makes
+  messages for
+other programs, compresses. A large interface is compared when its server has released its lock since
+  (`LinkRecord.exchanges`), or what
+  clients write in it differs; all of it in every eighth step besides.
+If that one is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that
+  observers can follow when it goes back.
 """
 
 from __future__ import annotations
@@ -14,7 +24,6 @@ import logging
 import os
 import struct
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -23,6 +32,9 @@ from typing import TYPE_CHECKING, Any
 from libgz._version import __version__
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
+from libgz.base.extras import install
+from libgz.base.files import read_file
+from libgz.base.python import run_module
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
@@ -60,7 +72,7 @@ def check_packages() -> None:
     """
     missing = [name for module, name in _NEEDED.items() if importlib.util.find_spec(module) is None]
     if missing:
-        raise LibraryError(f"logs need {' and '.join(missing)}, not installed here: pip install 'libgz[log]'")
+        raise LibraryError(f"logs need {' and '.join(missing)}, not installed here: {install('log')}")
 
 
 def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:
@@ -141,7 +153,7 @@ class Capture(Closing):
         except OSError:
             log.debug("the pipe to the log stays small")  # the limit of this user
         try:
-            command = [sys.executable, "-m", "libgz.recording.writer", str(file), str(self.path)]
+            command = run_module("libgz.recording.writer", str(file), str(self.path))
             return subprocess.Popen(command, stdin=source, pass_fds=[file], stdout=subprocess.DEVNULL)
         except OSError as error:
             os.close(self._pipe)
@@ -198,7 +210,7 @@ class Capture(Closing):
                 continue
             self._files.add(name)
             try:
-                content = Path(name).read_bytes() if name.startswith("/") else self._tables.content(name)
+                content = read_file(name) if name.startswith("/") else self._tables.content(name)
             except (OSError, NotFoundError):
                 continue  # it is not there for the renderer, either
             if len(content) <= LARGEST_FILE:

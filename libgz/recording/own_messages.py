@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import struct
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.budget import Budget
 from libgz.base.errors import ParameterError
 from libgz.transport.tables import BODY_COLUMNS, HEADER, JOINT_COLUMNS
 
@@ -18,6 +20,7 @@ __all__ = [
     "States",
     "file_message",
     "read_file",
+    "read_json",
     "read_tables",
     "tables_message",
 ]
@@ -115,6 +118,19 @@ def file_message(name: str, content: bytes) -> bytes:
     """A file as a message of FILE_SCHEMA."""
     label = name.encode()
     return struct.pack("<I", len(label)) + label + struct.pack("<I", len(content)) + content
+
+
+def read_json(content: bytes) -> Any:
+    """The values of a scene, or of another message that is JSON.
+
+    Raises:
+        ParameterError: it is damaged, or too large.
+    """
+    Budget().take_json(content)
+    try:
+        return json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise ParameterError(f"the log is damaged: a message is no JSON: {error}") from None
 
 
 def read_file(message: bytes) -> tuple[str, bytes]:

@@ -17,12 +17,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Protocol
 
+from libgz.base.budget import Budget
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, ParameterError, ServerError
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
 from libgz.interfaces.sim import Sim
-from libgz.recording.own_messages import States, read_file, read_tables
+from libgz.recording.own_messages import States, read_file, read_json, read_tables
 from libgz.recording.reader import LogChannel, LogMessage, LogReader
 from libgz.recording.readings import Readings
 from libgz.transport.control import Control
@@ -316,7 +317,7 @@ class Player(Closing):
     def _served(self, content: bytes) -> set[tuple[str, str]]:
         """Types and ids of the interfaces in a message of /gz/interfaces."""
         try:
-            return {(kind, name) for kind, name in json.loads(content)}
+            return {(kind, name) for kind, name in read_json(content)}
         except (ValueError, TypeError):
             raise ParameterError("the log is damaged: a message of /gz/interfaces is not understood") from None
 
@@ -388,7 +389,9 @@ class Player(Closing):
     # Scene -----------------------------------------------------------------------------------------------------------
 
     def _load_files(self) -> None:
+        budget = Budget()
         for message in self.reader.messages(("own",), ("/gz/files",)):
+            budget.take(len(message.data))
             name, content = read_file(message.data)
             self._files[name] = content
 
@@ -398,7 +401,7 @@ class Player(Closing):
         if not isinstance(shared, SharedTables):
             return
         try:
-            scene = json.loads(content)
+            scene = read_json(content)
             self._revision += 1
             scene["revision"] = self._revision
             used: set[str] = set()

@@ -1,36 +1,44 @@
-"""LogReader: reads a log, a finished one by its index, and one whose end is missing as far as it goes."""
+"""LogReader: reads a log, a finished one by its index, and one whose end is missing as far as it goes.
+
+Records are those of the library mcap; its readers decompress without a limit, so files are taken apart here. Of a file
+only one chunk is decompressed at a time, within a budget.
+"""
 
 from __future__ import annotations
 
 import io
 import os
 import struct
+import zlib
 from bisect import bisect_right
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
-from mcap.reader import SeekingReader
-from mcap.records import Channel, Chunk, Message, Metadata, Schema
-from mcap.stream_reader import breakup_chunk
+from mcap.records import Channel, ChunkIndex, Footer, McapRecord, Metadata, MetadataIndex, Schema
 
+from libgz.base.budget import Budget, BudgetError
 from libgz.base.closing import Closing
 from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.files import open_file
 
 __all__ = ["LogChannel", "LogMessage", "LogReader"]
 
 MAGIC = b"\x89MCAP0\r\n"
-CHUNK, METADATA = 0x06, 0x0C
-LONGEST = 1 << 31  # [byte] of a record
-# What the library raises for files that are damaged.
-DAMAGE = (
-    *(McapError, struct.error, zstandard.ZstdError),
-    *(ValueError, KeyError, IndexError, EOFError, MemoryError, OverflowError),
-)
+# Kinds of records.
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, METADATA, METADATA_INDEX = 2, 3, 4, 5, 6, 8, 12, 13
+_HEAD = struct.Struct("<BQ")  # of a record: kind, length
+_CHUNK = struct.Struct("<QQQI")  # of a chunk: begin, end, size, checksum; the compression and the data follow
+_MESSAGE = struct.Struct("<HIQQ")  # of a message: channel, sequence, times of the log and of publication
+FOOTER_SIZE = _HEAD.size + 20
+LONGEST = 64 << 20  # [byte] of a message, as on the wire of topics
+# What the records' readers raise for files that are damaged.
+DAMAGE = (McapError, struct.error, ValueError, KeyError, IndexError, EOFError, MemoryError, OverflowError)
+
+_Record = TypeVar("_Record", bound=McapRecord)
 
 
 @dataclass(frozen=True)
@@ -91,7 +99,7 @@ class LogReader(Closing):
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         try:
-            self._file = self.path.open("rb")
+            self._file = open_file(self.path)
         except OSError as error:
             raise ParameterError(f"log {str(path)!r} cannot be read: {error.strerror}") from None
         if self._file.read(len(MAGIC)) != MAGIC:
@@ -121,28 +129,56 @@ class LogReader(Closing):
     def _read_index(self) -> bool:
         """Read the index at the end of the file; whether there is one."""
         try:
-            self._file.seek(0)
-            reader = SeekingReader(self._file)
-            summary = reader.get_summary()
-            if summary is None:
+            end = os.fstat(self._file.fileno()).st_size - FOOTER_SIZE - len(MAGIC)
+            kind, content = self._record_at(end)
+            start = _parsed(Footer, content).summary_start if kind == FOOTER else 0
+            if not 0 < start <= end:
                 return False
-            for schema in summary.schemas.values():
-                self._schemas[schema.id] = schema
-            for channel in summary.channels.values():
-                self._add_channel(channel)
-            for chunk in summary.chunk_indexes:
-                channels = frozenset(chunk.message_index_offsets)
-                if channels:
-                    self._parts.append(
-                        _Part(chunk.chunk_start_offset, chunk.message_start_time, chunk.message_end_time, channels)
-                    )
-            for metadata in reader.iter_metadata():
-                if metadata.name == "libgz":
-                    self.about = dict(metadata.metadata)
+            notes = []
+            while start < end:
+                kind, content = self._record_at(start)
+                start += _HEAD.size + len(content)
+                if kind == SCHEMA:
+                    schema = _parsed(Schema, content)
+                    self._schemas[schema.id] = schema
+                elif kind == CHANNEL:
+                    self._add_channel(_parsed(Channel, content))
+                elif kind == CHUNK_INDEX:
+                    self._add_part(_parsed(ChunkIndex, content))
+                elif kind == METADATA_INDEX:
+                    notes.append(_parsed(MetadataIndex, content).offset)
+            for place in notes:
+                kind, content = self._record_at(place)
+                if kind == METADATA:
+                    self._add_metadata(content)
         except (*DAMAGE, OSError):
             self._schemas, self._parts, self.channels, self.about = {}, [], {}, {}
             return False
         return True
+
+    def _record_at(self, place: int) -> tuple[int, bytes]:
+        """The kind and bytes of a record.
+
+        Raises:
+            ValueError: the file ends before.
+        """
+        self._file.seek(place)
+        kind, length = _HEAD.unpack(self._file.read(_HEAD.size))
+        if length > os.fstat(self._file.fileno()).st_size - self._file.tell():
+            raise ValueError(f"a record of {length} bytes is truncated")
+        return kind, self._file.read(length)
+
+    def _add_part(self, chunk: ChunkIndex) -> None:
+        channels = frozenset(chunk.message_index_offsets)
+        if channels:
+            self._parts.append(
+                _Part(chunk.chunk_start_offset, chunk.message_start_time, chunk.message_end_time, channels)
+            )
+
+    def _add_metadata(self, content: bytes) -> None:
+        metadata = _parsed(Metadata, content)
+        if metadata.name == "libgz":
+            self.about = dict(metadata.metadata)
 
     def _add_channel(self, channel: Channel) -> None:
         schema = self._schemas.get(channel.schema_id)
@@ -158,49 +194,40 @@ class LogReader(Closing):
 
     def _scan(self) -> None:
         """Find the chunks of a file without an index, up to the first one that is not whole."""
-        file, size = self._file, os.fstat(self._file.fileno()).st_size
         place = len(MAGIC)
-        while place + 9 <= size:
-            file.seek(place)
-            kind, length = struct.unpack("<BQ", file.read(9))
-            end = place + 9 + length
-            if end > size or length > LONGEST:
-                return
+        while True:
             try:
+                kind, content = self._record_at(place)
                 if kind == CHUNK:
-                    self._scan_chunk(place)
+                    self._scan_chunk(place, content)
                 elif kind == METADATA:
-                    metadata = Metadata.read(ReadDataStream(io.BytesIO(file.read(length))))
-                    if metadata.name == "libgz":
-                        self.about = dict(metadata.metadata)
+                    self._add_metadata(content)
+            except BudgetError as error:
+                raise self._damaged(place, error) from None
             except DAMAGE:
                 return
-            place = end
+            place += _HEAD.size + len(content)
 
-    def _scan_chunk(self, place: int) -> None:
+    def _scan_chunk(self, place: int, content: bytes) -> None:
         found: set[int] = set()
         begin = end = None
-        for record in self._records(place):
-            if isinstance(record, Schema):
-                self._schemas[record.id] = record
-            elif isinstance(record, Channel):
-                self._add_channel(record)
-            elif isinstance(record, Message):
-                found.add(record.channel_id)
-                begin = record.log_time if begin is None else min(begin, record.log_time)
-                end = record.log_time if end is None else max(end, record.log_time)
+        for kind, record in _records(content):
+            if kind == SCHEMA:
+                schema = _parsed(Schema, record)
+                self._schemas[schema.id] = schema
+            elif kind == CHANNEL:
+                self._add_channel(_parsed(Channel, record))
+            elif kind == MESSAGE:
+                channel, _, time, _ = _MESSAGE.unpack_from(record)
+                found.add(channel)
+                begin = time if begin is None else min(begin, time)
+                end = time if end is None else max(end, time)
         if begin is not None and end is not None:
             self._parts.append(_Part(place, begin, end, frozenset(found)))
 
-    def _records(self, place: int) -> list[Any]:
-        """The records in a chunk.
-
-        Raises:
-            ValueError: the chunk is damaged.
-        """
-        self._file.seek(place + 9)
-        chunk = Chunk.read(ReadDataStream(self._file))
-        return breakup_chunk(chunk, validate_crc=True)
+    def _damaged(self, place: int, error: Exception) -> ParameterError:
+        reason = str(error) if isinstance(error, BudgetError) else f"it is damaged: {error}"
+        return ParameterError(f"log {self.path} cannot be read at byte {place}: {reason}")
 
     # Messages --------------------------------------------------------------------------------------------------------
 
@@ -240,25 +267,32 @@ class LogReader(Closing):
                 yield from self._messages_of(part, wanted, since)
 
     def _messages_of(self, part: _Part, wanted: Collection[int], since: int) -> Iterator[LogMessage]:
+        place = part.offset
         try:
-            records = self._records(part.offset)
+            kind, content = self._record_at(place)
+            if kind != CHUNK:
+                raise ValueError("there is no chunk")
+            for kind, record in _records(content):
+                if kind != MESSAGE:
+                    continue
+                channel, _, time, sim_time = _MESSAGE.unpack_from(record)
+                if channel in wanted and time > since:
+                    if len(record) > LONGEST:
+                        raise ValueError(f"a message is longer than {LONGEST >> 20} MiB")
+                    yield LogMessage(self.channels[channel], time, sim_time, bytes(record[_MESSAGE.size :]))
         except DAMAGE as error:
-            raise ParameterError(f"log {self.path} is damaged at byte {part.offset}: {error}") from None
-        for record in records:
-            if isinstance(record, Message) and record.channel_id in wanted and record.log_time > since:
-                yield LogMessage(
-                    self.channels[record.channel_id], record.log_time, record.publish_time, bytes(record.data)
-                )
+            raise self._damaged(place, error) from None
 
     def last(self, time: float, kinds: Collection[str] = ()) -> dict[str, LogMessage]:
         """Topic -> the last message until a time in the log [s].
 
         Raises:
-            ParameterError: the file is damaged.
+            ParameterError: the file is damaged, or these are more than a reader may hold.
         """
         limit = round(time * 1e9)
         missing = {channel.id for channel in self.channels.values() if not kinds or channel.kind in kinds}
         found: dict[str, LogMessage] = {}
+        budget = Budget()
         ends = bisect_right([part.begin for part in self._parts], limit)
         for part in reversed(self._parts[:ends]):
             here = part.channels & missing
@@ -269,8 +303,51 @@ class LogReader(Closing):
                 if message.time <= limit:
                     latest[message.channel.id] = message
             for number, message in latest.items():
+                budget.take(len(message.data))
                 known = found.get(message.channel.topic)  # of an interface that changed its size
                 if known is None or known.time < message.time:
                     found[message.channel.topic] = message
                 missing.discard(number)
         return found
+
+
+def _parsed(kind: type[_Record], content: bytes | memoryview) -> _Record:
+    """A record of the library; the bytes are all it may read."""
+    record: _Record = kind.read(ReadDataStream(io.BytesIO(content)))  # type: ignore[attr-defined]
+    return record
+
+
+def _records(chunk: bytes) -> Iterator[tuple[int, memoryview]]:
+    """Yield the kind and bytes of each record in a chunk.
+
+    Raises:
+        BudgetError: the chunk has more than may be decompressed.
+        ValueError, struct.error: it is damaged.
+    """
+    content = memoryview(_decompressed(chunk))
+    place = 0
+    while place < len(content):
+        kind, length = _HEAD.unpack_from(content, place)
+        place += _HEAD.size
+        if length > len(content) - place:
+            raise ValueError(f"a record of {length} bytes is truncated")
+        yield kind, content[place : place + length]
+        place += length
+
+
+def _decompressed(chunk: bytes) -> bytes:
+    _, _, size, checksum = _CHUNK.unpack_from(chunk)
+    stream = ReadDataStream(io.BytesIO(chunk))
+    stream.read(_CHUNK.size)
+    compression = stream.read_prefixed_string()
+    data = stream.read(min(stream.read8(), len(chunk)))
+    budget = Budget()
+    if compression == "zstd":
+        data = budget.zstd(data, size)
+    elif compression == "lz4":
+        data = budget.lz4(data, size)
+    elif compression:
+        raise ValueError(f"bad compression {compression!r}; allowed are zstd, lz4 and none")
+    if checksum and zlib.crc32(data) != checksum:
+        raise ValueError("the checksum of a chunk is wrong")
+    return data

@@ -8,17 +8,15 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from types import ModuleType
 
 from libgz.classic import common, event, gui, log, math, msgs, physics, plugin, rendering, sdf, sensors, transport
 from libgz.classic.msgs.declare import declarations
 from libgz.reference.classic_api import ApiName, classic_api
-from libgz.reference.pages import write_changed
+from libgz.reference.markdown import NOTE
 
-__all__ = ["classic_pages", "write_classic_pages"]
+__all__ = ["classic_pages", "describe"]
 
-NOTE = "<!-- Made by scripts/make_classic_pages.py from the classes; do not edit. -->\n"
 PAGES: dict[ModuleType, str] = {
     plugin: "the six kinds of plugins, and how a file registers its class",
     physics: "the world, models, links, joints, collisions",
@@ -78,17 +76,19 @@ def classic_pages() -> dict[str, str]:
     return pages
 
 
-def write_classic_pages(directory: Path) -> list[Path]:
-    """Write all pages, and remove those of classes that are gone; the files that changed.
+def describe(name: str) -> str:
+    """The pages of a module, a class, or all that have a method of this name; an empty text if there are none.
 
-    Raises:
-        OSError: a file cannot be written.
+    Args:
+        name: `physics`, `Link`, `physics.Link` or `SetLinearVel`.
     """
     pages = classic_pages()
-    for path in directory.rglob("*.md"):
-        if path.relative_to(directory).as_posix() not in pages:
-            path.unlink()
-    return write_changed(directory, pages)
+    path = name.replace(".", "/")
+    wanted = (f"{path}/README.md", f"{path}.md")
+    found = [text for page, text in pages.items() if page in wanted or page.endswith(f"/{name}.md")]
+    if not found:
+        found = [line for line in pages[NAMES].splitlines() if line.startswith(f"| `{name}` |")]
+    return "\n".join(found)
 
 
 # Pages ----------------------------------------------------------------------------------------------------------------
@@ -105,7 +105,7 @@ def _front(classes: dict[str, list[_Class]]) -> str:
     return "\n".join(
         [
             NOTE,
-            "# The API for plugins\n",
+            "# The API for plugins in full\n",
             "Classes and functions by module, for example `from libgz.classic import physics`; the guide is "
             "[plugins.md](../plugins.md).\n",
             f"Of {whole} names of the headers of Gazebo 11 and its libraries that plugins can use, libgz has {have}, "

@@ -9,11 +9,11 @@ from libgz.base.files import write_whole
 from libgz.legacy.factory import ModelFactory
 from libgz.models import MODELS
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries
+from libgz.reference.markdown import NOTE
 
 __all__ = ["INDEX", "pages", "write_changed", "write_pages"]
 
 INDEX = "README.md"
-NOTE = "<!-- Made by `libgz models --pages docs/models` from the model's declarations; do not edit. -->\n"
 
 
 def pages() -> dict[str, str]:
@@ -65,7 +65,7 @@ def page(entry: Entry) -> str:
 
 def _index(found: list[Entry]) -> str:
     models = "\n".join(f"| [{e.name}]({e.name}.md) | {_cell(e.summary)} |" for e in found)
-    parts = [NOTE, "# Models\n", "The models for `<model:...>` elements of a worldfile.\n"]
+    parts = [NOTE, "# The models in full\n", "The models for `<model:...>` elements of a worldfile.\n"]
     parts += [f"| model | description |\n|---|---|\n{models}\n", "## Attributes of all models\n"]
     parts += [_attributes(common_rows())]
     return "\n".join(parts)

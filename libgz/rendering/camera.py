@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from libgz.base.closing import Closing
 from libgz.base.errors import LibraryError, ParameterError
-from libgz.base.geometry import GzPose
+from libgz.base.geometry import GzPose, GzPoseOf
 from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, Shot, View
 
@@ -84,6 +84,7 @@ class Camera(Closing):
         Raises:
             ParameterError: a number in it is not finite.
         """
+        pose = GzPoseOf(pose)
         if not all(map(math.isfinite, (*pose.pos, *pose.rot))):
             raise ParameterError(f"the camera's pose is {pose}; it must be finite")
         self.pose = pose

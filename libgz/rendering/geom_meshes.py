@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from libgz.ode.types import ContactRule
+from libgz.physics.appearance import SAME
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import (
     BoxGeom,
@@ -108,11 +109,16 @@ def round_radius(geom: Geom) -> float:
 
 
 def meshes_of(geom: Geom, segments: int, local_lights: bool = False) -> list[Mesh]:
-    """The meshes of a geom in the frame of its centre; none if its kind is invisible.
+    """The meshes of a geom in the frame of its centre, with its texture's matrix; none if its kind is invisible.
 
     With `local_lights`, large boxes and planes of classic worlds are split into patches, because OpenGL computes light
     at vertices only. The old server used the corners of its boxes.
     """
+    shapes, matrix = _shapes(geom, segments, local_lights), geom.appearance.texture_matrix
+    return shapes if matrix == SAME else [shape.textured_by(matrix) for shape in shapes]
+
+
+def _shapes(geom: Geom, segments: int, local_lights: bool) -> list[Mesh]:
     if local_lights and geom.body.engine.contact_rule is ContactRule.CLASSIC:
         if type(geom) is BoxGeom:
             x, y, z = geom.size

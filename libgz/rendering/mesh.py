@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -81,6 +82,13 @@ class Mesh:
         if normals is not None and np.all(factors != 0.0):
             normals = units(normals / factors)
         return replace(self, vertices=self.vertices * factors, normals=normals)
+
+    def textured_by(self, matrix: Sequence[float]) -> Mesh:
+        """The mesh with texture coordinates u' = a u + b v + c, v' = d u + e v + f for a matrix (a, b, c, d, e, f)."""
+        if self.texcoords is None:
+            return self
+        rows = np.array(matrix).reshape(2, 3)
+        return replace(self, texcoords=_f(self.texcoords @ rows[:, :2].T + rows[:, 2]))
 
 
 def _f(values: ArrayLike) -> Floats:

@@ -18,9 +18,9 @@ from lxml import etree
 
 from libgz.base.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
-from libgz.sdf.macros import expanded
 from libgz.sdf.urdf import sdf_of
-from libgz.sdf.xml import ROBOT, ROOTS, child_of, line_of, local_name, parse_document
+from libgz.sdf.xacro.expansion import expand, has_macros
+from libgz.sdf.xml import PLACE, ROBOT, ROOTS, child_of, copy_place, line_of, local_name, parse_document
 
 __all__ = ["OLDEST", "Change", "convert", "upgrade_document"]
 
@@ -90,7 +90,7 @@ def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = N
     Args:
         data: the document, SDF or a robot description.
         label: its name in messages.
-        path: its file, whose macros xacro expands.
+        path: its file, for what its macros name.
 
     Raises:
         WorldFileError: it cannot be read, is neither, has errors, or its version is not known.
@@ -98,9 +98,12 @@ def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = N
     root = parse_document(data, label, Diagnostics())
     if local_name(root) == ROBOT:
         diagnostics = Diagnostics()
-        robot, label = expanded(root, label, path, diagnostics)
+        robot = expand(root, label, diagnostics, path=path) if has_macros(root, path) else root
         sdf = sdf_of(robot, label, diagnostics)
         diagnostics.raise_errors()
+        for element in sdf.iter(etree.Element):
+            element.attrib.pop(PLACE, "")
+        etree.cleanup_namespaces(sdf)
         text = etree.tostring(sdf, encoding="utf-8", xml_declaration=True, pretty_print=True)
         return text, [Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"), *diagnostics.warnings]
     version = root.get("version", OLDEST if local_name(root) == "gazebo" else "")
@@ -213,7 +216,7 @@ def _walk(xml: etree._Element, above: tuple[str, ...]) -> Iterator[tuple[etree._
 
 
 def _is_empty(xml: etree._Element) -> bool:
-    return not len(xml) and not xml.attrib and not (xml.text or "").strip()
+    return not len(xml) and not set(xml.attrib) - {PLACE} and not (xml.text or "").strip()
 
 
 def _add(xml: etree._Element, name: str, source: etree._Element | None = None) -> etree._Element:
@@ -225,7 +228,7 @@ def _add(xml: etree._Element, name: str, source: etree._Element | None = None) -
         xml.text = f"{(xml.text or '').rstrip()}\n{indent}  "
     child = etree.SubElement(xml, name)
     child.tail = f"\n{indent}"
-    child.sourceline = (xml if source is None else source).sourceline
+    copy_place(child, xml if source is None else source)
     return child
 
 

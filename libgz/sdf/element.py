@@ -8,7 +8,7 @@ from typing import Any, TypeVar, overload
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.files import xml_attribute, xml_text
-from libgz.sdf.description import Description
+from libgz.sdf.description import UNSET, Description
 from libgz.sdf.value import format_value, parse
 
 __all__ = ["Element", "Param"]
@@ -361,14 +361,21 @@ class Element:
         return self.Get(bool, key)
 
     def ToString(self, prefix: str = "") -> str:
-        """The element as XML, each line after `prefix`; attributes that the file does not give are left out."""
-        words = [f' {k}="{xml_attribute(p.GetAsString())}"' for k, p in self.attributes.items() if p.given]
+        """The element as XML, each line after `prefix`.
+
+        Of the attributes that the file does not give, those are written that SDF requires, with their defaults.
+        """
+        words = [f' {k}="{xml_attribute(p.GetAsString())}"' for k, p in self.attributes.items() if self._is_written(p)]
         start = f"{prefix}<{self.name}{''.join(words)}"
         text = xml_text(self.value.GetAsString())
         if self.children:
             inside = "".join(child.ToString(prefix + "  ") for child in self.children)
             return f"{start}>{text}\n{inside}{prefix}</{self.name}>\n"
         return f"{start}>{text}</{self.name}>\n" if text else f"{start}/>\n"
+
+    def _is_written(self, attribute: Param) -> bool:
+        about = self.description.all_attributes.get(attribute.name) if self.description is not None else None
+        return attribute.given or (about is not None and about.required and attribute.text not in ("", UNSET))
 
     def PrintValues(self, prefix: str = "") -> str:
         """The same; the old name."""

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import csv
 import functools
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from libgz.base.errors import NotFoundError
-from libgz.base.files import installed_worlds, is_file, is_folder
+from libgz.base.files import installed_worlds, is_file, is_folder, read_text
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
 
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
+UNIT = "texture_unit"
 COLORS = ("ambient", "diffuse", "specular", "emissive")
 TEXTURES = ("", "../textures", "textures", "../materials/textures")  # of a script's images, relative to the script
 
@@ -25,7 +29,11 @@ Color = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Material:
-    """Colours as red, green, blue, alpha; shininess of highlights; a texture; whether it is lit."""
+    """Colours as red, green, blue, alpha; shininess of highlights; a texture and its matrix; whether it is lit.
+
+    The matrix (a, b, c, d, e, f) is that of texture coordinates, (0, 0) is the lower left: u' = a u + b v + c,
+    v' = d u + e v + f.
+    """
 
     ambient: Color = (1.0, 1.0, 1.0, 1.0)
     diffuse: Color = (1.0, 1.0, 1.0, 1.0)
@@ -34,6 +42,8 @@ class Material:
     shininess: float = 0.0
     texture: Path | None = None
     lit: bool = True
+    texture_matrix: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    has_image: bool = False  # of its own script: further ones of it, such as normal maps, do not count
 
 
 NEUTRAL = Material((0.3, 0.3, 0.3, 1.0), (0.7, 0.7, 0.7, 1.0))  # for unknown names
@@ -111,37 +121,83 @@ def _scripts(places: Iterable[Path]) -> Iterator[Path]:
 def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
     """All materials of a script; lines about anything but colours and textures are skipped."""
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(path)
     except OSError:
         return {}
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     folders = [path.parent / sub for sub in TEXTURES]
     folders += [place if is_folder(place) else place.parent for place in places]
     found: dict[str, Material] = {}
-    current, depth, header = "", 0, ""
+    current, header = "", ""
+    blocks: list[str] = []  # first words of the blocks around a line
+    unit = _Unit()
     for line in re.split(r"([{}\n])", re.sub(r"//[^\n]*", "", text)):
         words = line.split()
         if line == "{":
-            depth += 1
-            if depth == 1:
+            if not blocks:
                 current, _, parent = (part.strip(' "') for part in header.partition(":"))
-                found[current] = found.get(parent, _known().get(parent.removeprefix(PREFIX), (Material(), ""))[0])
+                found[current] = replace(
+                    found.get(parent, _known().get(parent.removeprefix(PREFIX), (Material(), ""))[0]), has_image=False
+                )
+            blocks.append(header.split()[0] if header.split() else "")
+            if blocks[-1] == UNIT:
+                unit = _Unit()
         elif line == "}":
-            depth = max(depth - 1, 0)
-        elif words and depth == 0:
+            if blocks and blocks.pop() == UNIT:
+                found[current] = unit.on(found[current])
+        elif words and not blocks:
             header = line.strip().removeprefix("material").strip() if words[0] == "material" else f"({words[0]})"
+        elif words and blocks[-1] == UNIT:
+            unit.read(words, folders)
+            found[current] = _with(found[current], words)
         elif words:
-            found[current] = _with(found[current], words, folders)
+            header = line.strip()
+            found[current] = _with(found[current], words)
     return found
 
 
-def _with(material: Material, words: list[str], folders: list[Path]) -> Material:
-    """A material after one line of a script."""
+class _Unit:
+    """A `texture_unit` of a script: its image, and how the image is scaled, moved and turned, as in Ogre's manual."""
+
+    def __init__(self) -> None:
+        self.file: Path | None = None
+        self.scale, self.scroll, self.turn = (1.0, 1.0), (0.0, 0.0), 0.0
+
+    def read(self, words: list[str], folders: list[Path]) -> None:
+        """Take one line."""
+        key, values = words[0], words[1:]
+        if key == "texture" and values:
+            name = values[0].strip('"')
+            candidates = [folder / name for folder in (*folders, *resource_directories())]
+            self.file = next((file for file in candidates if is_file(file)), None)
+        numbers = [number for number in map(_number, values) if number is not None and math.isfinite(number)]
+        if key == "scale" and len(numbers) == 2 and all(numbers):
+            self.scale = numbers[0], numbers[1]
+        elif key == "scroll" and len(numbers) == 2:
+            self.scroll = numbers[0], numbers[1]
+        elif key == "rotate" and len(numbers) == 1:
+            self.turn = math.radians(numbers[0])
+
+    def on(self, material: Material) -> Material:
+        """A material with the image of this unit, if it is the first one that was found."""
+        if self.file is None or material.has_image:
+            return material
+        return replace(material, texture=self.file, texture_matrix=self.matrix(), has_image=True)
+
+    def matrix(self) -> tuple[float, ...]:
+        """Of texture coordinates that grow upwards; Ogre's grow downwards."""
+        (x, y), (right, down) = self.scale, self.scroll
+        stretched = np.array([[1.0 / x, 0.0, 0.5 - 0.5 / x], [0.0, 1.0 / y, 0.5 - 0.5 / y], [0.0, 0.0, 1.0]])
+        moved = np.array([[1.0, 0.0, right], [0.0, 1.0, down], [0.0, 0.0, 1.0]])
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        turned = np.array([[c, -s, 0.5 - 0.5 * c + 0.5 * s], [s, c, 0.5 - 0.5 * s - 0.5 * c], [0.0, 0.0, 1.0]])
+        flip = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]])
+        return tuple((flip @ turned @ moved @ stretched @ flip)[:2].round(12).ravel().tolist())
+
+
+def _with(material: Material, words: list[str]) -> Material:
+    """A material after one line of a script that is not about its image."""
     key, values = words[0], words[1:]
-    if key == "texture" and values:
-        name = values[0].strip('"')
-        candidates = [folder / name for folder in (*folders, *resource_directories())]
-        return replace(material, texture=next((file for file in candidates if is_file(file)), material.texture))
     if key == "lighting" and values:
         return replace(material, lit=values[0] != "off")
     numbers = [_number(value) for value in values]

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from pathlib import Path
 
 from lxml import etree
 
-from libgz.base.errors import NotFoundError
-from libgz.base.files import exists, expand, is_file, xml_parser
+from libgz.base.errors import Diagnostics, NotFoundError, WorldFileError
+from libgz.base.files import exists, expand, is_file, read_limited
+from libgz.sdf.xml import parse_document
 
 __all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
+
+log = logging.getLogger("libgz.sdf")
 
 # Folders that plugins add at run time; they come after those of the environment variables.
 added_models: list[Path] = []
@@ -132,10 +136,13 @@ def _named_in_config(folder: Path) -> Path:
     config = next((folder / name for name in ("model.config", "manifest.xml") if is_file(folder / name)), None)
     if config is None:
         raise NotFoundError(f"{folder} has no model.config")
+    diagnostics = Diagnostics()
     try:
-        files = etree.parse(os.fsencode(config), xml_parser()).getroot().findall("sdf")
-    except etree.XMLSyntaxError as error:
+        files = parse_document(read_limited(config), str(config), diagnostics).findall("sdf")
+    except (OSError, WorldFileError) as error:
         raise NotFoundError(f"{config} cannot be read: {error}") from None
+    for remark in (*diagnostics.errors, *diagnostics.warnings):
+        log.warning("%s", remark)
     if not files:
         raise NotFoundError(f"{config} names no <sdf> file")
 

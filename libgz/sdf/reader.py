@@ -5,24 +5,26 @@ from __future__ import annotations
 import functools
 import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from lxml import etree
 
 from libgz.base.entities import encoded
-from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, advise, nearest
 from libgz.base.files import read_limited
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
+from libgz.sdf.bounds import in_bounds
 from libgz.sdf.conversion import OLDEST, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
-from libgz.sdf.macros import expanded
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
 from libgz.sdf.urdf import sdf_of
 from libgz.sdf.value import check, exact_pose, parse, repaired
-from libgz.sdf.xml import ROBOT, ROOTS, line_of, local_name, parse_document, tag_name
+from libgz.sdf.xacro.expansion import SUFFIX, expand, has_macros
+from libgz.sdf.xml import PLACE, ROBOT, ROOTS, copy_place, line_of, local_name, parse_document, place_of, tag_name
 
 __all__ = ["SdfFile"]
 
@@ -40,6 +42,8 @@ REPEATED = {
 SENSORS = {"lidar": "ray", "gpu_lidar": "gpu_ray", "depth_camera": "depth", "navsat": "gps"}
 # Other names of joints, which SDF has had or Gazebo classic accepted.
 JOINTS = {"continuous": "revolute", "hinge": "revolute", "hinge2": "revolute2", "slider": "prismatic"}
+# (parent, child) up to SDF 1.6 -> what 1.7 has in its place.
+REPLACED = {(axis, "use_parent_model_frame"): "the attribute expressed_in of <xyz>" for axis in ("axis", "axis2")}
 NEEDED = (("joint", "parent"), ("joint", "child"))  # without which an element has no meaning
 HOLDERS = ("world", "model")  # of includes, in all versions
 
@@ -60,15 +64,30 @@ class SdfFile:
         self._folder: Path | None = None
         self._text = b""
         self._depth = 0
+        self._arguments: Mapping[str, str] = {}
+        self._environment: Mapping[str, str] | None = None
 
     @classmethod
-    def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
+    def load(
+        cls,
+        filename: str | os.PathLike[str],
+        *,
+        arguments: Mapping[str, str] | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> SdfFile:
         """Read a file; its errors are in `diagnostics`.
+
+        Args:
+            filename: its name.
+            arguments: values of the arguments of its macros (`<xacro:arg>`), instead of their defaults.
+            environment: the variables that its macros find, and those of included files; by default those of this
+                process.
 
         Raises:
             WorldFileError: it cannot be read, is not well-formed, or is not SDF.
         """
         file = cls()
+        file._arguments, file._environment = arguments or {}, environment
         file._read_file(Path(filename))
         return file
 
@@ -100,10 +119,19 @@ class SdfFile:
     def _read(self, data: bytes) -> None:
         self._text = data
         xml = parse_document(data, self.label, self.diagnostics)
+        is_named_so = self._path is not None and self._path.suffix == SUFFIX
+        if (is_named_so or local_name(xml) == ROBOT) and has_macros(xml, self._path):
+            xml = expand(
+                xml,
+                self.label,
+                self.diagnostics,
+                path=self._path,
+                folder=self._folder,
+                arguments=self._arguments,
+                environment=self._environment,
+            )
+            self._text = etree.tostring(xml)
         if local_name(xml) == ROBOT:
-            given = xml
-            xml, self.label = expanded(xml, self.label, self._path, self.diagnostics)
-            self._text = data if xml is given else etree.tostring(xml)
             xml = sdf_of(xml, self.label, self.diagnostics)
         if local_name(xml) not in ROOTS:
             raise WorldFileError(
@@ -120,7 +148,7 @@ class SdfFile:
             except RecursionError as error:
                 self.diagnostics.failure(self.root, error)
         self._check_names()
-        warn_of_unsimulated(self.root, self.diagnostics)
+        advise(warn_of_unsimulated, None, self.root, self.diagnostics)
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description applies: the file's, or the nearest one, with a warning."""
@@ -150,14 +178,15 @@ class SdfFile:
         self.diagnostics.warn(self._place(xml), message)
 
     def _place(self, xml: etree._Element) -> Place:
-        return Place(self.label, line_of(xml), local_name(xml))
+        return place_of(xml, self.label)
 
     # Elements ----------------------------------------------------------------------------------------------------
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
         name = description.name if description is not None else tag_name(xml)
-        element = Element(name, description, file=self.label, line=line_of(xml))
+        place = self._place(xml)
+        element = Element(name, description, file=place.file, line=place.line)
         self._read_attributes(xml, element)
         if name == "sensor" and "type" in element.attributes:
             kind = element.attributes["type"]
@@ -176,6 +205,8 @@ class SdfFile:
     def _read_attributes(self, xml: etree._Element, element: Element) -> None:
         description = element.description
         for key, text in xml.attrib.items():
+            if key == PLACE:
+                continue
             name = str(key).rpartition("}")[2]
             later = description.later(self.version) if description is not None and not description.open else ()
             if name not in element.attributes and any(name in described.all_attributes for _, described in later):
@@ -189,9 +220,7 @@ class SdfFile:
                 continue  # of a pose: an empty frame is none
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
-            allowed = check(param.kind, param.text)
-            if allowed:
-                self._error(xml, f"{name} is {param.text!r}; it must be {allowed}")
+            self._check_value(xml, param, param.text, name)
         for about in description.all_attributes.values() if description is not None else ():
             if about.required and about.default == UNSET and not element.attributes[about.name].given:
                 self._error(xml, f"attribute {about.name!r} is missing and must be given")
@@ -213,15 +242,30 @@ class SdfFile:
         except ParameterError as error:
             self._error(xml, str(error))
             return
-        allowed = check(kind, text)
+        self._check_value(xml, element.value, text)
+
+    def _check_value(self, xml: etree._Element, param: Param, text: str, name: str = "") -> None:
+        """Replace a value that is not of its kind by what Gazebo classic reads, with a warning; else it is an error."""
+        allowed = check(param.kind, text)
         if not allowed:
+            self._check_bounds(xml, param)
             return
-        usable = repaired(kind, text)
+        written = f"{name} {text.strip()!r}".lstrip()
+        usable = repaired(param.kind, text, param.default)
         if usable:
-            element.value.SetFromString(usable)
-            self._warn(xml, f"{text.strip()!r} is read as {usable!r}; it should be {allowed}")
+            param.SetFromString(usable)
+            self._warn(xml, f"{written} is read as {usable!r}; it should be {allowed}")
         else:
-            self._error(xml, f"{text.strip()!r} is not allowed; it must be {allowed}")
+            self._error(xml, f"{written} is not allowed; it must be {allowed}")
+
+    def _check_bounds(self, xml: etree._Element, param: Param) -> None:
+        above = xml.getparent()
+        if above is None or param.name != local_name(xml):
+            return
+        usable = in_bounds(local_name(above), param.name, param.kind, param.text, param.default)
+        if usable != param.text:
+            self._warn(xml, f"{param.text!r} is out of range; {usable!r} is used")
+            param.SetFromString(usable)
 
     @staticmethod
     def _in_other_units(pose: Element, text: str) -> bool:
@@ -263,6 +307,10 @@ class SdfFile:
             return
         if parent.name == "sensor":
             name = SENSORS.get(name, name)
+        if self.version >= "1.7" and (parent.name, name) in REPLACED:
+            gone = f"is not part of SDF {self.version} and has no effect; {REPLACED[parent.name, name]} took its place"
+            self.diagnostics.no_effect(self._place(xml), functools.partial(str, gone))
+            return
         extension = ":" in name  # whose prefix says that it is not of SDF
         known = description.children.get(name) if description is not None and not description.open else None
         if known is not None and known.count in ("0", "1") and parent.HasElement(name) and not _repeated(parent, name):
@@ -340,13 +388,20 @@ class SdfFile:
             return
         if "model_pose" in xml.attrib and "pose" not in given:  # beside `filename`, in worlds of Gazebo 1
             given["pose"] = etree.SubElement(xml, "pose")
-            given["pose"].text, given["pose"].sourceline = xml.get("model_pose"), xml.sourceline
+            given["pose"].text = xml.get("model_pose")
+            copy_place(given["pose"], xml)
+        known = (*describe(VERSIONS[-1])[parent.name].children["include"].children, "plugin")
+        for key, child in given.items():
+            if key not in known and child.prefix is None and ":" not in str(child.tag):
+                message = f"is not part of SDF in <include> and has no effect{nearest(key, known)}"
+                self.diagnostics.no_effect(self._place(child), functools.partial(str, message))
         if self._depth >= DEEPEST_INCLUDE:
             self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return
         try:
             path = find_model(uri, self._folder)
             included = SdfFile()
+            included._environment = self._environment
             included._depth = self._depth + 1
             included._read_file(path)
         except (NotFoundError, WorldFileError) as error:
@@ -356,7 +411,7 @@ class SdfFile:
         self.diagnostics.include(included.diagnostics)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
-            self._error(xml, f"{path} has no model, light or actor")
+            self._warn(xml, f"{path} has no model, light or actor; the include is left out")
             return
         self._apply_include(xml, entity, given)
         included.root.RemoveChild(entity)

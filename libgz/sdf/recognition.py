@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from io import BytesIO
-from pathlib import Path
 from typing import IO
 
 from lxml import etree
 
 from libgz.base.entities import encoded
+from libgz.base.files import open_file
 from libgz.sdf.xml import READABLE, ROBOT, local_name
 
 __all__ = ["is_robot_text", "is_sdf", "is_sdf_text"]
@@ -19,7 +19,7 @@ def is_sdf(filename: str | os.PathLike[str]) -> bool:
     """Whether the root of a file is `<sdf>`, the older `<gazebo>`, or URDF's `<robot>`; false for what is not XML."""
     try:
         # lxml takes the name of a stream, if it has one, and none that is no Unicode: this stream has a number.
-        with Path(filename).open("rb") as plain, open(plain.fileno(), "rb", closefd=False) as stream:
+        with open_file(filename) as plain, open(plain.fileno(), "rb", closefd=False) as stream:
             return _root_of(stream) in READABLE
     except OSError:
         return False

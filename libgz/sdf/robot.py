@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import Diagnostics, Place, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector, rotate
-from libgz.sdf.value import repaired
-from libgz.sdf.xml import child_of, line_of, local_name
+from libgz.sdf.value import repaired, starts_with_numbers
+from libgz.sdf.xml import child_of, local_name, place_of
 
 __all__ = [
     "WORLD",
@@ -201,7 +201,7 @@ class Robot:
         self.diagnostics.warn(self._place(xml), message)
 
     def _place(self, xml: etree._Element) -> Place:
-        return Place(self.label, line_of(xml), local_name(xml))
+        return place_of(xml, self.label)
 
     # Values ----------------------------------------------------------------------------------------------------------
 
@@ -218,7 +218,7 @@ class Robot:
         values = _finite(text)
         if len(values) == count:
             return values
-        usable = repaired({1: "double", 3: "vector3", 4: "color"}[count], text)
+        usable = repaired({1: "double", 3: "vector3", 4: "color"}[count], text, "") if starts_with_numbers(text) else ""
         values = _finite(usable)
         if not values:
             self.error(xml, f"{key} is {text!r}; it must be {needed}")
@@ -260,7 +260,9 @@ class Robot:
             if not name:
                 self.error(xml, "attribute 'name' is missing and must be given")
             elif name in known:
-                self.error(xml, f"there is a {tag} {name!r} already, at line {line_of(known[name])}; names must differ")
+                other, here = self._place(known[name]), self._place(xml)
+                where = f"line {other.line}" if other.file == here.file else f"{other.file}:{other.line}"
+                self.error(xml, f"there is a {tag} {name!r} already, at {where}; names must differ")
             else:
                 known[name] = xml
                 yield xml, name

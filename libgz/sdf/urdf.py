@@ -25,7 +25,7 @@ from libgz.sdf.robot import (
     describes,
     value_of,
 )
-from libgz.sdf.xml import child_of, local_name
+from libgz.sdf.xml import PLACE, child_of, copy_place, local_name
 
 __all__ = ["sdf_of"]
 
@@ -80,7 +80,7 @@ def sdf_of(xml: etree._Element, label: str, diagnostics: Diagnostics) -> etree._
     """
     robot = Robot(xml, label, diagnostics)
     root = etree.Element("sdf", version=NEWEST)
-    root.sourceline = xml.sourceline
+    copy_place(root, xml)
     _Writer(robot).write(_add(root, "model", xml))
     etree.indent(root)
     return root
@@ -177,7 +177,7 @@ class _Writer:
             robot.warn(source, f"attribute {key!r} is missing: the shape is left out")
             return None
         result = etree.Element("geometry")
-        result.sourceline = source.sourceline
+        copy_place(result, source)
         xml = _add(result, kind, source)
         if kind == "mesh":
             scale = source.get("scale", "1 1 1")
@@ -356,7 +356,7 @@ class _Writer:
     def _move(self, xml: etree._Element, above: GzPose) -> None:
         """Express the pose of an element in the link that it was lumped into."""
         pose = child_of(xml, "pose")
-        if pose is not None and any(text.strip() for text in pose.attrib.values()):
+        if pose is not None and any(text.strip() for key, text in pose.attrib.items() if key != PLACE):
             return  # it is relative to something else
         old = _pose_of(pose)
         if old is None:
@@ -428,7 +428,7 @@ def _pose_text(pose: GzPose) -> str:
 def _add(parent: etree._Element, tag: str, source: etree._Element) -> etree._Element:
     """Add a child, which has the line of its source."""
     child = etree.SubElement(parent, tag)
-    child.sourceline = source.sourceline
+    copy_place(child, source)
     return child
 
 
@@ -443,4 +443,5 @@ def _holder(xml: etree._Element, way: str, source: etree._Element) -> etree._Ele
 def _set(xml: etree._Element, way: str, text: str, source: etree._Element) -> None:
     """Set the text at the end of a way; one that is there already is replaced."""
     target = _holder(xml, way, source)
-    target.text, target.sourceline = text, source.sourceline
+    target.text = text
+    copy_place(target, source)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from typing import Any, Protocol, TypeVar, runtime_checkable
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzColor, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 
-__all__ = ["check", "exact_pose", "format_value", "parse", "repaired"]
+__all__ = ["check", "exact_pose", "format_value", "parse", "repaired", "starts_with_numbers"]
 
 T = TypeVar("T")
 
@@ -129,29 +130,60 @@ def check(kind: str, text: str) -> str:
         parse(python_type, text)
     except ParameterError:
         return allowed
-    return ""
-
-
-# Type in the description -> how many numbers its text has, at most.
-_LENGTHS = {"double": 1, "int": 1, "unsigned int": 1, "vector2d": 2, "vector2i": 2, "vector3": 3, "pose": 6, "color": 4}
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-
-
-def repaired(kind: str, text: str) -> str:
-    """The text that Gazebo classic reads in place of one that `check` refuses; empty if there is none.
-
-    It reads the number that a word begins with, takes missing numbers as 0, and ignores those beyond the last.
-    """
-    found = [_NUMBER.match(word) for word in text.replace(",", " ").split()]
-    words = [match[0] for match in found if match is not None]
-    if kind not in _LENGTHS or not found or len(words) < len(found):
+    words = text.split()
+    if kind not in _LENGTHS or not words:
         return ""
-    words = words[: _LENGTHS[kind]]
-    if kind in ("int", "unsigned int"):
-        return str(int(float(words[0]))) if math.isfinite(float(words[0])) else ""
-    least = 3 if kind == "color" else _LENGTHS[kind]
-    usable = " ".join(words + ["0"] * (least - len(words)))
+    listed = _LENGTHS[kind] != (1,)
+    return allowed if len(words) not in _LENGTHS[kind] or (listed and not all(map(_is_finite, words))) else ""
+
+
+def _is_finite(word: str) -> bool:
+    return math.isfinite(float(word))
+
+
+# Type in the description -> how many numbers its text has.
+_LENGTHS = {
+    "double": (1,),
+    "int": (1,),
+    "unsigned int": (1,),
+    "vector2d": (2,),
+    "vector2i": (2,),
+    "vector3": (3,),
+    "pose": (6,),
+    "color": (3, 4),
+}
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_NAN = re.compile(r"[+-]?nan\b", re.IGNORECASE)
+
+
+def repaired(kind: str, text: str, default: str) -> str:
+    """The text that Gazebo classic reads in place of one that `check` refuses; empty where it refuses it, too.
+
+    It reads the number that a word begins with, takes 0 for missing numbers and for those from a word on that is none,
+    ignores those beyond the last, and takes words other than true and 1 as false. It calculates with a NaN, which is
+    replaced by the default here, and so is a list without any number.
+    """
+    if kind == "bool":
+        return "false"
+    if kind not in _LENGTHS or not text.strip():
+        return ""
+    lengths = _LENGTHS[kind]
+    found = [_NUMBER.match(word) for word in text.replace(",", " ").split()]
+    words = [match[0] if match is not None else "nan" for match in found]
+    words = list(itertools.takewhile(_is_finite, words))
+    if not words:
+        usable = default if lengths != (1,) or (kind == "double" and _NAN.match(text.strip())) else ""
+    elif kind in ("int", "unsigned int"):
+        usable = str(int(float(words[0]))) if math.isfinite(float(words[0])) else ""
+    else:
+        words = words[: lengths[-1]]
+        usable = " ".join(words + ["0"] * (lengths[0] - len(words)))
     return "" if check(kind, usable) else usable
+
+
+def starts_with_numbers(text: str) -> bool:
+    """Whether each word of a text begins with a number."""
+    return all(map(_NUMBER.match, text.replace(",", " ").split()))
 
 
 def exact_pose(pose: GzPose) -> str:

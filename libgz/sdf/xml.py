@@ -12,11 +12,25 @@ from libgz.base.entities import Entities
 from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.base.files import xml_parser
 
-__all__ = ["READABLE", "ROBOT", "ROOTS", "child_of", "line_of", "local_name", "parse_document", "tag_name"]
+__all__ = [
+    "PLACE",
+    "READABLE",
+    "ROBOT",
+    "ROOTS",
+    "child_of",
+    "copy_place",
+    "line_of",
+    "local_name",
+    "parse_document",
+    "place_of",
+    "set_place",
+    "tag_name",
+]
 
 ROOTS = ("sdf", "gazebo")  # of documents; the second one until 1.2
 ROBOT = "robot"  # of a robot description (URDF)
 READABLE = (*ROOTS, ROBOT)
+PLACE = "{urn:libgz}place"  # attribute of elements that were made of others: the line and file of those
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")
@@ -33,6 +47,9 @@ _TOLERATED = {
     "ERR_INVALID_ENCODING": "there are bytes that are not of the document's encoding; they are replaced",
     "I18N_NO_INPUT": "there are bytes that are not of the document's encoding; they are replaced",
 }
+
+LAST_LINE = 65534  # that libxml2 keeps in an element that was not parsed; 65535 means that it is later
+_PLACE = re.compile(r"(\d{1,9}) (.*)", re.DOTALL)
 
 Report = Callable[[int, str], None]  # of a warning, with its line
 
@@ -159,5 +176,35 @@ def tag_name(xml: etree._Element) -> str:
 
 def line_of(xml: etree._Element) -> int:
     """The line where an element starts, from 1; 0 if it has none."""
+    return place_of(xml, "").line
+
+
+def place_of(xml: etree._Element, label: str) -> Place:
+    """The place of an element, or of the one that it was made of.
+
+    Args:
+        xml: the element.
+        label: the document's name in messages, for what has no other file.
+    """
+    given = _PLACE.fullmatch(xml.get(PLACE, ""))
+    if given is not None:
+        return Place(given[2] or label, int(given[1]), local_name(xml))
     line = xml.sourceline
-    return line if isinstance(line, int) else 0
+    return Place(label, line if isinstance(line, int) else 0, local_name(xml))
+
+
+def set_place(xml: etree._Element, line: int, file: str = "") -> None:
+    """Give an element the place of what it was made of; without a file, one in the same document."""
+    xml.set(PLACE, f"{line} {''.join(c if c.isprintable() else '?' for c in file)}")
+
+
+def copy_place(xml: etree._Element, source: etree._Element) -> None:
+    """Give an element the place of its source."""
+    target: Any = xml  # its stubs do not know what sourceline is
+    given, line = source.get(PLACE), line_of(source)
+    if given is not None:
+        xml.set(PLACE, given)
+    elif line <= LAST_LINE:
+        target.sourceline = line
+    else:
+        set_place(xml, line)

@@ -207,8 +207,9 @@ class SdfActor(SdfModel):
         images = found_images(textures, functools.partial(self.diagnostics.warn, self.sdf.child("skin")))
         for part in figure.skin:
             geom = SkinGeom(main, part, self._bones)
-            if part.texture is not None and part.texture.image in images and geom.texture_coordinates is not None:
-                show_image(geom.appearance, images[part.texture.image], part.color)
+            image = part.texture.image if part.texture is not None else None
+            if image is not None and image in images and geom.texture_coordinates is not None:
+                show_image(geom.appearance, images[image], part.color)
             else:
                 geom.SetColor(SKIN_COLOR if part.color is None else GzColor(*part.color))
                 set_transparency(geom.appearance, geom.appearance.transparency)

@@ -53,7 +53,8 @@ def _warn_of_sinking(model: SdfModel, engine: Engine, diagnostics: Diagnostics) 
     bounds = [geom.bounds() for geom in geoms]
     height = max(high[2] for _, high in bounds) - min(low[2] for low, _ in bounds)
     depth = share / kp if kp > 0.0 else math.inf
-    if depth > DEEP * height and best.surface(Surface.MAX_VEL) > 0.0:  # without velocity, contacts are hard
+    soft = best.surface(Surface.MAX_VEL) > 0.0  # without velocity, contacts are hard
+    if soft and height > 0.0 and depth > DEEP * height:
         firm = _round_up(share / (FIRM * height))
         diagnostics.warn(
             model.sdf,

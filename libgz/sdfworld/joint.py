@@ -96,14 +96,12 @@ class SdfJoint:
         on_acts: called when that changes.
         table: the `JointTable` that has it; None for none.
         number: that in the table.
-        edits: counts changes of what `save` returns, but for those by which a link was destroyed.
 
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
 
     def __init__(self, engine: Engine, plan: JointPlan) -> None:
-        self.edits = 0
         self.links = Links(plan.parent, plan.child)
         kind = mechanism_class(plan, self.links)
         kind.check(plan)
@@ -179,7 +177,6 @@ class SdfJoint:
 
     def _place(self, anchor: GzPose) -> None:
         """Note where the joint's frame lies in the child, and the axes in it."""
-        self.edits += 1
         frame = self.child.GetPose() if self.child is not None else GzPose()
         self._in_child = GzCoordPoseSub(anchor, frame)
         self._in_parent = GzCoordPoseSub(anchor, self.parent.GetPose() if self.parent is not None else GzPose())
@@ -201,7 +198,6 @@ class SdfJoint:
         """Release both links; `attach` joins links again."""
         if self._mechanism is not None:
             self._mechanism.close()
-        self.edits += 1
         self._mechanism = None
         self._set_acts(False)
 
@@ -294,7 +290,6 @@ class SdfJoint:
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
         self.acts, self._engine_springs, self._step_time = flags[:3]
-        self.edits += 1
         self._set, self._stop_turns, self._spring_stops = map(dict, tables)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
@@ -310,7 +305,6 @@ class SdfJoint:
         """Count turns from zero again, after links were returned to where they began."""
         self._spring_stops.clear()
         self._stop_turns.clear()
-        self.edits += 1
         if self.attached and self._mechanism is not None:
             self._mechanism.restore()
 
@@ -439,7 +433,6 @@ class SdfJoint:
 
     def set_frame(self, pose: GzPose) -> None:
         """Where the joint's frame is to lie in the child [m]; `attach` makes it so."""
-        self.edits += 1
         self._in_child = GzPose(GzVector(*pose.pos), pose.rot)
 
     def set_anchor(self, anchor: Iterable[float]) -> None:
@@ -471,7 +464,6 @@ class SdfJoint:
         self.detach()
         for axis, direction in zip(self.axes, directions, strict=True):
             axis.direction = direction
-        self.edits += 1
         if not held:
             self._place(frame)
             return
@@ -501,7 +493,7 @@ class SdfJoint:
         users = dict(self._set)
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
-            if axis.friction > 0.0:
+            if axis.friction > 0.0 and self._number("vel", index) is not None:
                 self.set_param("friction", axis.friction, index)
         for key, value in self.plan.parameters.items():
             for index in range(max(1, len(self.axes))):
@@ -553,7 +545,6 @@ class SdfJoint:
         if math.isnan(number):
             raise ParameterError(f"joint {self.name!r}: {key} is NaN")
         self.release_deleted()
-        self.edits += 1
         if key == "hi_stop":
             self.axis_at(index).upper = number
             self._stops_changed(index)
@@ -613,7 +604,6 @@ class SdfJoint:
         self._set_ode_stops(index, low, high)
         self._spring_stops[index] = False
         self._stop_turns[index] = turns
-        self.edits += 1
 
     def _set_ode_stops(self, index: int, low: float, high: float) -> None:
         low_number, high_number = self._number("lo_stop", index), self._number("hi_stop", index)
@@ -627,7 +617,6 @@ class SdfJoint:
         axis = self.axis_at(index)
         axis.effort = axis.effort if effort is None else effort
         axis.velocity = axis.velocity if velocity is None else velocity
-        self.edits += 1
 
     # Springs ---------------------------------------------------------------------------------------------------------
 
@@ -637,7 +626,6 @@ class SdfJoint:
         axis.stiffness, axis.damping = finite(stiffness, "stiffness"), finite(damping, "damping")
         self.release_deleted()
         axis.reference = finite(reference, "reference")
-        self.edits += 1
         if self.joint is not None:
             self._set_stops(index)
         self._refresh()
@@ -647,7 +635,6 @@ class SdfJoint:
 
         An implicit spring that is gentle is explicit, too: solved with the constraints it would lose energy.
         """
-        self.edits += 1
         self._engine_springs, self._step_time = False, self.engine.step_time
         mechanism, joint = self._mechanism, self.joint
         if mechanism is not None and joint is not None and mechanism.engine_springs:
@@ -664,7 +651,6 @@ class SdfJoint:
 
     def _set_acts(self, value: bool) -> None:
         if value != self.acts:
-            self.edits += 1
             self.acts = value
             if self.on_acts is not None:
                 self.on_acts()
@@ -720,7 +706,6 @@ class SdfJoint:
             self._set_ode_stops(index, target, target)
         if not acts:
             self._spring_stops[index] = True
-            self.edits += 1
         return True
 
     def _has_ode_stops(self, index: int, at: float) -> bool:
@@ -740,7 +725,6 @@ class SdfJoint:
         """Whether `wrench` is filled in each step."""
         self.release_deleted()
         self.plan.feedback = on
-        self.edits += 1
         if self._mechanism is not None:
             self._mechanism.provide_feedback(on)
 

@@ -8,7 +8,6 @@ from weakref import WeakValueDictionary
 
 from libgz.base.errors import StateError
 from libgz.sdfworld.joint import Place, SdfJoint
-from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -100,7 +99,6 @@ class JointTable(dict[str, SdfJoint]):
         joint.number, joint.table, joint.on_acts = number, self, self._world.update_rows_changed
 
     def _changed(self) -> None:
-        changes.count()
         self._world.update_rows_changed()
 
     def _removed_one(self, name: str, number: int, saved: Sequence[Any]) -> SdfJoint | None:

@@ -46,10 +46,6 @@ class SdfLight(Entity):
         """Whether bodies cast shadows in its light."""
         return self.light.cast_shadows
 
-    def MasterIsStill(self) -> bool:
-        """Its pose is that of its body."""
-        return True
-
     def MasterDescribe(self, store: Store) -> dict[str, Any]:
         """As of all entities, and whether it casts shadows."""
         return {**super().MasterDescribe(store), "cast_shadows": self.cast_shadows}

@@ -1,6 +1,19 @@
 """Mechanisms: what holds the two links of an SDF joint together, a class per kind of joint.
 
 A new kind of joint is a class here and a row in `MECHANISMS`.
+
+- In classic worlds angles count their turns (`Engine.count_turns`, `unwind` in `step.c`); ODE's are between -pi and pi.
+  A joint with a stop
+  beyond that gives ODE the stop that is near, before each step.
+- ODE has neither screws nor gears. Both are made of a *line joint*, one row of the solver that keeps two bodies from
+  moving along one line, placed along a thread's flank or a tooth before each step. A gearbox has a *rack*: a body
+  without shape that both gears mesh with.
+- ODE writes beside its arrays where a hinge's stops are removed while one is reached: `HingeJoint.SetParam`.
+- A `revolute2` without suspension is ODE's universal joint, whose second axis knows stops.
+- Explicit springs and dampers of hinges and sliders are applied by the engine; all others in `SdfJoint.update`.
+- Links without joints and sensors are auto-disabled at rest. A contact, an effort, a new pose or velocity, other
+  gravity,
+  and any static geom that moves or is removed wakes them.
 """
 
 from __future__ import annotations

@@ -22,14 +22,14 @@ def found_images(textures: Iterable[Texture], note: Callable[[str], object]) -> 
         note: called once with what is wrong with each image that is missing, or has no place on a part.
     """
     given, found = list(textures), dict[NamedImage, Path]()
-    for image in dict.fromkeys(texture.image for texture in given):
+    for image in dict.fromkeys(texture.image for texture in given if texture.image is not None):
         try:
             found[image] = find_image(image)
         except NotFoundError as error:
             note(f"{error}; rendered without a texture")
-    for image in dict.fromkeys(texture.image for texture in given if texture.coordinates is None):
-        if image in found:
-            why = f"a part of the mesh has no usable texture coordinates for image {image.name} of {image.file}"
+    for bare in dict.fromkeys(texture.image for texture in given if texture.coordinates is None):
+        if bare is not None and bare in found:
+            why = f"a part of the mesh has no usable texture coordinates for image {bare.name} of {bare.file}"
             note(f"{why}; rendered without a texture")
     return found
 

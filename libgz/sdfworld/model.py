@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, nearest
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
+from libgz.physics.check import LARGEST
 from libgz.physics.geom import Geom
 from libgz.physics.joint import Joint
-from libgz.physics.mass import Mass, given_mass, positive_definite
+from libgz.physics.mass import Mass, about_centre, given_mass, is_possible, positive_definite
 from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, lost_link, read_joint
@@ -25,11 +25,13 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
-from libgz.simulation.plan import Plan, replaced
-from libgz.simulation.state import Kept, changes, decode
+from libgz.simulation.plan import Plan, overrides
+from libgz.simulation.state import decode, encode
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
+
+UNIT = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]  # moments of inertia [kg m^2]
 
 
 class SdfModel(Entity):
@@ -64,8 +66,6 @@ class SdfModel(Entity):
         self._spaces: dict[Body, Space] = {}  # of links that touch others of the model
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
         self._coming: tuple[Any, Any] | None = None  # joints and motion of a state, until all models have their links
-        self._kept = Kept()  # of `_parts`
-        self._kept_at: tuple[int, ...] | None = None  # what had been counted then
         self.SetName("model")
         self.SetId(self.name)
         if parent is not None:
@@ -108,10 +108,10 @@ class SdfModel(Entity):
             else:
                 self._guard(element, self.add_joint, element)
         for element in self.sdf.named("gripper"):
-            self._guard(element, self._add_gripper, element)
+            self._leave_out(element, self._add_gripper, element)
         for element in self.sdf.named("joint"):
             for mimic in element.child("axis").named("mimic") if element.HasElement("axis") else ():
-                self._guard(mimic, self._add_mimic, mimic, element.Get(str, "name"))
+                self._leave_out(mimic, self._add_mimic, mimic, element.Get(str, "name"))
         for model in self.nested.values():
             model.build_joints()
         self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
@@ -145,6 +145,13 @@ class SdfModel(Entity):
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met; the others are still found
             self.diagnostics.failure(element, error)
 
+    def _leave_out(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
+        """Call `action`; what it raises becomes a warning: the element is left out, and the rest stands."""
+        try:
+            action(*arguments)
+        except Exception as error:  # noqa: BLE001 - whatever it met
+            self.diagnostics.warn(element, f"{explain(error)}; it is left out")
+
     # Links -------------------------------------------------------------------------------------------------------
 
     def _add_nested(self, element: Element, pose: GzPose) -> None:
@@ -170,7 +177,7 @@ class SdfModel(Entity):
         body.SetPose(GzCoordPoseAdd(element.Get(GzPose, "pose"), frame))
         self._add_collisions(body, element)
         for visual in element.named("visual"):
-            self._guard(visual, self._add_visual, body, visual)
+            self._leave_out(visual, self._add_visual, body, visual)
         link_lights(body, element, self.diagnostics.warn)
         if self.static:
             return
@@ -183,22 +190,24 @@ class SdfModel(Entity):
             body.set_kinematic(True)
 
     def _mass(self, inertial: Element) -> Mass:
-        """The mass matrix of `<inertial>`; what no body can have is replaced as in Gazebo classic, with a warning."""
-        inertia = inertial.child("inertia")
+        """The mass matrix of `<inertial>`; what no body can have is replaced, with a warning, as in Gazebo classic."""
+        inertia, mass, pose = inertial.child("inertia"), inertial.Get(float, "mass"), inertial.Get(GzPose, "pose")
         moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
-        if all(map(math.isfinite, moments)) and not positive_definite(moments):
-            words = " ".join(f"{moment:g}" for moment in moments)
-            self.diagnostics.warn(
-                inertia,
-                f"moments of inertia ixx iyy izz ixy ixz iyz are {words}, which no body has: they are not positive "
-                "definite; 1 kg m^2 about each axis is used instead",
-            )
-            moments = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
-        mass = inertial.Get(float, "mass")
-        if mass == 0.0:
-            self.diagnostics.warn(inertial, "mass is 0; 1 kg is used instead")
+        if not 0.0 < mass <= LARGEST:
+            self.diagnostics.warn(inertial, f"mass is {mass:g}; 1 kg is used instead")
             mass = 1.0
-        return given_mass(mass, moments, inertial.Get(GzPose, "pose"))
+        if (found := _possible(mass, moments, pose)) is not None:
+            return found
+        words = " ".join(f"{moment:g}" for moment in moments)
+        self.diagnostics.warn(
+            inertia,
+            f"moments of inertia ixx iyy izz ixy ixz iyz are {words}, which no body has: they are not positive "
+            "definite, or singular but for rounding; 1 kg m^2 about each axis is used instead",
+        )
+        if (found := _possible(mass, UNIT, pose)) is not None:
+            return found
+        self.diagnostics.warn(inertial, "the centre of mass is too far away; the link's origin is used instead")
+        return given_mass(mass, UNIT, GzPose())
 
     def create_link(self, name: str) -> Body:
         """Add a link without shapes, of 1 kg, at the model's pose.
@@ -212,7 +221,6 @@ class SdfModel(Entity):
         self._add_link(element, pose)
         body = self.links[name]
         self._added[name] = element
-        changes.count()
         place = GzCoordPoseSub(body.GetPose(), pose)
         self._places.append((body, place, GzCoordPoseAdd(place, self._start)))
         return body
@@ -256,7 +264,6 @@ class SdfModel(Entity):
         """Destroy a link that `create_link` made."""
         body = self.links.pop(name)
         self.bodies.remove(body)
-        changes.count()
         self._places = [place for place in self._places if place[0] is not body]
         self.sdf.RemoveChild(self._added.pop(name))
         body.close()
@@ -277,7 +284,6 @@ class SdfModel(Entity):
         """Let a link touch others of its model, or not. It needs a space of its own: geoms of one never touch."""
         if collide == self.self_collides(body):
             return
-        changes.count()
         space, former = self.modelSpaceId, self._spaces.pop(body, None)
         if collide:
             space = self._spaces[body] = Space(self.world.engine)
@@ -307,7 +313,7 @@ class SdfModel(Entity):
         if self._self_collides(link):
             space = self._spaces[body] = Space(self.world.engine)
         for collision in link.named("collision"):
-            self._guard(collision, self.add_collision, body, collision, space)
+            self._leave_out(collision, self.add_collision, body, collision, space)
         last = next(reversed(list(link.named("collision"))), None)
         if last is not None and body.geoms:
             hilly = last.child("geometry").HasElement("heightmap")
@@ -417,7 +423,7 @@ class SdfModel(Entity):
     def MasterPlan(self, plan: Plan) -> None:
         """A line for joints that act or follow others, grippers, and what a subclass does."""
         acting = any(joint.acts for joint in self.sdf_joints.values())
-        if acting or self.mimics or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
+        if acting or self.mimics or self.grippers or overrides(self, SdfModel, "MasterUpdate"):
             plan.do(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
@@ -447,10 +453,6 @@ class SdfModel(Entity):
         bodies = list(self.world.engine.bodies.values())
         return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
-    def MasterIsStill(self) -> bool:
-        """Whether it has nothing but links, which stand in the file: then all else is in the engine's state."""
-        return type(self) is SdfModel and not (self._has_parts or self.grippers)
-
     @property
     def is_extended(self) -> bool:  # type: ignore[override]
         """Whether it has joints or links that its file does not have."""
@@ -463,21 +465,16 @@ class SdfModel(Entity):
 
     @property
     def _parts(self) -> bytes | None:
-        """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
+        """Links that were added, joints, and where the frame is of a model without links; encoded."""
         if self._coming is not None:  # of a state that could not be set
             return b""
         if not self._has_parts:
             return None
-        links = self.world.engine.tables.bodies.changes
-        key = (changes.last, links, *[joint.edits for joint in self.sdf_joints.values()])
-        if key == self._kept_at:
-            return self._kept.encoded
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = self.sdf_joints.save() if self.sdf_joints.count else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         colliding = [name for name, body in self.links.items() if body in self._spaces]
-        self._kept_at = key if frame is None and added is None else None
-        return self._kept.encode((frame, added, joints, colliding))
+        return encode((frame, added, joints, colliding))
 
     @_parts.setter
     def _parts(self, state: bytes | None) -> None:
@@ -552,6 +549,7 @@ class SdfModel(Entity):
 
     def SetPose(self, pose: GzPose) -> None:
         """Move all links, and nested models, as one; all velocities become zero."""
+        pose = GzPoseOf(pose)
         before = self.GetPose()
         for model in self.nested_family():
             if model._canonical is None:
@@ -610,3 +608,11 @@ class SdfModel(Entity):
 def model_pose(element: Element) -> GzPose:
     """The pose of a `<model>` in its parent."""
     return element.Get(GzPose, "pose") if element.HasElement("pose") else GzPose(GzVector(), GzQuaternIdent())
+
+
+def _possible(mass: float, moments: list[float], pose: GzPose) -> Mass | None:
+    """A mass matrix from its numbers; None where ODE cannot use it."""
+    if max(map(abs, (*moments, *pose.pos))) > LARGEST or not positive_definite(moments):
+        return None
+    found = given_mass(mass, moments, pose)
+    return found if is_possible(about_centre(found)) else None

@@ -123,9 +123,11 @@ def show_part(body: Body, part: MeshPart, images: Mapping[NamedImage, Path]) -> 
         normals = np.where(known, part.normals, normals)
     geom.normals = normals.reshape(-1, 3)
     texture = part.texture
-    if texture is not None and texture.coordinates is not None and texture.image in images:
+    shown = images.get(texture.image) if texture is not None and texture.image is not None else None
+    if texture is not None and texture.coordinates is not None:
         geom.texture_coordinates = texture.coordinates.reshape(-1, 2)
-        show_image(geom.appearance, images[texture.image], part.color)
+    if shown is not None and geom.texture_coordinates is not None:
+        show_image(geom.appearance, shown, part.color)
     elif part.color is not None:
         geom.SetColor(GzColor(*part.color))
     return geom

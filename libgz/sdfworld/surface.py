@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterable
 
-from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.ode.types import Surface
-from libgz.physics.check import LARGEST, finite, finite_tuple
+from libgz.physics.check import LARGEST
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom
 from libgz.sdf.element import Element
 
 __all__ = ["set_body_surface", "set_surface"]
 
+log = logging.getLogger("libgz.simulation")
+
 ALL_BITS = 0xFFFFFFFF
+SOFTEST = 1e-9  # [N/m] in place of a <kp> that is not above zero
+POISSON = (-1.0 + 1e-9, 0.5)
 
 
 def set_surface(geom: Geom, element: Element) -> None:
@@ -24,8 +28,8 @@ def set_surface(geom: Geom, element: Element) -> None:
     contact, bounce, all_friction = surface.child("contact"), surface.child("bounce"), surface.child("friction")
     ode, friction = contact.child("ode"), all_friction.child("ode")
     geom.SetFriction(_coefficient(friction, "mu"), _coefficient(friction, "mu2"))
-    geom.SetHardness(ode.Get(float, "kp"), abs(finite(ode.Get(float, "kd"), "kd [N s/m]")))
-    x, y, z = finite_tuple(friction.Get(GzVector, "fdir1"), 3, "fdir1", LARGEST)
+    geom.SetHardness(_number(ode, "kp", SOFTEST, math.inf), abs(_number(ode, "kd", -LARGEST, LARGEST)))
+    x, y, z = (max(-LARGEST, min(LARGEST, v)) for v in friction.Get(GzVector, "fdir1"))
     if isinstance(geom, PlaneGeom):  # which has no frame
         turned = GzCoordPoseAdd(element.Get(GzPose, "pose"), geom.body.GetPose()).rot
         x, y, z = rotate(turned, GzVector(x, y, z))
@@ -57,26 +61,32 @@ def set_surface(geom: Geom, element: Element) -> None:
 
 def _elasticity(geom: Geom, contact: Element, radius: float) -> dict[int, float]:
     """Of an `elastic_modulus`: the compliance, and the curvature of the surface, or else of a round shape."""
-    modulus, poisson = _size(contact, "elastic_modulus"), finite(contact.Get(float, "poissons_ratio"), "poissons_ratio")
+    modulus, poisson = _size(contact, "elastic_modulus"), _number(contact, "poissons_ratio", *POISSON)
     if modulus <= 0.0:
         return {}
-    if not -1.0 < poisson < 0.5 + 1e-9:
-        raise ParameterError(f"poissons_ratio is {poisson:g}; it must be between -1 and 0.5")
     if radius <= 0.0 and isinstance(geom, SphereGeom | CylinderGeom | CapsuleGeom):
         radius = geom.radius
     curvature = 1.0 / radius if radius > 0.0 else 0.0
     return {Surface.COMPLIANCE: (1.0 - poisson**2) / modulus, Surface.CURVATURE: curvature}
 
 
+def _number(element: Element, key: str, least: float, most: float) -> float:
+    """A number within bounds; one beyond them is replaced by the nearest bound, with a warning."""
+    value = element.Get(float, key)
+    usable = max(least, min(most, value))
+    if usable != value:
+        allowed = f"it must be {least:g} to {most:g}; {usable:g} is used"
+        log.warning("%s: <%s>: is %g; %s", (next(element.named(key), None) or element).where, key, value, allowed)
+    return usable
+
+
 def _size(element: Element, key: str) -> float:
     """A number that is not negative."""
-    return max(0.0, min(LARGEST, finite(element.Get(float, key), key)))
+    return max(0.0, min(LARGEST, element.Get(float, key)))
 
 
 def _coefficient(element: Element, key: str) -> float:
     value = element.Get(float, key)
-    if math.isnan(value):
-        raise ParameterError(f"{key} is not a number")
     return value if value >= 0.0 else math.inf
 
 
@@ -86,10 +96,7 @@ def set_body_surface(geoms: Iterable[Geom], last: Element, *, still: bool) -> No
     `still` things, static models and height maps, have a speed of 0; a contact with them goes by the other body.
     """
     ode = last.child("surface").child("contact").child("ode")
-    speed = ode.Get(float, "max_vel")
-    if math.isnan(speed):
-        raise ParameterError("max_vel [m/s] is not a number")
-    speed = 0.0 if still else max(0.0, speed)
+    speed = 0.0 if still else max(0.0, ode.Get(float, "max_vel"))
     for geom in geoms:
         geom.set_surface(Surface.MAX_VEL, speed)
         geom.set_surface(Surface.MIN_DEPTH, _size(ode, "min_depth"))

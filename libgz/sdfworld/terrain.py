@@ -74,11 +74,14 @@ def _grey(path: Path, _changed: int) -> NDArray[Any]:
         return np.array(image if image.mode in ("I", "I;16", "F", "L") else image.convert("L"))
 
 
+BARE = np.full((1, 1, 3), 255.0)  # the image of a layer whose file is missing: white, as a ground without images is
+
+
 @dataclass(frozen=True)
 class _Layer:
     """A texture that repeats every `size` [m], from a height `above` the bottom on, mixed over `fade` [m]."""
 
-    file: Path
+    file: Path | None  # None: in one colour, that of a ground without images
     size: float
     above: float = -math.inf
     fade: float = 0.0
@@ -111,7 +114,7 @@ class Cover:
 
     @functools.cached_property
     def _image(self) -> NDArray[np.uint8]:
-        images = [_tile(layer.file) for layer in self.layers]
+        images = [BARE if layer.file is None else _tile(layer.file) for layer in self.layers]
         # As fine as the finest texture, where that is not too fine.
         finest = min(layer.size / image.shape[0] for layer, image in zip(self.layers, images, strict=True))
         wanted = max(self.sizes) / finest if finest > 0.0 else FINEST
@@ -158,10 +161,10 @@ def read_cover(path: Path, shape: Element, note: Note) -> Cover | None:
             layer = _Layer(find_uri(uri, folder), positive(width, "texture size [m]"), above, max(fade, 0.0))
             _tile(layer.file)
         except GazeboError as error:
-            note(texture, f"{error}; it is not rendered")
-            continue
+            note(texture, f"{error}; it is shown in one colour")
+            layer = _Layer(None, 1.0, above, max(fade, 0.0))
         layers.append(layer)
-    if not layers:
+    if not any(layer.file for layer in layers):
         return None
     return Cover(_heights(path, shape), (size.x, size.y), tuple(layers))
 

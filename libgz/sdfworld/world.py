@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from libgz.base.digest import blake2b
-from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, nearest
+from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, advise, nearest
 from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
@@ -121,7 +121,7 @@ class SdfWorld(Era):
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC
         world.engine.exact_rest = world.engine.record_motion = True
-        world.engine.count_turns = world.engine.check_divergence = True
+        world.engine.count_turns = True
         if self.file is None:
             self.digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()
         self.file = file
@@ -180,7 +180,7 @@ class SdfWorld(Era):
             models = [model for model in world.entities if isinstance(model, SdfModel)]
             if state is None:
                 set_down(models)
-            warn_of_contacts(models, diagnostics)
+            advise(warn_of_contacts, None, models, diagnostics)
 
     def insert(self, file: SdfFile) -> list[Entity]:
         """Add the models and lights of a document to a running world, between two steps; all of them, or none.
@@ -204,7 +204,7 @@ class SdfWorld(Era):
                 raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
             added = [model for model in world.entities[before:] if isinstance(model, SdfModel)]
             set_down(added)
-            warn_of_contacts(added, file.diagnostics)
+            advise(warn_of_contacts, None, added, file.diagnostics)
         except BaseException:
             world.remove(world.entities[before:])
             del self._documents[source]

@@ -16,7 +16,7 @@ from libgz.sdfworld.joint_table import JointTable
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.plan import Plan
-from libgz.simulation.state import Kept, decode
+from libgz.simulation.state import decode, encode
 from libgz.simulation.world import World
 
 __all__ = ["WorldJoints"]
@@ -40,7 +40,6 @@ class WorldJoints(Entity):
         self.SetId("world_joints")
         self.AddBody(Body(world, dummy=True), True)
         self.sdf_joints = JointTable(world, holder)
-        self._kept = Kept()
         for element in holder.named("joint"):
             if lost := lost_link(element, self.find_link):
                 diagnostics.warn(element, lost)
@@ -53,7 +52,7 @@ class WorldJoints(Entity):
 
     def SaveState(self) -> tuple[bytes, bytes]:
         """The joints, and their efforts."""
-        joints = self._kept.encode(self.sdf_joints.save())
+        joints = encode(self.sdf_joints.save())
         return joints, b"".join([joint.efforts for joint in self.sdf_joints.values()])
 
     def LoadState(self, state: tuple[bytes, bytes]) -> None:

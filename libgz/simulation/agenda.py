@@ -55,7 +55,7 @@ class Agenda:
         """Call `action` at once; if this thread runs a step or holds changes back, after that.
 
         While another thread steps, this one waits for the end of the step. A deferred action fails alone: the error is
-        reported, with the plugin that asked for it, and the world goes on.
+        reported, with the plugin that asked for it, and the world continues.
         """
         with self.lock:
             if self.stepping or self.holding:

@@ -50,9 +50,6 @@ class Companion(Protocol):
             ParameterError: there is one, which is named.
         """
 
-    def calls_users(self, state: Any) -> bool:
-        """Whether `set_state` calls code of users, which may raise."""
-
     def set_state(self, state: Any) -> bool:
         """Take a state that `get_state` returned, or None. Entities may have been built again just before.
 
@@ -65,7 +62,7 @@ class Companion(Protocol):
 
 
 class Stateless:
-    """What is common to companions that are no part of a world's state, such as logs: they go on as they were."""
+    """What is common to companions that are no part of a world's state, such as logs: they continue as they were."""
 
     def reseed(self, seed: int) -> None:
         """Nothing to do."""
@@ -83,10 +80,6 @@ class Stateless:
 
     def check_state(self) -> None:
         """Nothing to do."""
-
-    def calls_users(self, state: object) -> bool:
-        """False: it calls no code of users."""
-        return False
 
     def set_state(self, state: object) -> bool:
         """False: no plugins came or went."""

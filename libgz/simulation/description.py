@@ -159,7 +159,7 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
         },
         "texture": None
         if look.texture_file is None
-        else {"file": look.texture_file, "size": tuple(look.texture_size)[:2]},
+        else {"file": look.texture_file, "size": tuple(look.texture_size)[:2], "matrix": look.texture_matrix},
         "skin": None
         if look.skin_file is None
         else {"file": look.skin_file, "pose": pose_list(look.skin_pose), "scale": look.skin_scale},

@@ -7,14 +7,13 @@ import struct
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzVector, place_of
 from libgz.base.law import constant, law
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
-from libgz.simulation.plan import Plan, replaced
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
-from libgz.simulation.state import changes, seldom
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -67,19 +66,14 @@ class Entity:
 
     STATE: ClassVar[tuple[str, ...]] = ("_homes", "fixed", "_id", "_name", "_number")
 
-    # What of its state, and of its place among entities, changes by counted assignments only; empty: nothing.
-    SELDOM: ClassVar[tuple[str, ...]] = STATE
-    origin: Origin | None = seldom()  # where it can be built from again; None if it was made by code
-    parent: Entity | None = seldom()
-    parentBody: Body | None = seldom()
-    fixed: bool = seldom()
-    failed: BaseException | None = seldom()  # what its update raised; it is not updated any more
-    plugin_error: BaseException | None = seldom()  # what a plugin of it raised
-    _id: str = seldom()
-    _name: str = seldom()
-    _number: int = seldom()
-    _packed_init_pose: bytes = seldom()  # the packed numbers of initPose
-    _packed_rel_pose: bytes = seldom()  # and of relPose
+    origin: Origin | None  # where it can be built from again; None if it was made by code
+    parent: Entity | None
+    parentBody: Body | None
+    fixed: bool
+    failed: BaseException | None  # what its update raised; it is not updated any more
+    plugin_error: BaseException | None  # what a plugin of it raised
+    _packed_init_pose: bytes  # the packed numbers of initPose
+    _packed_rel_pose: bytes  # and of relPose
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
@@ -129,7 +123,7 @@ class Entity:
         By default one line, which calls `MasterUpdate`, if a subclass has it. Plans are not used while the world is
         paused. Whoever changes later what they depend on calls `World.update_rows_changed`.
         """
-        if replaced(self, Entity, "MasterUpdate"):
+        if overrides(self, Entity, "MasterUpdate"):
             plan.do(self.MasterUpdate)
 
     def Fini(self) -> int | None:
@@ -194,10 +188,6 @@ class Entity:
     def MasterStatesSet(self) -> None:
         """All entities have taken what a state has of them; what reaches into others of them follows here."""
 
-    def MasterIsStill(self) -> bool:
-        """Whether all that its class declares as state changes by counted assignments only, as it is now."""
-        return False
-
     def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
         """Attach it to the body of another entity that a state has as its parent, or to none.
 
@@ -227,7 +217,6 @@ class Entity:
             self._canonical = body
             body.bodyName = CANONICAL
         self.bodies.append(body)
-        changes.count()
         body.model = self
 
     @constant
@@ -343,6 +332,7 @@ class Entity:
 
         Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
         """
+        pose = GzPoseOf(pose)
         with self.world.lock:
             before = self.GetPose()
             for body in self.bodies:

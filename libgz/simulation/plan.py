@@ -17,12 +17,12 @@ from libgz.simulation.exchange import Exchange
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.interface import Interface
 
-__all__ = ["Line", "Plan", "handler", "replaced"]
+__all__ = ["Line", "Plan", "handler", "overrides"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def replaced(thing: object, kind: type, *names: str) -> bool:
+def overrides(thing: object, kind: type, *names: str) -> bool:
     """Whether an object has other methods of these names than the class `kind`, by a subclass or by itself."""
     own = vars(thing)
     return any(name in own or getattr(type(thing), name) is not getattr(kind, name) for name in names)
@@ -110,7 +110,7 @@ class Plan:
     def cast(self, find: Callable[[], RayProximity]) -> None:
         """Cast rays from where their body is; a function finds them, for a line before this one may replace them."""
         bundle = find()
-        native = not (bundle.body.dummy or replaced(bundle, RayProximity, "Update"))
+        native = not (bundle.body.dummy or overrides(bundle, RayProximity, "Update"))
         self.lines.append(Line(lambda _: find().Update(), bundle=bundle if native else None))
 
     def post(self, interface: Interface[Any]) -> None:

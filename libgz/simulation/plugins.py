@@ -18,7 +18,7 @@ from types import FunctionType
 from typing import Any
 
 from libgz.base.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
-from libgz.base.files import exists, expand, is_file, is_folder
+from libgz.base.files import exists, expand, is_file, is_folder, read_file
 
 __all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_traceback", "reload_plugin", "search"]
 
@@ -154,7 +154,7 @@ def load_plugin(path: Path) -> Plugin:
     token = _loading.set(plugin)
     try:
         # Not by exec_module: its cache of compiled files misses an edit within the same second.
-        code = spec.loader.source_to_code(path.read_bytes(), str(path))
+        code = spec.loader.source_to_code(read_file(path), str(path))
         exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
     except USER_ERRORS as error:

@@ -1,4 +1,10 @@
-"""Publication: lets other processes see the states and the scene of a world that a server serves."""
+"""Publication: lets other processes see the states and the scene of a world that a server serves.
+
+- Observers see copies (`libgz/simulation/publication.py`, `libgz/transport/tables.py`). At the end of each step of a
+  served world, paused ones included, one native call copies the tables to shared memory, with a sequence counter. Stale
+  rows are read from ODE into the copy, never into the tables: reading would count turns of joints. `Table.changes` and
+  `Appearance.version` say when the scene has to be written again; each entity describes itself (`MasterDescribe`).
+"""
 
 from __future__ import annotations
 
@@ -110,10 +116,10 @@ class Publication:
             clock.pause_time,
             clock.real_time,
         )
-        self._target.stale = tables.touched or not tables.fresh_after_step
+        self._target.stale = tables.touched
         self._target.copied = 0
         shared.restore_length()
-        engine.step_form.publish(self._target)
+        engine.native.publish(self._target)
         if new_file:
             try:
                 shared.show()

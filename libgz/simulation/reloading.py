@@ -1,4 +1,22 @@
-"""Reloading: edited plugin files are loaded again while the world runs."""
+"""Reloading: edited plugin files are loaded again while the world runs.
+
+`World.reload_plugin` (`simulation/reloading.py`) asks all `World.reloaders` that have a plugin of this name, between
+two steps and
+with insertions held back.
+
+- Files. `reload_plugin` in `simulation/plugins.py` runs a file again, and the modules beside it if one of them changed;
+  if that
+  fails, `sys.modules` is as before.
+- Classic. `LoadedPlugin.reload` keeps its place in all lists and exchanges what it holds: class, instance, connections.
+  The
+  old connections end last. If the new instance fails, `WorldServer` restores the state from before.
+- Legacy. `legacy/replacement.py` builds the new model beside the old one, lets its interfaces take over the memory of
+  the
+old ones (`LocalServer.hand_over`), and exchanges both in the lists. The engine's objects are in another order then, so
+  states from
+before do not fit: `World.forget_states`. The next reset takes the state at the start from another world of the same
+  file.
+"""
 
 from __future__ import annotations
 

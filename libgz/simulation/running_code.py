@@ -1,4 +1,10 @@
-"""What a thread is doing, in words: the model, callback or plugin whose code runs, and the line in it."""
+"""What a thread is doing, in words: the model, callback or plugin whose code runs, and the line in it.
+
+- A function that calls users' code is registered with `names` (`libgz/simulation/running_code.py`), so that reports of
+  long steps name what runs. `Watchdog` looks at the world from a thread; steps do nothing for it. Where native code
+keeps the interpreter lock, `libgz/transport/ending.c` ends the process after the second signal, in a thread without
+  Python.
+"""
 
 from __future__ import annotations
 

@@ -15,12 +15,11 @@ from typing import Any, NamedTuple, Protocol
 
 from libgz.base.errors import USER_ERRORS, pass_interrupt
 from libgz.base.law import LeftToPython
-from libgz.ode.native_step import NativeStep
 from libgz.ode.records import BeginRecord, Kind, LawRecord, PublishRecord, Row, UpdatesRecord
 from libgz.physics.engine import Engine
 from libgz.simulation.clock import Clock
 from libgz.simulation.exchange import Exchange
-from libgz.simulation.plan import Line, Plan, replaced
+from libgz.simulation.plan import Line, Plan, overrides
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.simulation.recorder import Recorder
 from libgz.simulation.running_code import names
@@ -100,13 +99,9 @@ class UpdateRows:
         self._enabled = True
         self.updating: list[Any] = []
         self.begin = self.end = self.tail = self.count = 0
-        form = world.engine.step_form
-        self._run: Callable[..., int] | None = None
-        self._prepare: Callable[[Any, int, ctypes.c_int64], Callable[[], int]] | None = None
         self.steps = ctypes.c_int64(1)
-        if isinstance(form, NativeStep):
-            self._run, self._prepare = form.updates()
-        self.native = self._run is not None
+        self._run, self._prepare = world.engine.native.updates()
+        self.native = True
         self._entity: Updated | None = None
         self._recorded: dict[Any, Recorder] = {}  # the laws of the rows, by what they are of
         self._recording: dict[Any, Recorder] = {}  # those of the rows that are being built
@@ -133,7 +128,7 @@ class UpdateRows:
     @enabled.setter
     def enabled(self, value: bool) -> None:
         self._enabled = value
-        self.native = value and self._run is not None
+        self.native = value
 
     # Plans as rows ---------------------------------------------------------------------------------------------------
 
@@ -337,12 +332,11 @@ def run_exchanges(world: HasRows, exchanges: Sequence[tuple[Exchange, Callable[[
     rows = (Row * len(records))(*(Row(Kind.LAW, 0, ctypes.addressof(record)) for record in records))
     tables, clock, count = world.engine.tables.record, world.clock, len(records)
     record = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, rows)))
-    form = world.engine.step_form
-    function = form.updates()[0] if isinstance(form, NativeStep) else None
+    function, _ = world.engine.native.updates()
 
     def run(number: int) -> int:
         """The number of the next exchange that Python has to do."""
-        return int(function(ctypes.byref(record), number, count)) if function and world.rows.native else number
+        return int(function(ctypes.byref(record), number, count)) if world.rows.native else number
 
     def exchange_all(_kept: object = (records, kept, rows)) -> None:
         number = run(0)
@@ -355,7 +349,7 @@ def run_exchanges(world: HasRows, exchanges: Sequence[tuple[Exchange, Callable[[
 
 def _is_known(rate: UpdateRate) -> bool:
     """Whether native code finds as the rate does when it is due."""
-    return type(rate) in (UpdateRate, OldRate) and not replaced(rate, UpdateRate, "due")
+    return type(rate) in (UpdateRate, OldRate) and not overrides(rate, UpdateRate, "due")
 
 
 def _what_runs(values: Mapping[str, Any]) -> str:

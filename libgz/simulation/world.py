@@ -25,7 +25,7 @@ from libgz.base.errors import (
     nearest,
     pass_interrupt,
 )
-from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
 from libgz.base.law import Number, law
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
@@ -52,7 +52,7 @@ from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
-from libgz.simulation.state import seldom, undeclared
+from libgz.simulation.state import undeclared
 from libgz.simulation.updates import UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
@@ -123,25 +123,22 @@ class World(Closing):
         facade: the object by which the API of a layer above presents this world; set by that layer.
     """
 
-    SELDOM: ClassVar[tuple[str, ...]] = (
-        *("name", "simSpeed", "utcOffset", "fogEnable", "fogDensity", "physics_enabled", "starts_paused", "_numbers"),
-    )
     STATE: ClassVar[tuple[str, ...]] = (
-        *SELDOM,
+        *("name", "simSpeed", "utcOffset", "fogEnable", "fogDensity", "physics_enabled", "starts_paused", "_numbers"),
         "_surroundings",
         *("backdrop.fog_kind", "backdrop.shadows"),
         "_fallen_rows",
         "_paused",
         *("clock.day_time", "clock.pause_time", "clock.iterations", "clock.sim_time"),  # what changes comes last
     )
-    name: str = seldom()
-    simSpeed: float = seldom()  # simulated seconds per second of real time; 0: as fast as possible
-    utcOffset: float = seldom()  # UTC at sim time 0 [s]
-    fogEnable: bool = seldom()
-    fogDensity: float = seldom()
-    physics_enabled: bool = seldom()
-    starts_paused: bool = seldom()
-    _numbers: int = seldom()  # of entities, that were given
+    name: str
+    simSpeed: float  # simulated seconds per second of real time; 0: as fast as possible
+    utcOffset: float  # UTC at sim time 0 [s]
+    fogEnable: bool
+    fogDensity: float
+    physics_enabled: bool
+    starts_paused: bool
+    _numbers: int  # of entities, that were given
 
     _going = Number(1.0)  # 0: paused; for native code
 
@@ -1026,8 +1023,8 @@ class World(Closing):
         Raises:
             GazeboError: a step is under way, or plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
-            StateError: the state is of another file, or something that cannot be built again is missing.
-            ParameterError: these bytes are no state of this version of libgz.
+            StateError: these bytes are no state of this version of libgz, or one of another file, or damaged, or
+                something that cannot be built again is missing; the world is as before.
             PluginError: a LoadState failed; the message has the traceback.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
@@ -1325,6 +1322,7 @@ class World(Closing):
 
         All velocities become zero.
         """
+        pose = GzPoseOf(pose)
         parent = model.parentBody
         self._move(model, GzCoordPoseAdd(pose, parent.GetPose()) if parent is not None else pose)
         if parent is not None:

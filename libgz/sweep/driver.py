@@ -12,11 +12,12 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from libgz.base.errors import GazeboError, LibraryError
+from libgz.base.extras import install
 from libgz.sweep.results import Results
 from libgz.sweep.study import Study
 from libgz.sweep.worker import Worker, close_workers, execute
 
-__all__ = ["Pool", "Progress", "SchedulerLostError", "check", "cluster", "local_cluster", "processes", "sweep"]
+__all__ = ["Pool", "Progress", "SchedulerLostError", "check", "cluster", "processes", "sweep"]
 
 log = logging.getLogger("libgz.sweep")
 
@@ -118,7 +119,7 @@ def sweep(study: Study, digest: str, results: Results, pool: Pool, report: Calla
 
 
 def _row_of(future: Future[dict[str, Any]], number: int, lost: int, retries: int, pool: Pool) -> dict[str, Any] | None:
-    """The row of a run that has come back; None if its worker was lost, and it is to be given out again."""
+    """The row of a run that has come back; None if its worker died, and it must be rescheduled."""
     try:
         return future.result()
     except (Exception, CancelledError) as error:  # whatever the cluster raises for a worker that was lost
@@ -183,19 +184,28 @@ def _distributed() -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise LibraryError(f"a cluster needs the extra `cluster`: pip install 'libgz[cluster]' ({error})") from None
+        raise LibraryError(f"a cluster needs the extra `cluster`: {install('cluster')} ({error})") from None
     return distributed
 
 
 @contextlib.contextmanager
 def cluster(address: str) -> Iterator[Pool]:
-    """The workers of a scheduler of dask.distributed, such as ``tcp://host:8786``.
+    """The workers of a scheduler of dask.distributed, such as ``tls://host:8786``.
+
+    Whoever can connect to a scheduler without TLS can run code there, on its workers, and in this process: that is
+    logged. For ``tls://``, certificates are those of dask's own configuration.
 
     Raises:
         LibraryError: dask.distributed is not installed.
         GazeboError: the scheduler cannot be reached.
     """
     distributed = _distributed()
+    if not address.startswith("tls://"):
+        log.warning(
+            "%s has no TLS: whoever can connect to it can run code on the scheduler, its workers and here; "
+            "trust it only in a network that is yours, or use tls://",
+            address,
+        )
     try:
         client = distributed.Client(address, timeout=HANDSHAKE, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
@@ -205,18 +215,3 @@ def cluster(address: str) -> Iterator[Pool]:
     finally:
         with contextlib.suppress(OSError, TimeoutError):
             client.close(timeout=5)
-
-
-@contextlib.contextmanager
-def local_cluster(count: int) -> Iterator[Pool]:
-    """A cluster of dask.distributed on this machine, with so many workers of one thread.
-
-    Raises:
-        LibraryError: dask.distributed is not installed.
-    """
-    distributed = _distributed()
-    with (
-        distributed.LocalCluster(count, threads_per_worker=1, dashboard_address=None) as made,
-        distributed.Client(made, set_as_default=False) as client,
-    ):
-        yield _Cluster(client)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
+from libgz.base.extras import install
 from libgz.base.files import write_whole
 from libgz.sweep.study import Study
 
@@ -224,7 +225,7 @@ def _parquet() -> Any:
     try:
         import pyarrow.parquet  # type: ignore[import-untyped]
     except ImportError as error:
-        raise LibraryError(f"Parquet needs the extra `cluster`: pip install 'libgz[cluster]' ({error})") from None
+        raise LibraryError(f"Parquet needs the extra `cluster`: {install('cluster')} ({error})") from None
     return pyarrow.parquet
 
 

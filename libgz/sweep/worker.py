@@ -26,6 +26,7 @@ from typing import IO, Any, NoReturn
 
 from libgz._version import __version__
 from libgz.base.errors import GazeboError
+from libgz.base.python import run_module
 from libgz.sweep.parent import end_with_parent
 from libgz.sweep.study import Study
 
@@ -77,7 +78,7 @@ class Worker:
         if self._process is None or self._process.poll() is not None:
             self.close()
             environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "LP_NUM_THREADS": "0", **os.environ}
-            command = [sys.executable, "-m", "libgz.sweep.worker"]
+            command = run_module("libgz.sweep.worker")
             self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
         return self._process
 

@@ -38,6 +38,8 @@ POLICY = (
 )
 SAFE_HEADERS = {"Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff", "Cache-Control": "no-store"}
 LARGEST_NOTE = 4096  # [byte]
+LARGEST_MESSAGE = 1 << 20  # [byte] of a page
+LARGEST_NUMBER = 1e9  # of a message: metres, pixels, times [s]
 
 may_control: contextvars.ContextVar[bool] = contextvars.ContextVar("may_control", default=False)
 
@@ -48,8 +50,8 @@ QUIET.setLevel(logging.CRITICAL)
 OnNote = Callable[[dict[str, Any], int], None]
 
 
-class _Watcher:
-    """A connection whose messages are dropped, but for those that `allowed` lets through."""
+class _Checked:
+    """A connection whose messages are dropped if `allowed` does not let them through, or a number is out of range."""
 
     def __init__(self, connection: Any, allowed: Callable[[str], bool]) -> None:
         self._connection, self._allowed = connection, allowed
@@ -62,11 +64,21 @@ class _Watcher:
         while True:
             raw = await self._connection.recv()
             try:
-                kind = msgspec.msgpack.decode(raw).get("type", "") if isinstance(raw, bytes) else ""
-            except (msgspec.DecodeError, AttributeError):
+                message = msgspec.msgpack.decode(raw) if isinstance(raw, bytes) else None
+            except (msgspec.DecodeError, RecursionError):
                 continue
-            if self._allowed(kind):
+            if isinstance(message, dict) and self._allowed(str(message.get("type", ""))) and _is_sane(message):
                 return bytes(raw)
+
+
+def _is_sane(value: Any, depth: int = 8) -> bool:
+    """Whether all numbers of a message are within +-`LARGEST_NUMBER`, and it is not nested deeper than pages send."""
+    if isinstance(value, int | float):
+        return abs(value) <= LARGEST_NUMBER
+    if isinstance(value, dict | list):
+        inside = value.values() if isinstance(value, dict) else value
+        return depth > 0 and all(_is_sane(item, depth - 1) for item in inside)
+    return True
 
 
 class Gate:
@@ -77,13 +89,14 @@ class Gate:
         title: of the page.
         on_note: called with each note of a page that may control, and the number of its connection; in the server's
             thread. The note ``{"closed": true}`` ends a connection.
+        token: of the address that may control; None for a new one.
 
     Attributes:
         token: of the address that may control.
     """
 
-    def __init__(self, host: str, title: str, on_note: OnNote) -> None:
-        self.host, self.token = host, secrets.token_urlsafe(18)
+    def __init__(self, host: str, title: str, on_note: OnNote, token: str | None = None) -> None:
+        self.host, self.token = host, token or secrets.token_urlsafe(18)
         self._on_note = on_note
         self._title = title
         self._pages: dict[bool, bytes] = {}
@@ -101,6 +114,7 @@ class Gate:
         def serve(handler: Any, host: Any, port: Any, **options: Any) -> Any:
             options["process_request"] = self._answer
             options["logger"] = QUIET
+            options["max_size"] = LARGEST_MESSAGE
             return plain(functools.partial(self._connect, handler), host, port, **options)
 
         module.serve = serve  # type: ignore[assignment,misc]
@@ -172,7 +186,7 @@ class Gate:
             return
         may_control.set(control)
         allowed: Callable[[str], bool] = (lambda kind: kind not in NEVER) if control else WATCHING.__contains__
-        await handler(_Watcher(connection, allowed))
+        await handler(_Checked(connection, allowed))
 
     async def _take_notes(self, connection: Any) -> None:
         self._loop = asyncio.get_running_loop()

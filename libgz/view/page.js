@@ -20,7 +20,7 @@
   const held = new Set();
   let socket = null, driving = false, stick = null, lean = [0, 0], timer = null, pad = null, knob = null, sent = "";
 
-  const tell = (note) => {
+  const report = (note) => {
     if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(note));
   };
   const wanted = () => {
@@ -30,7 +30,7 @@
   };
   const drive = () => {
     const way = wanted(), still = way.every((part) => part === 0);
-    if (!still || sent !== "still") tell({ drive: way });
+    if (!still || sent !== "still") report({ drive: way });
     sent = still ? "still" : "moving";
     clearTimeout(timer);
     timer = still ? null : setTimeout(drive, LONGEST);
@@ -45,7 +45,7 @@
   const onKey = (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
     const down = event.type === "keydown";
-    if (down && !event.repeat) tell({ key: event.key.length === 1 ? event.key.charCodeAt(0) : event.keyCode });
+    if (down && !event.repeat) report({ key: event.key.length === 1 ? event.key.charCodeAt(0) : event.keyCode });
     if (!(event.code in WAYS) || (!driving && !held.has(event.code))) return;
     event.preventDefault();
     event.stopImmediatePropagation();

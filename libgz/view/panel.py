@@ -21,7 +21,7 @@ __all__ = ["Overlay", "Panel"]
 NONE = "(none)"
 PLUGINS = 1e6  # order of their panels: below all else
 LINES = ("#1c7ed6", "#e8590c", "#2f9e44", "#9c36b5", "#c92a2a", "#0b7285")  # colours of plots
-CAMERA = "(the view)"
+CAMERA = "free camera"
 
 
 class Overlay(Protocol):
@@ -141,7 +141,7 @@ class Panel:
         self.info = gui.add_html(_small("Click a model in the scene."))
         self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
         if "delete" in can:
-            self._button("Delete it", handler.delete, viser.Icon.TRASH, "red")
+            self._button("Delete", handler.delete, viser.Icon.TRASH, "red")
 
     def _show_tab(self) -> None:
         self.live = self.page.gui.add_checkbox("Camera images", False)
@@ -160,7 +160,7 @@ class Panel:
     def _world_tab(self) -> None:
         gui, handler, can = self.page.gui, self._handler, self._can
         if "keep" in can:
-            self.keep = gui.add_checkbox("Keep 60 s", False, hint="for the time line; costs some speed")
+            self.keep = gui.add_checkbox("Record 60 s", False, hint="for the time line; costs some speed")
             self._on(self.keep, handler.set_keep)
             self.back = gui.add_slider("Time line [s]", min=-60.0, max=0.0, step=0.5, initial_value=0.0)
             self._button(
@@ -168,7 +168,7 @@ class Panel:
             )
         if "insert" in can:
             self.catalogue = gui.add_dropdown("Insert", [NONE])
-            self._button("Insert it", self._insert, viser.Icon.PLUS)
+            self._button("Insert", self._insert, viser.Icon.PLUS)
         if "write" in can:
             self._button("Save the world", self._ask_to_save, viser.Icon.DEVICE_FLOPPY)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from libgz.base.errors import GazeboError
+from libgz.physics.appearance import SAME
 from libgz.rendering import mesh
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.image import read_image
@@ -148,7 +149,7 @@ class Shapes:
         image = self._image(texture["file"]) if texture is not None else self._own_image(shape)
         look: tuple[Any, ...] = ()
         if image is not None and texture is not None:
-            look = (texture["file"], tuple(texture["size"]), tuple(material["diffuse"]))
+            look = (texture["file"], tuple(texture["size"]), _matrix(texture), tuple(material["diffuse"]))
         if not look and key[0] in SMOOTH:
             look = (tuple(material["diffuse"]), tuple(material["emission"]), material["opacity"])
         full = (*key, *look, clear)
@@ -158,6 +159,8 @@ class Shapes:
             except GazeboError as error:
                 log.warning("%s", error)
                 return [], stretched
+            if texture is not None:
+                meshes = [part.textured_by(_matrix(texture)) for part in meshes]
             parts = [part for part in meshes if len(_faces(part))]  # a mesh whose file is missing has no faces
             self._forms[full] = self._finished(full, parts, image, material, colors, clear) if parts else []
         return self._forms[full], stretched
@@ -342,6 +345,11 @@ def _plain(part: Mesh, color: tuple[int, int, int, int]) -> bytes:
     pbr = _pbr(baseColorFactor=[*linear, color[3]], alphaMode="BLEND" if color[3] < 255 else None)
     visual = trimesh.visual.TextureVisuals(material=pbr)
     return _glb(trimesh.Trimesh(part.vertices, _faces(part), vertex_normals=part.normals, visual=visual, process=False))
+
+
+def _matrix(texture: dict[str, Any]) -> tuple[float, ...]:
+    """The matrix of texture coordinates; logs of older versions have none."""
+    return tuple(texture.get("matrix", SAME))
 
 
 def _textured(part: Mesh, faces: NDArray[Any], image: Image.Image, material: dict[str, Any]) -> bytes:

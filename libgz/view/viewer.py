@@ -59,6 +59,10 @@ class Viewer(Closing):
         rate: largest number of frames per second [Hz].
         overlays: the panels of GUI plugins, by name.
         wait: whether a frame waits for the answers to its requests, as one of a recording does.
+        token: of the address that can control; None for a new one.
+
+    Attributes:
+        failures: how many frames and actions ended with an error that is none of libgz.
 
     Raises:
         GazeboError: no port is free.
@@ -74,14 +78,15 @@ class Viewer(Closing):
         rate: float = RATE,
         overlays: Callable[[], Mapping[str, Overlay]] | None = None,
         wait: bool = False,
+        token: str | None = None,
     ) -> None:
-        self._wait = wait
+        self._wait, self.failures = wait, 0
         self.source, self.controls, self.rate = source, controls, rate
         self._overlays = overlays
         self._actions: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
         self._asking = ThreadPoolExecutor(1, "viewer")
         self._pending: set[str] = set()
-        self.gate = Gate(host, "libgz", self._take_note)
+        self.gate = Gate(host, "libgz", self._take_note, token)
         with self.gate.guarding(), contextlib.redirect_stdout(io.StringIO()):
             self.page = viser.ViserServer(host, port, verbose=False)
         self.page.scene.world_axes.visible = False
@@ -157,7 +162,7 @@ class Viewer(Closing):
             return
         if self.page.get_clients() or begin >= self._shown + ALONE_PERIOD or self._state is None:
             self._shown = begin
-            self.frame()
+            self._attempt(self.frame)
         now = time.monotonic()
         self._due = max(self._due + 1.0 / self.rate, begin + (now - begin) / LARGEST_SHARE, now)
 
@@ -173,10 +178,15 @@ class Viewer(Closing):
             self._attempt(self.driver.act)
 
     def _attempt(self, action: Callable[[], object]) -> None:
+        """Call an action. The viewer survives what it raises: pages close at any moment, and send what they like."""
         try:
             action()
         except GazeboError as error:
             self._report(str(error))
+        except Exception:
+            self.failures += 1
+            if self.failures & (self.failures - 1) == 0:  # 1, 2, 4, 8 ...: not each of thirty a second
+                log.exception("the viewer continues after an error (%d so far)", self.failures)
 
     def _report(self, text: str) -> None:
         log.warning("%s", text)
@@ -681,7 +691,7 @@ class Viewer(Closing):
         self.panel.set_status(
             {
                 "sim time": f"{state.sim_time:.2f} s",
-                "factor": f"{factor:.2f}",
+                "real-time factor": f"{factor:.2f}",
                 "steps": f"{rate:.0f} Hz",
                 "state": "paused" if state.paused else "running",
             }
@@ -704,7 +714,7 @@ class Viewer(Closing):
         if 0 <= row < len(state.bodies):
             linear, angular = state.bodies[row, 10:13], state.bodies[row, 13:16]
             rows.append(("velocity", f"{_numbers(linear, 2)} m/s"))
-            rows.append(("turning", f"{_numbers(angular, 2)} rad/s"))
+            rows.append(("angular velocity", f"{_numbers(angular, 2)} rad/s"))
         if self._details.get("mass"):
             rows.append(("mass", f"{self._details['mass']:.4g} kg"))
         if entity["interfaces"]:

@@ -24,7 +24,14 @@ __all__ = ["WorldFile"]
 
 log = logging.getLogger("libgz.worldfile")
 
-LATER_ROOTS = {
+# Roots of files that have a world's name now and then, and what those files are.
+OTHER_ROOTS = {
+    "launch": "a launch file of ROS (its world is another file, often its argument world_name)",
+    "package": "the description of a ROS package",
+    "COLLADA": "a mesh (COLLADA)",
+    "X3D": "a scene of X3D",
+    "svg": "an image (SVG)",
+    "mujoco": "a model of MuJoCo",
     "gazebo": "an SDF world of Gazebo 1.0",
     "sdf": "an SDF world of Gazebo classic",
     "robot": "a robot description (URDF)",
@@ -109,7 +116,7 @@ class WorldFile:
         self.root = self._node(root, None)
         for entry in parser.error_log:  # namespace addresses, which nothing uses
             log.info("%s:%d: %s", label, entry.line, entry.message.strip())
-        self._refuse_later_formats()
+        self._refuse_other_formats()
 
     def _node(self, element: etree._Element, parent: WorldFileNode | None) -> WorldFileNode:
         """The node of an element, with all below it."""
@@ -142,17 +149,17 @@ class WorldFile:
             node.error(str(error))
             return ""
 
-    def _refuse_later_formats(self) -> None:
-        """Raise an error for the formats of later Gazebos, instead of reading half of them."""
+    def _refuse_other_formats(self) -> None:
+        """Raise an error for the formats of later Gazebos and of other programs, instead of an empty world."""
         root = self.GetRootNode()
         if root.prefix == "gazebo":
             raise WorldFileError(
                 f"{self.label}:{root.line}: <{root.tag}>: this is a world of Gazebo 0.8 - 0.10, "
                 "which libgz does not read; worlds of 0.3 - 0.7 have a root like <gz:world>"
             )
-        if root.prefix is None and root.name in LATER_ROOTS:
+        if root.prefix is None and root.name in OTHER_ROOTS:
             raise WorldFileError(
-                f"{self.label}:{root.line}: <{root.tag}>: this is {LATER_ROOTS[root.name]}, "
+                f"{self.label}:{root.line}: <{root.tag}>: this is {OTHER_ROOTS[root.name]}, "
                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>"
             )
 

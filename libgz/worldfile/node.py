@@ -315,6 +315,8 @@ class WorldFileNode:
             return default if default is not None else GzColor()
         node, text = found
         values = [self._number(node, token) for token in text.split()[:4]]
+        if len(values) < 3:
+            node.warn(f"has {len(values)} of 3 numbers; those that are missing are read as 0")
         r, g, b = [*values, 0.0, 0.0, 0.0][:3]
         return GzColor(r, g, b, values[3] if len(values) > 3 else 1.0)
 
@@ -327,6 +329,8 @@ class WorldFileNode:
         values = [self._finite(found[0], token) for token in tokens]
         if len(values) > count:
             found[0].warn(f"has {len(values)} numbers; {count} are allowed, and the rest is ignored")
+        if len(values) < count:
+            found[0].warn(f"has {len(values)} of {count} numbers; those that are missing are read as 0")
         return (values + [0.0] * count)[:count]
 
     def token_count(self, key: str) -> int:

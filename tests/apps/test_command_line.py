@@ -73,20 +73,43 @@ def test_the_command_prints_a_script():
     assert run_libgz("completion", "dos").returncode == 2
 
 
-def test_the_man_pages_are_current():
-    pytest.importorskip("argparse_manpage")
-    scope = {"__name__": "make_man_pages", "__file__": str(ROOT / "scripts" / "make_man_pages.py")}
-    exec((ROOT / "scripts" / "make_man_pages.py").read_text(), scope)
-    pages = scope["pages"]()
-    assert set(pages) == {path.name for path in scope["FOLDER"].iterdir()}
-    for name, text in pages.items():
-        assert (scope["FOLDER"] / name).read_text() == text, "run: python scripts/make_man_pages.py"
+def test_the_man_pages_are_built(tmp_path):
+    words = [sys.executable, ROOT / "scripts" / "make_docs.py", "--man", tmp_path]
+    subprocess.run(words, check=True, timeout=60)
+    assert {path.name for path in tmp_path.iterdir()} == {f"{name}.1" for name in command_parsers()}
+    for path in tmp_path.iterdir():
+        assert '.SH "EXIT STATUS"' in path.read_text() or ".SH EXIT STATUS" in path.read_text()
         if shutil.which("man") is not None:
-            words = ["man", "-l", "--warnings", str(scope["FOLDER"] / name)]
+            words = ["man", "-l", "--warnings", path]
             done = subprocess.run(
                 words, capture_output=True, text=True, env={**os.environ, "MANWIDTH": "90"}, timeout=60
             )
             assert "EXIT STATUS" in done.stdout or "No such" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("SickLMS200", "| `rayCount` |"),
+        ("position", "`gz_position_data_t`, 312 bytes"),
+        ("HingeJoint", "`GetAngleRate"),
+        ("physics.Link", "| `AddForce` |"),
+        ("World", "# physics.World"),
+        ("msgs", "## Enumerations"),
+        ("SetLinearVel", "| Link, Model"),
+    ],
+)
+def test_help_prints_the_reference_of_a_name(name, shown):
+    done = run_libgz("help", name)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert shown in done.stdout
+    assert "](" not in done.stdout
+
+
+def test_help_of_an_unknown_name_suggests_one():
+    done = run_libgz("help", "SickLMS20")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "no command, model, interface or class is called 'SickLMS20'; did you mean 'SickLMS200'?" in done.stderr
 
 
 def test_the_table_of_exit_codes_is_current():

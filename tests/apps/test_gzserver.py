@@ -70,7 +70,6 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
     [
         (["-v"], 0, "stdout", "Gazebo multi-robot simulator, version"),
         (["-h"], 0, "stdout", "gzserver -- Run the Gazebo server."),
-        (["-h"], 0, "stdout", "LIBGZ_STEP=python"),
         (["--steps", "1"], 0, "stderr", ""),
         (["--step", "1", "nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
         (["--itres", "5", "--iters", "1"], 0, "stderr", "unrecognized arguments: --itres 5; did you mean '--iters'"),

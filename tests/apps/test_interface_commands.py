@@ -193,7 +193,7 @@ def test_a_missing_matplotlib_is_reported(server):
     words = ["echo", "position.robot1", "pos", "--once", "--plot", "x.png", "-s", str(server.server_id)]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, timeout=30, check=False)
     assert done.returncode == 1
-    assert "pip install 'libgz[plot]'" in done.stderr
+    assert "pip install 'matplotlib" in done.stderr
 
 
 # set -------------------------------------------------------------------------------------------------------------

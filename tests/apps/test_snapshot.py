@@ -14,8 +14,8 @@ from commands import run_libgz
 from gzserver_process import SERVER, new_environment
 
 import libgz
+from libgz.base.encoding import FORMAT
 from libgz.base.files import installed_worlds
-from libgz.simulation.state import FORMAT
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 WORLD = installed_worlds() / "segwayrmp.world"

@@ -371,12 +371,6 @@ def test_each_ready_plugin_of_the_guide_has_an_example():
     assert without - STAND_INS.keys() - WITHOUT_EFFECT.keys() == WITHOUT_EXAMPLE
 
 
-def test_the_pages_of_the_api_are_current():
-    folder = EXAMPLES.parent.parent / "docs" / "classic"
-    found = {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*.md")}
-    assert found == classic_pages(), "run scripts/make_classic_pages.py"
-
-
 def test_each_class_of_the_table_has_a_page_in_its_modules_index():
     pages = classic_pages()
     holders = {row.holder for row in classic_api() if row.state in ("present", "old") and "(" not in row.holder}

@@ -327,7 +327,7 @@ def test_a_reset_that_asks_for_a_reset_ends(world, control, where):
         assert world.iterations == 0
     else:
         world.Step()
-    assert 0 < len(asked) < 50
+    assert 0 < len(asked) < 100  # six plugins ask; so they do in each of the resets that follow
     control.where = ""
     world.set_state(state)
     assert world.get_state() == state

@@ -22,7 +22,7 @@ from itertools import groupby
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs" / "classic").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?:<!-- run (with|in): (.*?) -->\n)?^```python\n(.*?)^```", re.S | re.M)
 ENDLESS, LONGEST = 3.0, 60.0  # [s]
 ROBOT = """<sdf version="1.6"><world name="default">

@@ -6,6 +6,7 @@ timeout or too little memory ends the process; libFuzzer has then written the in
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import re
@@ -22,8 +23,10 @@ from mutants import mutant
 
 # Before anything of the package is imported, as the instrumentation is done then.
 with atheris.instrument_imports(include=["libgz", "PIL"]):
+    from damaged_states import damage
     from readers import TEXT, problem, warm
 
+    from libgz.base.errors import StateError
     from libgz.rendering.choice import prefer
 
     prefer("none")
@@ -64,6 +67,10 @@ class Reader:
         rng = random.Random(seed)
         if rng.random() < 0.5:
             new = mutant(seed, 0, data, text=self.kind in TEXT)
+        elif self.kind == "state" and rng.random() < 0.7:
+            with contextlib.suppress(StateError):
+                return damage(rng, data)[0][:most]
+            return data
         else:
             new = atheris.Mutate(data, most)
         return (with_check_sums(new) if self.kind == "png" and rng.random() < 0.9 else new)[:most]

@@ -73,11 +73,6 @@ def test_inserted_models_are_checked(caplog):
     assert "of 'gps' overlaps the CylinderGeom of body 'canonical' of 'cam'" in caplog.text
 
 
-def test_the_python_step_finds_the_same(monkeypatch):
-    monkeypatch.setenv("LIBGZ_STEP", "python")
-    assert "of 'gps' overlaps" in warnings(WORLD.format(CAMERA + GPS.format("0 0.08")))[0]
-
-
 @pytest.mark.parametrize("path", sorted(installed_worlds().glob("*.world")), ids=lambda path: path.stem)
 def test_models_of_the_installed_worlds_do_not_overlap(path):
     with libgz.World.from_file(path) as world:

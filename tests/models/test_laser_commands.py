@@ -3,19 +3,15 @@
 import os
 import random
 
-import pytest
 from camera_worlds import HEAD
 
 import libgz
 from libgz.interfaces.laser import LaserData
-from libgz.ode.native_step import native_path
 
 LASER = "<model:SickLMS200><id>l</id><xyz>0 0 0.3</xyz><scanRate>50</scanRate></model:SickLMS200>"
 BOX = "<model:SimpleSolid><xyz>2 0 0</xyz><size>1 2 2</size></model:SimpleSolid>"
 TEXT = f"{HEAD.format('')}{LASER}{BOX}</gz:world>"
 HEAD_SIZE = LaserData.time.offset
-
-pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
 
 
 def read_switches(laser, monkeypatch):

@@ -46,7 +46,7 @@ def test_functions_with_conditions_are_called_where_their_rows_say():
     callers = {name: set() for name in CONDITIONS}
     for path in [*ROOT.glob("libgz/**/*.py"), *ROOT.glob("models/*.py"), *ROOT.glob("libgz/ode/*.c")]:
         module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-        if module in DECLARATIONS or module.startswith("libgz.ode.python_"):  # another form of native code
+        if module in DECLARATIONS:
             continue
         for name in set(WORDS.findall(path.read_text())) & set(CONDITIONS):
             callers[name].add("native" if path.suffix == ".c" else module)

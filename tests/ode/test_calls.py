@@ -4,16 +4,11 @@ import ctypes
 from contextlib import contextmanager
 
 import pytest
-from engine_parts import box, solid, unsolvable, use_form
+from engine_parts import box, solid, unsolvable
 
 from libgz.ode.lib import ode
-from libgz.ode.native_step import NativeStep
+from libgz.ode.step import Step
 from libgz.physics.engine import Engine
-
-
-@pytest.fixture(autouse=True)
-def native(monkeypatch):
-    use_form("native", monkeypatch)
 
 
 def steps(engine, count):
@@ -61,7 +56,7 @@ def test_ode_keeps_nothing_of_abandoned_steps():
 
 
 def test_calls_of_abandoned_steps_are_used_again():
-    made = NativeStep._library.gz_calls_made
+    made = Step._library.gz_calls_made
     engine, _ = unsolvable()
     other = Engine()
     solid(other, box(0.1, 0.1, 0.1), position=(0, 0, 1))

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from engine_parts import dress, dressed_box, dressed_ground as ground, in_both_forms, use_classic, use_form
+from engine_parts import dress, dressed_box, dressed_ground as ground, use_classic
 
 import libgz
 from libgz.ode.lib import ode
@@ -152,30 +152,6 @@ def test_fewer_contacts_on_request(engine):
     assert engine.contact_count == 3
 
 
-@pytest.mark.parametrize("cone", [False, True])
-def test_both_forms_agree_to_the_bit(monkeypatch, cone):
-    def build_and_run():
-        engine = Engine(step_time=0.001, solver="quick", seed=3)
-        use_classic(engine)
-        engine.cone = cone
-        ground(engine, mu=0.8, BOUNCE=0.3, BOUNCE_VEL=0.1)
-        for i in range(6):
-            spin = {
-                "fdir1": (1, 0.3, 0) if i % 2 else (0, 0, 0),
-                "SLIP1": 0.01 * i,
-                "MIN_DEPTH": 1e-4 * i,
-                "BOUNCE": 0.1 * i,
-                "BOUNCE_VEL": 0.1,
-            }
-            body = box(engine, (0.4 * i, 0.1 * i, 0.6 + 1.1 * i), mu=0.2 * i, mu2=0.5, MAX_CONTACTS=4 + i, **spin)
-            body.SetAngularVel((i, 1, 0))
-        run(engine, 1.5)
-        return engine.states.tobytes()
-
-    native, python = in_both_forms(build_and_run, monkeypatch)
-    assert native == python
-
-
 def cube(engine, size, height, *, dummy=False, carries=False, **surface):
     """A cube; one that carries another is heavy, and gravity does not act on it."""
     body = libgz.Body(engine, dummy=dummy)
@@ -187,7 +163,6 @@ def cube(engine, size, height, *, dummy=False, carries=False, **surface):
     return body
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
 @pytest.mark.parametrize(
     ("upper", "lower", "moves", "acts"),
     [
@@ -200,9 +175,8 @@ def cube(engine, size, height, *, dummy=False, carries=False, **surface):
         (0.5, None, False, "upper"),  # on a plane
     ],
 )
-def test_of_two_friction_directions_that_of_the_smaller_counts(form, upper, lower, moves, acts, monkeypatch):
+def test_of_two_friction_directions_that_of_the_smaller_counts(upper, lower, moves, acts):
     """Measured in Gazebo 11.1; rough along x, slippery along y."""
-    use_form(form, monkeypatch)
     for chosen in ("upper", "lower"):
         engine = Engine(step_time=0.001)
         use_classic(engine)
@@ -236,22 +210,6 @@ def test_a_running_surface_carries_what_lies_on_it_and_drives_what_has_it(engine
     assert driven.GetLinearVel().x == pytest.approx(0.5, abs=1e-3)
 
 
-def test_both_forms_run_tracks_to_the_bit(monkeypatch):
-    def build_and_run():
-        engine = Engine(step_time=0.001, solver="quick", seed=3)
-        use_classic(engine)
-        ground(engine, mu=0.8, fdir1=(0, 1, 0), TRACK=1, TRACK_SPEED=0.1)
-        for i in range(4):
-            speed = {"fdir1": (0.1 * i, 1, 0), "TRACK": i % 3, "TRACK_SPEED": 0.2 * i, "PIVOT": 0.3}
-            body = box(engine, (0.3 * i, 1.2 * i, 0.6 + 1.1 * i), mu=0.9, mu2=0.3, **speed)
-            body.SetAngularVel((i, 1, 0))
-        run(engine, 1.5)
-        return engine.states.tobytes()
-
-    native, python = in_both_forms(build_and_run, monkeypatch)
-    assert native == python
-
-
 def test_the_halves_of_a_step_are_a_step(engine):
     ground(engine)
     body = box(engine, (0, 0, 0.5))
@@ -267,10 +225,8 @@ def test_the_halves_of_a_step_are_a_step(engine):
     assert twin.contact_count == engine.contact_count > 0
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
-def test_cylinders_collide_by_odes_own_collider_under_the_classic_rule(form, monkeypatch):
+def test_cylinders_collide_by_odes_own_collider_under_the_classic_rule():
     """Standing on each other; the stand-ins' contacts are at the corners of the inscribed square."""
-    monkeypatch.setenv("LIBGZ_STEP", form)
     reach = {}
     for rule in (ContactRule.LEGACY, ContactRule.CLASSIC):
         engine = Engine(step_time=0.001)
@@ -281,7 +237,7 @@ def test_cylinders_collide_by_odes_own_collider_under_the_classic_rule(form, mon
             libgz.CylinderGeom(body, Space(engine), 0.25, 0.5)
             body.SetPosition((0, 0, z))
         engine.step()
-        contacts = engine.step_form.contacts()
+        contacts = engine.native.contacts()
         assert len(contacts) >= 3
         reach[rule] = max(abs(contact["normal"][2]) for contact in contacts)
         assert engine._context.no_cylinder_pairs == (rule == ContactRule.LEGACY or not ode().collides_cylinders)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from engine_parts import INF, box, in_both_forms, solid, unsolvable, use_classic, use_form
+from engine_parts import INF, box, solid, unsolvable, use_classic
 
 import libgz
 from libgz.base.errors import ParameterError
@@ -16,7 +16,7 @@ from libgz.physics.space import Space
 
 
 @pytest.mark.parametrize("place", [1e8, 3e8, 1e9])
-def test_small_bodies_far_away(form, place):
+def test_small_bodies_far_away(place):
     engine = Engine(gravity=(0, 0, 0))
     body = solid(engine, box(0.1, 0.1, 0.1), position=(place, -place, place))
     engine.step()
@@ -33,7 +33,7 @@ def test_small_bodies_far_away(form, place):
     assert not body.diverged
 
 
-def test_small_bodies_on_their_way_out(form):
+def test_small_bodies_on_their_way_out():
     engine = Engine(gravity=(0, 0, 0), step_time=1.0)
     body = solid(engine, box(0.1, 0.1, 0.1))
     body.SetLinearVel((9e6, 0, 0))
@@ -66,17 +66,15 @@ def diverge(classic):
     return engine.states.tobytes()
 
 
-def test_diverged_bodies_are_reset_alike_in_both_forms(monkeypatch, caplog):
+def test_diverged_bodies_are_reset(caplog):
     with caplog.at_level(logging.ERROR):
-        native, python = in_both_forms(lambda: diverge(True), monkeypatch)
-    assert native == python
+        assert diverge(True) == diverge(True)
     for name in ("flung", "accelerated", "spun"):
         assert caplog.text.count(f"body {name} diverged; its velocity was reset") == 2
     assert "calm" not in caplog.text
 
 
-def test_the_native_form_resets_them_in_legacy_worlds_too(monkeypatch, caplog):
-    use_form("native", monkeypatch)
+def test_they_are_reset_in_legacy_worlds_too(caplog):
     with caplog.at_level(logging.ERROR):
         diverge(False)
     for name in ("flung", "accelerated", "spun"):
@@ -85,7 +83,7 @@ def test_the_native_form_resets_them_in_legacy_worlds_too(monkeypatch, caplog):
 
 
 @pytest.mark.parametrize("kind", [libgz.Hinge2Joint, libgz.UniversalJoint])
-def test_axes_in_any_order_and_never_parallel(form, kind):
+def test_axes_in_any_order_and_never_parallel(kind):
     engine = Engine(gravity=(0, 0, 0))
     one, two = (solid(engine, box(0.1, 0.1, 0.1), position=(x, 0, 0)) for x in (0, 1))
     joint = kind(engine)
@@ -108,7 +106,7 @@ def test_axes_in_any_order_and_never_parallel(form, kind):
     assert tuple(joint.GetAxis1()) == pytest.approx((1, 0, 0))
 
 
-def test_hinge2_without_bodies_has_no_axes(form):
+def test_hinge2_without_bodies_has_no_axes():
     joint = libgz.Hinge2Joint(Engine())
     for getter in (joint.GetAxis1, joint.GetAxis2):
         with pytest.raises(ParameterError, match="attached to two bodies"):
@@ -159,7 +157,7 @@ def mesh(corners, triangles):
     return lambda body, space: libgz.TriMeshGeom(body, space, corners, triangles)
 
 
-def test_meshes_of_one_triangle_meet_other_meshes(form):
+def test_meshes_of_one_triangle_meet_other_meshes():
     engine = Engine(gravity=(0, 0, 0))
     flat, upright = [(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [(0, 0, -1), (0, 0, 1), (0, -0.5, 0)]
     bodies = [solid(engine, mesh(corners, [(0, 1, 2)])) for corners in (flat, upright)]
@@ -185,7 +183,6 @@ def test_meshes_that_are_none(corners, triangles, message):
 
 def test_a_pair_whose_collision_detection_fails_is_skipped(monkeypatch, caplog):
     """A box so wide that the cells of a height field under it cannot be counted."""
-    use_form("native", monkeypatch)
     engine = Engine()
     ground, space = libgz.Body(engine, "ground", dummy=True), Space(engine)
     libgz.HeightfieldGeom(ground, space, np.zeros((3, 3)), 0.01, 0.01)
@@ -206,7 +203,6 @@ def test_a_pair_whose_collision_detection_fails_is_skipped(monkeypatch, caplog):
 
 
 def test_a_step_that_ode_cannot_solve_is_reported(monkeypatch, caplog):
-    use_form("native", monkeypatch)
     engine, two = unsolvable()
     two.SetLinearVel((1, 0, 0))
     with caplog.at_level(logging.ERROR):
@@ -219,7 +215,6 @@ def test_a_step_that_ode_cannot_solve_is_reported(monkeypatch, caplog):
 
 
 def test_abandoned_steps_leak_no_memory(monkeypatch):
-    use_form("native", monkeypatch)
     engine, _ = unsolvable()
 
     def pages():
@@ -231,22 +226,6 @@ def test_abandoned_steps_leak_no_memory(monkeypatch):
         engine.step()
     assert engine.abandoned
     assert (pages() - before) * 4096 < 12e6  # they were 37 MB
-
-
-def test_rays_agree_on_height_fields_in_both_forms(monkeypatch):
-    def run():
-        engine = Engine()
-        ground, space = libgz.Body(engine, dummy=True), Space(engine)
-        libgz.HeightfieldGeom(ground, space, [[0, 1, 0], [1, 2, 1], [0, 0, 3]], 4.0, 4.0)
-        angles = np.linspace(0, 2 * math.pi, 60)
-        rays = np.zeros((60, 7))
-        rays[:, 3], rays[:, 5], rays[:, 6] = np.cos(angles), np.sin(angles), 50.0
-        ranges, rows = np.empty(60), np.empty(60, dtype=np.int64)
-        engine.scan(np.array([0.3, 0.2, 6.0, 1, 0, 0, 0]), rays, 0, ranges, rows)
-        return ranges.tobytes(), rows.tobytes()
-
-    native, python = in_both_forms(run, monkeypatch)
-    assert native == python
 
 
 def asleep(engine, position, support=None):
@@ -302,7 +281,7 @@ def test_times_that_are_none(bad):
             world.set_sim_time(bad)
 
 
-def test_bodies_closed_between_contacts_and_motion(monkeypatch):
+def test_bodies_closed_between_contacts_and_motion():
     def run():
         engine = Engine(step_time=0.01)
         engine.record_contacts = True
@@ -318,12 +297,11 @@ def test_bodies_closed_between_contacts_and_motion(monkeypatch):
         assert len(engine.contacts) == 0 or engine.contact_count > 0
         return engine.states[sorted(engine.bodies)].tobytes()
 
-    native, python = in_both_forms(run, monkeypatch)
-    assert native == python
+    assert run() == run()
 
 
 @pytest.mark.parametrize("start", [0.0, 1.7e308, -1.7e308, math.nan])
-def test_a_ray_that_is_not_finite_hits_nothing(form, start):
+def test_a_ray_that_is_not_finite_hits_nothing(start):
     engine = Engine()
     libgz.BoxGeom(libgz.Body(engine, dummy=True), Space(engine), 1.0, 1.0, 1.0)
     rays = np.tile([-3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 10.0], (6, 1))

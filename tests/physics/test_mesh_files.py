@@ -1,4 +1,6 @@
-"""Mesh files: what a scene instantiates is bounded."""
+"""Mesh files: what formats allow and programs write is read; what a scene instantiates is bounded."""
+
+import struct
 
 import numpy as np
 import pytest
@@ -37,3 +39,159 @@ def test_a_scene_that_grows_by_powers_of_ten_is_an_error(read, monkeypatch):
     monkeypatch.setattr(mesh_files, "MOST_NODES", 1000)
     with pytest.raises(GazeboError, match="its scene has more than 1000 nodes and geometries"):
         read(NODE, f'{FAN}<node id="n8"/><node id="n"><instance_node url="#n0"/>')
+
+
+# What programs write -------------------------------------------------------------------------------------------------
+
+CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0), (0, 1, 0), (0, 0, 1)], dtype="<f4").reshape(2, 9)
+FACETS = "".join("facet normal 0 0 0\nouter loop\n" + "vertex 0 0 0\nvertex 1 0 0\nvertex {} 1 0\n" for _ in "ab")
+DOCUMENT = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>{asset}</asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa">{points}</float_array><technique_common><accessor source="#pa" stride="3"/>
+</technique_common></source>
+<source id="t"><float_array id="ta">0 0 1 0 1 1 0 1</float_array><technique_common><accessor source="#ta" stride="2"/>
+</technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>{faces}</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="one"><node><translate>5 0 0</translate><instance_geometry url="#g"/></node>
+</visual_scene><visual_scene id="two"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+{scene}</COLLADA>"""
+VERTEX = '<input semantic="VERTEX" source="#v" offset="0"/>'
+L_SHAPE = "0 0 0 2 0 0 2 1 0 1 1 0 1 2 0 0 2 0"
+SQUARE = "0 0 0 1 0 0 1 1 0 0 1 0"
+SECOND = '<scene><instance_visual_scene url="#two"/></scene>'
+
+
+def binary_stl(more=b"", count=2, head=b"solid made by a program"):
+    rows = b"".join(b"\0" * 12 + row.tobytes() + b"\0\0" for row in CORNERS)
+    return head.ljust(80, b"\0") + struct.pack("<I", count) + rows + more
+
+
+def area(parts):
+    """Of all triangles, by their normals; at least twice as large where triangles overlap or lie outside."""
+    return sum(
+        0.5 * np.linalg.norm(np.cross(p[t[:, 1]] - p[t[:, 0]], p[t[:, 2]] - p[t[:, 0]]), axis=1).sum()
+        for p, t in ((part.vertices, part.triangles) for part in parts)
+    )
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(name, content):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("more", [b"", b"\0" * 10, b"comment\n", b"\0" * 50], ids=len)
+def test_what_follows_the_triangles_of_a_binary_stl_is_passed_over(file, more):
+    (part,) = read_mesh(file("a.stl", binary_stl(more)))
+    assert part.triangles.shape == (2, 3)
+    assert np.ptp(part.vertices, axis=0).tolist() == [1, 1, 1]
+
+
+def test_a_binary_stl_with_too_few_triangles_is_damaged(file):
+    with pytest.raises(GazeboError, match="it has 2 of 5 triangles"):
+        read_mesh(file("a.stl", binary_stl(count=5)))
+
+
+@pytest.mark.parametrize("end", ["endsolid a\n", "endsolid", "", "endfacet", "solid b\n"])
+@pytest.mark.parametrize("start", ["solid a\n", "  solid\n", "SOLID a\n".lower()])
+def test_an_stl_of_text_needs_no_end(file, start, end):
+    (part,) = read_mesh(file("a.stl", start + FACETS.format(0, 1) + end))
+    assert len(part.triangles) == 2
+
+
+def test_solids_of_an_stl_are_parts(file):
+    parts = read_mesh(file("a.stl", f"solid a\n{FACETS.format(0, 1)}endsolid a\nsolid b\n{FACETS.format(0, 1)}"))
+    assert [(part.name, len(part.triangles)) for part in parts] == [("a", 2), ("b", 2)]
+
+
+@pytest.mark.parametrize("order", ["1 2 3 4 5 6", "6 5 4 3 2 1", "4 5 6 1 2 3", "-6 -5 -4 -3 -2 -1"])
+def test_concave_polygons_of_obj_files_are_cut(file, order):
+    rows = "\n".join("v " + " ".join(L_SHAPE.split()[k : k + 3]) for k in range(0, 18, 3))
+    assert area(read_mesh(file("a.obj", f"{rows}\nf {order}\n"))) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [
+        f"<polylist>{VERTEX}<vcount>6</vcount><p>0 1 2 3 4 5</p></polylist>",
+        f"<polygons>{VERTEX}<p>5 4 3 2 1 0</p></polygons>",
+        f"<polygons>{VERTEX}<ph><p>2 3 4 5 0 1</p></ph></polygons>",
+        f"<triangles>{VERTEX}<p>0 1 2 0 2 3 0 3 5 3 4 5</p></triangles>",
+        f"<trifans>{VERTEX}<p>3 4 5 0 1 2</p></trifans>",
+        f"<tristrips>{VERTEX}<p>4 5 3 0</p><p>3 0 2 1</p></tristrips>",
+    ],
+)
+def test_all_kinds_of_faces_of_collada_are_read(file, faces):
+    text = DOCUMENT.format(asset="", points=L_SHAPE, faces=faces, scene="")
+    assert area(read_mesh(file("a.dae", text))) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(("scene", "place"), [(SECOND, 0), ("", 5), (SECOND.replace("two", "none"), 5)])
+def test_the_scene_that_a_document_names_is_read(file, scene, place):
+    faces = f"<triangles>{VERTEX}<p>0 1 2</p></triangles>"
+    (part,) = read_mesh(file("a.dae", DOCUMENT.format(asset="", points=SQUARE, faces=faces, scene=scene)))
+    assert part.vertices[:, 0].min() == place
+
+
+@pytest.mark.parametrize("axis", ["Y_UP", "X_UP", "Z_UP"])
+def test_another_axis_is_up_only_in_the_warning(file, axis, caplog):
+    faces = f"<triangles>{VERTEX}<p>0 1 2</p></triangles>"
+    text = DOCUMENT.format(asset=f"<up_axis>{axis}</up_axis>", points=SQUARE, faces=faces, scene=SECOND)
+    (part,) = read_mesh(file("a.dae", text))
+    assert np.ptp(part.vertices, axis=0).tolist() == [1, 1, 0]
+    assert (f"<up_axis>{axis}</up_axis>; its coordinates are taken as they are" in caplog.text) == (axis != "Z_UP")
+
+
+def test_texture_coordinates_without_an_image_are_kept(file):
+    own = '<input semantic="TEXCOORD" source="#t" offset="1"/>'
+    faces = f"<polylist>{VERTEX}{own}<vcount>4</vcount><p>0 0 1 1 2 2 3 3</p></polylist>"
+    (part,) = read_mesh(file("a.dae", DOCUMENT.format(asset="", points=SQUARE, faces=faces, scene=SECOND)))
+    expected = [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]]
+    assert part.texture.image is None
+    assert part.texture.coordinates.tolist() == expected
+    rows = "".join(f"v {x} {y} 0\nvt {x} {y}\n" for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    (part,) = read_mesh(file("a.obj", rows + "f 1/1 2/2 3/3 4/4\n"))
+    assert part.texture.coordinates.tolist() == expected
+    assert read_mesh(file("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))[0].texture is None
+
+
+@pytest.mark.parametrize(
+    ("lines", "opacity"),
+    [("d 0.25", 0.25), ("Tr 0.25", 0.75), ("d 0.25\nTr 0.25", 0.25), ("Tr 1\nd 1", 1.0), ("Tr 1.0\nd 0.5", 0.5)],
+)
+def test_d_comes_before_tr(file, lines, opacity):
+    file("a.mtl", f"newmtl m\nKd 1 0 0\n{lines}\n")
+    (part,) = read_mesh(file("a.obj", "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+    assert part.color == (1.0, 0.0, 0.0, opacity)
+
+
+def test_damaged_numbers_of_an_obj_are_zero_and_lines_may_be_continued(file):
+    (part,) = read_mesh(file("a.obj", "v 0 0\nv 1 \\\n0 0\nv 0 one 1\nf 1 2 3\n"))
+    assert part.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 0, 1]]
+
+
+# Meshes that are kept ------------------------------------------------------------------------------------------------
+
+
+def test_meshes_are_read_once_as_long_as_they_fit(file, monkeypatch):
+    read = []
+    reader = mesh_files._read
+    monkeypatch.setattr(mesh_files, "_read", lambda path, when: read.append(path.stem) or reader(path, when))
+    monkeypatch.setattr(mesh_files, "_kept", mesh_files._Kept())
+    paths = [file(f"{k}.stl", binary_stl()) for k in range(100)]
+    for path in (*paths, *paths):
+        read_mesh(path)
+    assert len(read) == 100
+    size = mesh_files._kept.get(paths[0].resolve()).size
+    monkeypatch.setattr(mesh_files, "MOST_KEPT", 10 * size)
+    read_mesh(file("new.stl", binary_stl()))
+    read.clear()
+    for path in (paths[0], *paths[-8:]):  # the ones that were used last
+        read_mesh(path)
+    assert read == []
+    read_mesh(paths[50])
+    assert read == ["50"]

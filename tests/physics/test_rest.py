@@ -3,9 +3,6 @@
 import pytest
 
 import libgz
-from libgz.ode.native_step import native_path
-
-pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
 
 BOX = (
     "<model name='b{0}'><pose>{0} 0 {1} 0 0 0</pose><link name='link'><collision name='c'><geometry>"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from engine_parts import box, busy_world, cylinder, ground, in_both_forms, solid, use_classic
+from engine_parts import box, busy_world, cylinder, ground, solid, use_classic
 
 import libgz
 from libgz.base.errors import StateError
@@ -80,28 +80,18 @@ def pile(solver, classic):
 
 @pytest.mark.parametrize("classic", [False, True])
 @pytest.mark.parametrize("solver", ["world", "quick"])
-def test_a_pile_in_mid_fall(form, solver, classic):
+def test_a_pile_in_mid_fall(solver, classic):
     check(pile(solver, classic), before=100)
 
 
-def test_joints_in_motion(form):
+def test_joints_in_motion():
     engine = busy_world()
     bodies = list(engine.bodies.values())
     check(engine, command=lambda i: bodies[i % 16].AddForce(0.0, 3.0, 5.0))
 
 
-def test_both_forms_have_the_same_bytes(monkeypatch):
-    def state():
-        engine = busy_world()
-        run(engine, steps=20)
-        return engine.get_state()
-
-    native, python = in_both_forms(state, monkeypatch)
-    assert native == python
-
-
 @pytest.mark.parametrize("awake", [0.3, 0.9, 3.0])
-def test_bodies_awake_half_way_to_sleep_and_asleep(form, awake):
+def test_bodies_awake_half_way_to_sleep_and_asleep(awake):
     engine = Engine(step_time=0.005)
     use_classic(engine)
     ground(engine)
@@ -129,7 +119,7 @@ def hinged(engine, **parameters):
     return joint
 
 
-def test_a_hinge_that_has_turned_more_than_once(form):
+def test_a_hinge_that_has_turned_more_than_once():
     engine = Engine(gravity=(0, 0, 0), step_time=0.005)
     use_classic(engine)
     joint = hinged(engine, dParamVel=15.0, dParamFMax=50.0)
@@ -146,7 +136,7 @@ def test_a_hinge_that_has_turned_more_than_once(form):
     assert run(engine) == first
 
 
-def test_stops_springs_and_motors_that_were_changed(form):
+def test_stops_springs_and_motors_that_were_changed():
     engine = Engine(step_time=0.005)
     ground(engine)
     joint = hinged(engine, dParamLoStop=-0.5, dParamHiStop=0.5)
@@ -163,7 +153,7 @@ def test_stops_springs_and_motors_that_were_changed(form):
     assert (joint.GetParam(dParamLoStop), joint.GetParam(dParamFMax)) == (-0.5, 0.0)
 
 
-def test_anchors_and_bodies_of_joints_that_were_changed(form):
+def test_anchors_and_bodies_of_joints_that_were_changed():
     engine = Engine(seed=3, solver="quick", step_time=0.01)
     ground(engine)
     bodies = [solid(engine, box(0.3, 0.3, 0.3), position=(0.5 * i, 0, 1.0)) for i in range(5)]
@@ -186,7 +176,7 @@ def test_anchors_and_bodies_of_joints_that_were_changed(form):
     assert list(bodies[1].joints) == joints[:2]
 
 
-def test_what_was_made_since_is_closed(form):
+def test_what_was_made_since_is_closed():
     engine = busy_world()
     run(engine, steps=50)
     state = engine.get_state()
@@ -206,7 +196,7 @@ def test_what_was_made_since_is_closed(form):
     assert run(engine) == first
 
 
-def test_properties_of_bodies_and_geoms_that_were_changed(form):
+def test_properties_of_bodies_and_geoms_that_were_changed():
     engine = pile("world", classic=True)
     bodies = list(engine.bodies.values())
     plane = next(iter(engine.geoms.values()))
@@ -244,7 +234,7 @@ def test_properties_of_bodies_and_geoms_that_were_changed(form):
     assert bodies[11].geoms[0].GetDiffuseColor() == libgz.GzColor(0.8, 0.8, 0.8)
 
 
-def test_a_mesh_that_was_replaced(form):
+def test_a_mesh_that_was_replaced():
     engine = Engine(step_time=0.01)
     corners, sides = np.array([(-9, -9, 0), (9, -9, 0), (9, 9, 0.5), (-9, 9, 0)], float), [(0, 1, 2), (0, 2, 3)]
     mesh = libgz.TriMeshGeom(libgz.Body(engine, dummy=True), Space(engine), corners, sides)
@@ -253,7 +243,7 @@ def test_a_mesh_that_was_replaced(form):
     assert (mesh.vertices == corners).all()
 
 
-def test_static_geoms_that_moved_with_a_dummy(form):
+def test_static_geoms_that_moved_with_a_dummy():
     engine = Engine(step_time=0.01)
     step = libgz.Body(engine, dummy=True)
     libgz.BoxGeom(step, Space(engine), 4, 4, 0.2)
@@ -261,7 +251,7 @@ def test_static_geoms_that_moved_with_a_dummy(form):
     check(engine, command=lambda i: step.SetPosition((0, 0, 0.001 * i)), change=lambda: step.SetPosition((9, 9, 9)))
 
 
-def test_parts_of_spaces(form):
+def test_parts_of_spaces():
     engine = Engine(seed=1, step_time=0.01)
     walls, outer = libgz.Body(engine, dummy=True), Space(engine)
     for i in range(3):
@@ -273,7 +263,7 @@ def test_parts_of_spaces(form):
     check(engine, change=lambda: walls.SetPosition((0, 0, 0.1)), before=70)
 
 
-def test_poses_that_were_set_just_before(form):
+def test_poses_that_were_set_just_before():
     """Geoms that moved since collisions were searched keep their place in the order when they move again."""
     engine = pile("world", classic=False)
     bodies = list(engine.bodies.values())
@@ -314,7 +304,7 @@ def geared(engine, solver):
 
 
 @pytest.mark.parametrize("solver", ["world", "quick"])
-def test_gears_and_threads(form, solver):
+def test_gears_and_threads(solver):
     engine = Engine(step_time=0.002)
     wheels, gears, thread = geared(engine, solver)
 
@@ -331,7 +321,7 @@ def test_gears_and_threads(form, solver):
     assert (gears.ratio, thread.pitch) == (2.0, 4.0)
 
 
-def test_motion_records(form):
+def test_motion_records():
     engine = pile("world", classic=True)
     engine.record_motion = True
     run(engine, steps=50)
@@ -356,7 +346,7 @@ def test_missing_objects_are_named_before_anything_changes():
     assert engine.get_state() == before
 
 
-def test_objects_that_were_made_again_take_the_place_of_the_old_ones(form):
+def test_objects_that_were_made_again_take_the_place_of_the_old_ones():
     """As when a model was deleted and inserted again: rows differ, results do not."""
 
     def build():
@@ -389,7 +379,7 @@ def test_objects_that_were_made_again_take_the_place_of_the_old_ones(form):
 
 
 @pytest.mark.parametrize("solver", ["quick", "world"])
-def test_bodies_that_were_made_in_another_order(form, solver):
+def test_bodies_that_were_made_in_another_order(solver):
     """As links of plugins, in a world that was built again: ODE solves bodies in the order in which it made them."""
 
     def chain(order):
@@ -416,7 +406,7 @@ def test_bodies_that_were_made_in_another_order(form, solver):
         assert run(second, steps=40) == followed
 
 
-def test_rows_behind_those_that_are_in_use(form):
+def test_rows_behind_those_that_are_in_use():
     def hinges(count, closed, order):
         engine = Engine(seed=1)
         bodies = [solid(engine, box(0.3, 0.2, 0.2), position=(i, 0, 1)) for i in range(2)]
@@ -459,7 +449,7 @@ print(json.dumps(engine.states.tobytes().hex()))
 """
 
 
-def test_another_process_that_built_the_same_world(form):
+def test_another_process_that_built_the_same_world():
     def process(code, text=""):
         command = [sys.executable, "-c", WORLD + code, str(Path(__file__).parents[1])]
         return json.loads(subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout)

@@ -173,19 +173,22 @@ def test_printed_documents_read_the_same():
 
 def test_all_errors_at_once_with_their_lines():
     file = read(
-        "\n<model nam='m'>\n<link name='l'>\n<pose>1 a</pose>\n<gravty>1</gravty>\n<gravity>maybe</gravity></link>\n"
+        "\n<model nam='m'>\n<link name='l'>\n<pose>1 a</pose>\n<gravty>1</gravty>\n<gravity>maybe</gravity>"
+        "<collision name='c'><max_contacts>many</max_contacts></collision></link>\n"
         "<joint name='j' type='revolute'><parent>a</parent></joint></model>",
         label="x.sdf",
     )
     assert [str(f) for f in file.diagnostics.errors] == [
         "x.sdf:2: <model>: attribute 'name' is missing and must be given",
-        "x.sdf:4: <pose>: '1 a' is not allowed; it must be 6 finite numbers: x y z [m] roll pitch yaw [rad]",
-        "x.sdf:6: <gravity>: 'maybe' is not allowed; it must be true, false, 1 or 0",
+        "x.sdf:6: <max_contacts>: 'many' is not allowed; it must be a whole number",
         "x.sdf:7: <joint>: <child> is missing and must be given",
     ]
     warnings = [str(f) for f in file.diagnostics.warnings]
     assert "x.sdf:2: <model>: attribute 'nam' is not part of SDF 1.6 and is ignored; did you mean 'name'?" in warnings
     assert any("<gravty>: is not part of SDF 1.6 in <link>" in w and "did you mean 'gravity'?" in w for w in warnings)
+    pose = "'1 a' is read as '1 0 0 0 0 0'; it should be 6 finite numbers: x y z [m] roll pitch yaw [rad]"
+    assert f"x.sdf:4: <pose>: {pose}" in warnings
+    assert "x.sdf:6: <gravity>: 'maybe' is read as 'false'; it should be true, false, 1 or 0" in warnings
 
 
 def test_joints_need_an_axis_but_balls_do_not():

@@ -61,15 +61,51 @@ def test_what_is_not_well_formed_is_an_error_with_its_line(text):
         ("int", "3.7", "3"),
         ("int", "1e400", ""),
         ("vector3", "1,2,3", "1 2 3"),
-        ("vector3", "1 x 3", ""),
+        ("vector3", "1 x 3", "1 0 0"),
+        ("vector3", "1 1", "1 1 0"),
+        ("vector3", "nan nan nan", "9 9 9"),
+        ("vector3", "x", "9 9 9"),
+        ("vector2d", "1 2 3", "1 2"),
+        ("pose", "0 0 inf 0 0 0", "0 0 0 0 0 0"),
+        ("double", "nan", "9 9 9"),
+        ("double", "-NaN", "9 9 9"),
+        ("double", "x", ""),
+        ("int", "nan", ""),
         ("color", "1", "1 0 0"),
         ("color", "1 1 1 1 1", "1 1 1 1"),
-        ("bool", "yes", ""),
+        ("bool", "yes", "false"),
         ("double", "", ""),
     ],
 )
 def test_numbers_are_read_as_far_as_they_go(kind, text, read):
-    assert repaired(kind, text) == read
+    default = "9" if kind == "double" else "9 9 9"
+    assert repaired(kind, text, default) == (default if read == "9 9 9" else read)
+
+
+def test_lists_that_are_too_short_are_warnings_with_their_line():
+    (found,) = warnings(
+        MODEL.format("<link name='k'>\n<pose>1 2 3 0 0 0</pose><inertial><pose>1 1</pose></inertial></link>")
+    )
+    assert found.endswith(
+        "<pose>: '1 1' is read as '1 1 0 0 0 0'; it should be 6 finite numbers: x y z [m] roll pitch yaw [rad]"
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "key", "used"),
+    [
+        ("<pose>1e300 0 0 0 0 0</pose>", "pose", "1000000000.0 0.0 0.0 0.0 0.0 0.0"),
+        ("<velocity_decay><linear>-1</linear></velocity_decay>", "velocity_decay/linear", "0.0"),
+    ],
+)
+def test_numbers_that_no_world_can_use_are_replaced_with_a_warning(inside, key, used):
+    file = SdfFile.from_string(MODEL.format(f"<link name='k'>{inside}</link>"))
+    assert not file.diagnostics.errors
+    assert "is out of range" in str(file.diagnostics.warnings[0])
+    element = next(one for one in file.root.child("model").named("link") if one.Get(str, "name") == "k")
+    for tag in key.split("/"):
+        element = element.child(tag)
+    assert element.Get(str) == used
 
 
 def test_elements_with_a_prefix_are_kept_without_a_warning():
@@ -99,12 +135,7 @@ SENSOR = "<link name='k'><sensor name='s' type='{}'>{}</sensor></link>"
     [
         ("<joint name='j' type='fixed'><parent>l</parent><child>nowhere</child></joint>", "names link 'nowhere'"),
         ("<joint name='j' type='rigid'><parent>world</parent><child>l</child></joint>", "rigid"),
-        (SENSOR.format("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
-        (
-            "<link name='k'><collision name='c'><geometry><sphere><radius>-1</radius></sphere></geometry>"
-            "</collision></link>",
-            "-1",
-        ),
+        (SENSOR.format("camera", "<camera><image><width>99999</width></image></camera>"), "<width>: is 99999"),
         ("<link name='l'/>", "has a link 'l' already"),
     ],
 )
@@ -155,3 +186,28 @@ def test_other_entities_are_errors(entity, message):
     with pytest.raises(WorldFileError, match="entity") as found:
         libgz.World.from_string(text)
     assert message.removeprefix("w.sdf:") in str(found.value)
+
+
+# What has no effect is a warning -------------------------------------------------------------------------------------
+
+
+def test_misspelt_children_of_an_include_are_warnings():
+    known = "<pose>0 0 1 0 0 0</pose><plugin name='p' filename='q'/>"
+    inside = f"<include>\n<uri>model://sun</uri>\n<nam>x</nam>{known}</include>"
+    file = SdfFile.from_string(f"<sdf version='1.6'><world name='w'>{inside}</world></sdf>", "w.sdf")
+    (found,) = map(str, file.diagnostics.found)
+    assert ":3: <nam>: is not part of SDF in <include> and has no effect; did you mean 'name'?" in found
+
+
+@pytest.mark.parametrize(("version", "in_model"), [("1.6", True), ("1.7", False), ("1.9", False)])
+def test_axes_of_later_versions_are_in_the_frames_that_they_name(version, in_model):
+    axis = "<axis><xyz>1 0 0</xyz>\n<use_parent_model_frame>1</use_parent_model_frame></axis>"
+    text = MODEL.format(
+        f"<link name='k'/><joint name='j' type='prismatic'><parent>l</parent><child>k</child>{axis}</joint>"
+    ).replace("version='1.6'", f"version='{version}'")
+    file = SdfFile.from_string(text, "w.sdf")
+    found = [str(one) for one in file.diagnostics.warnings]
+    axis = file.root.child("model").child("joint").child("axis")
+    assert axis.Get(bool, "use_parent_model_frame") == in_model
+    said = f"w.sdf:3: <use_parent_model_frame>: is not part of SDF {version} and has no effect; the attribute"
+    assert any(one.startswith(said) for one in found) == (not in_model)

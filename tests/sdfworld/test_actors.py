@@ -8,7 +8,6 @@ from bone_files import two_bones
 from sample_files import sample
 
 import libgz
-from libgz.base.errors import WorldFileError
 from libgz.base.geometry import GzQuaternToEuler
 from libgz.physics.geoms import SkinGeom
 
@@ -269,9 +268,9 @@ def test_skeletons_that_do_not_fit_are_a_warning(load, tmp_path, caplog):
     assert "Skin and animation arm skeletons are not compatible: 17 and 2 bones" in caplog.text
 
 
-def test_wrong_times_are_errors_with_line(load):
-    with pytest.raises(WorldFileError, match=r"<string>:1: .*<time> is -1; it must be 0 s or later"):
-        load(actor(trajectory((-1, "0 0 0 0 0 0"))))
+def test_times_before_the_start_are_the_start_with_a_warning(load, caplog):
+    load(actor(trajectory((-1, "0 0 0 0 0 0"))))
+    assert "<time>: '-1' is out of range; '0" in caplog.text
 
 
 MOTION = sample("bvh").decode()

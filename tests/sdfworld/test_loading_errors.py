@@ -1,5 +1,6 @@
 """What goes wrong while a world of either era loads is one GazeboError with file and line."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -70,13 +71,6 @@ def refused(tmp_path, text):
         ),
         (LEGACY.format("<model:ObserverCam><updateRate>1e400</updateRate></model:ObserverCam>"), "finite"),
         (LEGACY.format("<model:SimpleSolid><rpy>0 1e999 0</rpy></model:SimpleSolid>"), "infinite"),
-        (SDF.format("<gravity>0 0 inf</gravity>"), "finite"),
-        (SDF.format("<gravity>0 0 -1e308</gravity>"), "within"),
-        (SDF.format(COLLISION.format("<plane><normal>0 0 inf</normal></plane>")), "plane normal"),
-        (SDF.format(VISUAL.format("<plane><normal>1e308 0 1e308</normal></plane>")), "plane normal"),
-        (SDF.format(VISUAL.format("<plane><size>1 inf</size></plane>")), "plane size"),
-        (SDF.format(COLLISION.format(OUTLINE.format("1e308"))), "polyline point"),
-        (SDF.format(VISUAL.format(OUTLINE.format("inf"))), "polyline point"),
         (SDF.format(IN_LINK.format(RAY)), "resolution"),
         (SDF.format(IN_LINK.format(CAMERA.format(1000000, 100000))), "width"),
         (SDF.format(IN_LINK.format(CAMERA.format(16000, 16000))), "px in all"),
@@ -85,6 +79,35 @@ def refused(tmp_path, text):
 )
 def test_values_that_cannot_be_used_are_errors_with_file_and_line(tmp_path, text, words):
     assert words in refused(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (SDF.format("<gravity>0 0 inf</gravity>"), "<gravity>: '0 0 inf' is read as '0 0 0'"),
+        (
+            SDF.format("<gravity>0 0 -1e308</gravity>"),
+            "<gravity>: '0 0 -1e308' is out of range; '0.0 0.0 -1000000000.0'",
+        ),
+        (
+            SDF.format("<physics type='ode'><max_step_size>0</max_step_size></physics>"),
+            "'0' is out of range; '0.001' is",
+        ),
+        (SDF.format(COLLISION.format("<plane><normal>0 0 inf</normal></plane>")), "'0 0 inf' is read as '0 0 0'"),
+        (SDF.format(VISUAL.format("<plane><normal>1e308 0 1e308</normal></plane>")), "is out of range"),
+        (SDF.format(COLLISION.format("<sphere><radius>-1</radius></sphere>")), "sphere radius [m] is -1; "),
+        (SDF.format(VISUAL.format("<box><size>1 nan 1</size></box>")), "'1 nan 1' is read as '1 0 0'"),
+        (SDF.format(COLLISION.format(OUTLINE.format("1e308"))), "is out of range"),
+        (SDF.format(VISUAL.format(OUTLINE.format("inf"))), "'1 inf' is read as '1 0'"),
+    ],
+)
+def test_values_that_gazebo_ran_with_are_warnings_with_file_and_line(tmp_path, text, words, caplog):
+    path = tmp_path / "w.world"
+    path.write_text(text)
+    with World.from_file(path) as world:
+        world.step(1)
+    assert words in caplog.text
+    assert re.search(rf"{re.escape(str(path))}:2: <\w+>: ", caplog.text)
 
 
 @pytest.mark.parametrize(
@@ -178,3 +201,53 @@ def test_mutants_that_once_failed(path, tmp_path):
     copy = tmp_path / path.name
     copy.write_bytes(path.read_bytes())  # the world of an asset is written beside it
     assert not problem(path.name.partition("-")[0], copy, lambda world: world.step(1))
+
+
+FLAT = (
+    "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'><library_geometries>"
+    "<geometry id='g'><mesh><source id='p'><float_array id='a' count='9'>0 0 0 1 0 0 0 1 0</float_array>"
+    "<technique_common><accessor source='#a' count='3' stride='3'><param type='float'/><param type='float'/>"
+    "<param type='float'/></accessor></technique_common></source><vertices id='v'>"
+    "<input semantic='POSITION' source='#p'/></vertices><triangles count='1'>"
+    "<input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>"
+    "<library_visual_scenes><visual_scene id='s'><node><scale>0 0 0</scale><instance_geometry url='#g'/></node>"
+    "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>"
+)
+
+
+def test_a_mesh_without_extent_loads(tmp_path, caplog):
+    (tmp_path / "flat.dae").write_text(FLAT)
+    path = tmp_path / "w.world"
+    path.write_text(SDF.format(COLLISION.format("<mesh><uri>flat.dae</uri></mesh>")))
+    with World.from_file(path) as world:
+        world.step(10)
+    assert "could not look at this world" not in caplog.text
+
+
+def test_a_check_that_only_warns_never_ends_a_load(tmp_path, monkeypatch, caplog):
+    from libgz.sdfworld import checks
+
+    def divide(*_arguments):
+        raise ZeroDivisionError("float division by zero")
+
+    monkeypatch.setattr(checks, "_warn_of_sinking", divide)
+    path = tmp_path / "w.world"
+    path.write_text(SDF.format(COLLISION.format("<box><size>1 1 1</size></box>")))
+    with World.from_file(path) as world:
+        world.step(10)
+    assert (
+        "the check warn_of_contacts could not look at this world (ZeroDivisionError: float division by" in caplog.text
+    )
+
+
+def test_checks_that_only_warn_run_under_advise():
+    """`advise` is the one place where they run: no module of the package calls a `warn_of_...` of another one."""
+    root = Path(__file__).parents[2] / "libgz"
+    calls = []
+    for path in root.rglob("*.py"):
+        tree = ast.parse(path.read_text())
+        own = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+        called = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
+        names = {name.id for name in called if isinstance(name, ast.Name) and name.id.startswith("warn_of_")}
+        calls += [f"{path.name}: {name}" for name in names - own]
+    assert calls == []

@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ import trimesh
 from PIL import Image
 from sdf_worlds import collision, link, model, world
 
-from libgz.base.errors import GazeboError
 from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.camera import Camera
@@ -249,8 +249,8 @@ def test_one_line_names_several_libraries_or_one_with_spaces(tmp_path, names):
 
 
 @pytest.mark.parametrize("color", ["1 0", "1 nan 0", "1e400 0 0", "red", ""])
-def test_a_damaged_colour_names_the_library_and_the_line(tmp_path, color):
+def test_a_damaged_colour_is_passed_over_with_library_and_line(tmp_path, color, caplog):
     write_obj(tmp_path / "square.obj")
     (tmp_path / "square.mtl").write_text(f"newmtl look\nKd {color}\n")
-    with pytest.raises(GazeboError, match=r"material library .*square\.mtl:2: 'Kd.*' is not Kd RED GREEN BLUE"):
-        read_mesh(tmp_path / "square.obj")
+    assert read_mesh(tmp_path / "square.obj")[0].color is None
+    assert re.search(r"material library .*square\.mtl:2: 'Kd.*' is not Kd RED GREEN BLUE", caplog.text)

@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from engine_parts import in_both_forms, use_form
 from sdf_worlds import GROUND, Loader, collision, friction, inertial, joint, link, model, world
 
-from libgz.ode import python_islands
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld
 
@@ -157,7 +155,7 @@ def sliding(load, speed):
     return made
 
 
-def test_boxes_that_slide_to_a_stop_rest_where_friction_stops_them(load, monkeypatch):
+def test_boxes_that_slide_to_a_stop_rest_where_friction_stops_them(load):
     """At v^2 / (2 mu g), less what friction takes within the first step."""
 
     def run():
@@ -166,30 +164,13 @@ def test_boxes_that_slide_to_a_stop_rest_where_friction_stops_them(load, monkeyp
         assert accelerations(made, 0.01) < 1e-6
         return made.engine.states.tolist()
 
-    native, python = in_both_forms(run, monkeypatch)
-    assert native == python
-    for row, mu in zip(native, (0.5, 0.1, 0.3, 0.3), strict=True):
+    states = run()
+    for row, mu in zip(states, (0.5, 0.1, 0.3, 0.3), strict=True):
         step, slowing = 0.001, mu * 9.8
         assert row[0] == pytest.approx(0.09**2 / (2 * slowing) - 0.09 * step / 2, abs=2e-6), mu
 
 
-def test_no_attempt_is_made_to_solve_as_resting_what_surely_slides(load, monkeypatch):
-    use_form("python", monkeypatch)
-    attempts = []
-    monkeypatch.setattr(python_islands, "solve_resting", lambda *island: attempts.append(island) or False)
-    made = sliding(load, 0.09)
-    attempts.clear()
-    made.step(3)
-    assert not attempts
-    for name in ("rough", "smooth", "low", "high"):
-        made.body(name).SetLinearVel((0.0, 0.0, 0.0))
-    made.step()
-    assert len(attempts) == 3  # islands
-
-
-@pytest.mark.parametrize("form", ["native", "python"])
-def test_contacts_of_a_resting_stack_carry_what_is_above_them(load, monkeypatch, form):
-    use_form(form, monkeypatch)
+def test_contacts_of_a_resting_stack_carry_what_is_above_them(load):
     made = load(world(GROUND, stack(3), physics=physics(0.01)))
     made.engine.record_contacts = True
     made.run(0.3)
@@ -297,34 +278,6 @@ def run_mixed(load, steps):
         hinge.set_param("vel", speed)
     made.step(steps)
     return made
-
-
-def test_both_forms_agree_where_some_are_calm_and_others_are_not(load, monkeypatch):
-    def run():
-        made = run_mixed(load, 300)
-        return made.engine.states.tolist(), [body.IsEnabled() for body in made.engine.bodies.values()]
-
-    native, python = in_both_forms(run, monkeypatch)
-    assert native == python
-
-
-def test_both_forms_agree_on_what_lands_leans_and_rests(load, monkeypatch):
-    """At 20 ms: a corner that lifts, boxes on two others, a block that may slide, and recorded forces."""
-    slippery = block("slippery", (0.4, 0.4, 0.2), (0, 3, 0.101), surface=friction(0.01))
-    wall = [
-        block(f"w{i}", (0.4, 0.2, 0.2), (3 + 0.42 * (i % 3) + 0.2 * (i // 3), 0, 0.1 + 0.2 * (i // 3)))
-        for i in range(5)
-    ]
-    leaning = block("leaning", (0.3, 0.3, 0.3), (6, 0, 0.17)).replace(" 0 0 0</pose>", " 0.1 0.05 0</pose>", 1)
-
-    def run():
-        made = load(world(GROUND, slippery, *wall, leaning, stack(14, size=0.3), physics=physics(0.02)))
-        made.engine.record_contacts = True
-        made.step(60)
-        return made.engine.states.tobytes(), made.engine.contacts.tobytes()
-
-    native, python = in_both_forms(run, monkeypatch)
-    assert native == python
 
 
 def test_bodies_fall_asleep_while_others_move(load):

@@ -6,7 +6,6 @@ import struct
 
 import numpy as np
 import pytest
-from engine_parts import use_form
 from PIL import Image
 from sdf_worlds import GROUND, collision, friction, inertial, link, model, place, world
 
@@ -228,10 +227,8 @@ def test_an_ellipsoid_is_nearly_its_volume_and_stands_on_its_pole(load):
     assert made.body("m").GetPosition().z == pytest.approx(0.5, abs=0.005)
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
-def test_a_plane_has_normals_of_any_length_and_friction_by_direction(load, monkeypatch, form):
+def test_a_plane_has_normals_of_any_length_and_friction_by_direction(load):
     """At mu 0 along the slope, which is along the direction, a block slides at g sin; across it nothing moves."""
-    use_form(form, monkeypatch)
     slope = math.atan(0.4)
 
     def plane(y):

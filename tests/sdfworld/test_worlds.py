@@ -262,7 +262,6 @@ def test_all_faults_at_once(load):
     with pytest.raises(WorldFileError) as caught:
         load(world(bad))
     text = str(caught.value)
-    assert "mass [kg] is -1" in text
     assert "has a link 'a' already" in text
     assert "type 'piston' is not a kind of joint here; allowed are revolute, prismatic" in text
     assert "<child> names link 'nowhere'; there are a" in text
@@ -272,11 +271,7 @@ def test_all_faults_at_once(load):
 @pytest.mark.parametrize(
     ("inside", "said"),
     [
-        (
-            "<model name='m'><pose>0 0 z</pose><link name='l'/></model>",
-            r"<pose>: '0 0 z' .* must be 6 finite numbers: x",
-        ),
-        ("<physics type='ode'><max_step_size>0</max_step_size></physics>", r"<max_step_size>: .* must be above zero"),
+        ("<physics type='ode'><max_step_size>z</max_step_size></physics>", r"<max_step_size>: 'z' .* must be a number"),
         ("<state world_name='w'><sim_time>soon</sim_time></state>", r"<sim_time>: 'soon' .* must be seconds"),
     ],
 )
@@ -288,7 +283,7 @@ def test_a_wrong_number_is_told_with_its_place(load, inside, said):
 @pytest.mark.parametrize(
     "key", ["max_step_size", "real_time_update_rate", "real_time_factor", "sor", "erp", "kp", "mu"]
 )
-def test_what_is_no_number_is_one_error_at_its_element(load, key):
+def test_what_is_no_number_is_one_warning_at_its_element(load, key, caplog):
     ode = f"<ode><solver>{_given('sor', key)}</solver><constraints>{_given('erp', key)}</constraints></ode>"
     physics = "".join(_given(name, key) for name in ("max_step_size", "real_time_update_rate", "real_time_factor"))
     surface = (
@@ -297,10 +292,8 @@ def test_what_is_no_number_is_one_error_at_its_element(load, key):
     )
     geometry = "<geometry><sphere><radius>1</radius></sphere></geometry>"
     body = f"<model name='m'><link name='l'><collision name='c'>{geometry}{surface}</collision></link></model>"
-    with pytest.raises(WorldFileError) as caught:
-        load(f"<world name='w'><physics type='ode'>{physics}{ode}</physics>{body}</world>")
-    assert str(caught.value).endswith(f"w0.world:1: <{key}>: 'nan' is not allowed; it must be a number")
-    assert str(caught.value).count("\n") == 0
+    load(f"<world name='w'><physics type='ode'>{physics}{ode}</physics>{body}</world>")
+    assert caplog.text.count(f"w0.world:1: <{key}>: 'nan' is read as '") == 1
 
 
 def _given(name, key):
@@ -322,18 +315,15 @@ def test_a_negative_number_of_physics_that_is_replaced_is_a_warning(load, caplog
 
 
 def test_a_pose_at_infinity_is_one_message(load, caplog):
-    with pytest.raises(
-        WorldFileError, match=r"w0.world:1: <pose>: '0 0 0 1e400 0 0' is not allowed; it must be 6 fini"
-    ):
-        load("<world name='w'><model name='m'><pose>0 0 0 1e400 0 0</pose><link name='l'/></model></world>")
-    assert "is read as" not in caplog.text
+    load("<world name='w'><model name='m'><pose>0 0 0 1e400 0 0</pose><link name='l'/></model></world>")
+    assert caplog.text.count("w0.world:1: <pose>: '0 0 0 1e400 0 0' is read as '0 0 0 0 0 0'") == 1
 
 
 def test_a_wrong_number_does_not_hide_what_else_is_wrong(load):
     with pytest.raises(WorldFileError) as caught:
-        load("<world name='w'><model name='a'><pose>0 0 z</pose><link name='l'/></model><model name='b'/></world>")
-    assert "must be 6 finite numbers" in str(caught.value)
-    assert "GzPose" not in str(caught.value)
+        load("<world name='w'><physics><max_step_size>z</max_step_size></physics><model/></world>")
+    assert "<max_step_size>: 'z' is not allowed; it must be a number" in str(caught.value)
+    assert "attribute 'name' is missing" in str(caught.value)
 
 
 def test_unknown_shapes_and_engines_are_warnings(load, caplog):

@@ -5,7 +5,6 @@ import random
 import pytest
 
 import libgz
-from libgz.ode.native_step import native_path
 
 
 @pytest.mark.parametrize("paused", [False, True])
@@ -35,7 +34,6 @@ def test_random_numbers_do_not_pause_reset_or_save(wire, paused, caplog):
     assert sum("sim.default: pause" in message for message in caplog.messages) == 1
 
 
-@pytest.mark.skipif(native_path() is None, reason="the native step was not built")
 def test_random_numbers_cost_python_only_what_is_logged(wire, monkeypatch, caplog):
     with libgz.World(wire) as world:
         world.Initialize()
@@ -58,7 +56,6 @@ def test_random_numbers_cost_python_only_what_is_logged(wire, monkeypatch, caplo
     assert caplog.messages[1].endswith("(100 times so far)")
 
 
-@pytest.mark.skipif(native_path() is None, reason="the native step was not built")
 def test_native_code_reads_buttons_as_python_does(caplog):
     rng, done = random.Random(3), {True: [], False: []}
     with libgz.World() as native, libgz.World() as twin:

@@ -90,20 +90,18 @@ def test_states_of_a_classic_world(wire):
         assert [*joint.axes[0]] == pytest.approx([0, 0, 1])
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
-def test_both_forms_of_the_step_publish(wire, form, monkeypatch):
-    monkeypatch.setenv("LIBGZ_STEP", form)
+def test_a_step_publishes(wire):
     hinge = sdf.two_links(sdf.joint("j", "revolute", "a", "b"))
     with classic(hinge, server_id=wire) as world, libgz.Observer(wire) as observer:
         world.body("m", "b").SetAngularVel((0.0, 0.0, 3.0))
         for _ in range(3):
             world.step(5)
-            state, step_form = observer.state(), world.engine.step_form
+            state = observer.state()
             before = world.engine.tables.joints.state.copy()
-            step_form.read()
+            world.engine.native.read()
             used = world.engine.tables.bodies.used
             assert (state.bodies[:used] == world.engine.states).all()
-            assert (before[0] == world.engine.tables.joints.state[0]).all() or form == "python"
+            assert (before[0] == world.engine.tables.joints.state[0]).all()
             assert (state.joints[0] == world.engine.tables.joints.state[0]).all()
 
 
@@ -428,7 +426,6 @@ def test_a_killed_observer(wire):
     assert not folder.exists()
 
 
-@pytest.mark.skipif(os.environ.get("LIBGZ_STEP") == "python", reason="needs the native parts")
 def test_a_truncated_file(wire):
     with legacy(SPHERE.format("a", "0 0 1"), server_id=wire) as world, libgz.Observer(wire) as observer:
         tables = Path(observer.path, ".observer.tables")

@@ -321,7 +321,7 @@ def test_what_does_not_fit_is_refused_with_a_reason(world):
         with pytest.raises(GazeboError):
             world.set_state(damaged)
         assert look(world) == before
-    with pytest.raises(ParameterError, match="no state of this version"):
+    with pytest.raises(StateError, match="no state of this version"):
         world.set_state(b"something")
     world.close()
     with pytest.raises(ClosedError, match="the world is closed"):
@@ -593,38 +593,17 @@ def test_a_truncated_state_is_refused_wherever_it_ends(world):
     state = world.get_state()
     before = world.get_state()
     for end in [*range(0, 200, 7), *range(200, len(state), len(state) // 50)]:
-        with pytest.raises(ParameterError):
+        with pytest.raises(StateError):
             world.set_state(state[:end])
-    with pytest.raises(ParameterError):
+    with pytest.raises(StateError):
         world.set_state(state + b"more")
-    count = state.index(b"\n") + 1
-    blocks = int.from_bytes(state[count : count + 8], "little")
-    assert 0 < blocks < 10
-    for number in (-1, 2**40, blocks - 1, blocks + 1):
-        with pytest.raises(ParameterError):
-            world.set_state(state[:count] + number.to_bytes(8, "little", signed=True) + state[count + 8 :])
     assert world.get_state() == before
 
 
-def test_states_that_were_set_before_need_no_state_to_return_to(world, monkeypatch):
-    states = [world.get_state()]
-    for _ in range(2):
-        world.step()
-        states.append(world.get_state())
-    saved = []
-    save = world.snapshots.save
-    monkeypatch.setattr(world.snapshots, "save", lambda: saved.append(1) or save())
-    for state in (*states, *map(bytearray, states), *states):
-        world.set_state(state)
-    assert len(saved) == len(states)
-    with pytest.raises(GazeboError):
-        world.set_state(states[0][:-8])
-    assert save() == states[-1]
-
-
-def test_a_state_of_an_older_version_is_refused(world):
-    with pytest.raises(ParameterError, match="no state of this version"):
-        world.set_state(b"libgz state 2\n" + world.get_state()[14:])
+def test_a_state_of_an_older_version_is_refused_with_its_version(world):
+    state = world.get_state()
+    with pytest.raises(StateError, match="this state has format 7; this version of libgz has format 8"):
+        world.set_state(state.replace(b"libgz state 8\n", b"libgz state 7\n"))
 
 
 def test_what_is_assigned_to_parts_is_in_the_next_state(world):

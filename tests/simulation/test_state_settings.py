@@ -9,7 +9,6 @@ from state_settings import KEPT_BY_RESET, OF_CLASSIC, OF_WORLDS
 from libgz import World
 from libgz.base.errors import ParameterError
 from libgz.classic.math import Rand
-from libgz.simulation.state import changes
 
 LEGACY = (
     "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane><id>ground</id></model:GroundPlane><model:Pioneer2AT>"
@@ -108,13 +107,3 @@ def test_a_seed_is_a_natural_number():
         world.reseed(3)
         world.set_state(state)
         assert (world.seed, np.random.default_rng(world.random.spawn(1)[0]).random()) == (2**70, draw)
-
-
-def test_assigning_what_an_attribute_holds_is_no_change():
-    world = World()
-    before = changes.last
-    world.name = world.name
-    world.physics_enabled = True
-    assert changes.last == before
-    world.physics_enabled = False
-    assert changes.last != before

@@ -13,7 +13,7 @@ TEXT = (
 
 @pytest.fixture
 def world(monkeypatch):
-    monkeypatch.setattr("libgz.ode.native_step.LONGEST", 60.0)
+    monkeypatch.setattr("libgz.ode.step.LONGEST", 60.0)
     with libgz.World.from_string(TEXT) as made:
         made.interface("position", "r").command(vx=0.3, vyaw=0.2)
         yield made

@@ -126,7 +126,7 @@ def test_threads_have_the_world_between_the_steps_of_one_call():
 
 
 def test_native_steps_end_when_a_thread_waits(monkeypatch):
-    monkeypatch.setattr("libgz.ode.native_step.LONGEST", 60.0)
+    monkeypatch.setattr("libgz.ode.step.LONGEST", 60.0)
     with libgz.World.from_string(LEGACY.replace("Pioneer2AT", "SimpleSolid")) as world:
         world.step(2)
         seen = []

@@ -16,10 +16,7 @@ from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.bandit import JointServo
 from libgz.models.pioneer2at import Pioneer2AT
-from libgz.ode.native_step import native_path
 from libgz.ode.records import Kind, numbers
-
-pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 SICK = "<model:SickLMS200><id>{}</id><xyz>0.1 0 {}</xyz><rangeCount>{}</rangeCount></model:SickLMS200>"

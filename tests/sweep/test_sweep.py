@@ -1,5 +1,6 @@
 """Sweeps as users run them: results, controllers, limits, retries, interruptions, clusters, plots."""
 
+import contextlib
 import csv
 import json
 import os
@@ -7,9 +8,12 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
+from libgz.base.errors import GazeboError
+from libgz.sweep import driver
 from libgz.sweep.results import read_results
 
 LIBGZ = [sys.executable, "-m", "libgz", "sweep"]
@@ -82,6 +86,57 @@ def test_a_grid_into_csv_and_plots(folder):
 
 
 @pytest.mark.trial
+def listening(pid):
+    """Ports of TCP, and names of sockets, at which a process and its children listen."""
+    processes, found = [pid], set()
+    for process in processes:
+        for task in Path(f"/proc/{process}/task").glob("*/children"):
+            processes += map(int, task.read_text().split())
+        with contextlib.suppress(OSError):
+            links = {str(link.readlink()) for link in Path(f"/proc/{process}/fd").iterdir()}
+            for table in ("tcp", "tcp6", "udp", "udp6", "unix"):
+                for line in Path(f"/proc/{process}/net/{table}").read_text().splitlines()[1:]:
+                    words = line.split()
+                    inode = words[6] if table == "unix" else words[9]
+                    if f"socket:[{inode}]" in links:
+                        found.add(line)
+    return found
+
+
+@pytest.mark.parametrize("option", ["-j", "--local"])
+def test_a_sweep_of_this_machine_opens_no_socket_and_ends_by_sigterm_in_one_line(folder, option):
+    change(folder, ("drive.py:Drive", "drive.py:hang"), ('"controller/speed" = [0.2, 0.4]\n', ""))
+    change(folder, ('calls = "drive.py:calls"', ""))
+    command = [*LIBGZ, "push.toml", option, "2"]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        while not (folder / "push.results" / "results.csv").exists():
+            assert process.poll() is None
+            time.sleep(0.05)
+        time.sleep(0.5)
+        assert listening(process.pid) == set()
+    finally:
+        process.send_signal(signal.SIGTERM)
+        out, errors = process.communicate(timeout=30)
+    assert (process.returncode, out) == (143, "")
+    assert errors == "libgz: 0 of 4 runs are recorded; the same command continues\n"
+    report = subprocess.run([*LIBGZ, "report", "push.results"], cwd=folder, capture_output=True, text=True)
+    assert "0 of 4 runs are recorded" in report.stderr
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "tls://127.0.0.1:1"])
+def test_a_scheduler_without_tls_is_named_as_trusted(address, monkeypatch, caplog):
+    class Distributed:
+        def Client(self, *_arguments, **_options):
+            raise OSError("refused")
+
+    monkeypatch.setattr(driver, "_distributed", Distributed)
+    with pytest.raises(GazeboError, match=f"cannot reach the scheduler '{address}': refused"), driver.cluster(address):
+        pass
+    told = f"{address} has no TLS: whoever can connect to it can run code" in caplog.text
+    assert told is address.startswith("tcp")
+
+
 def test_other_studies_do_not_mix(folder):
     assert sweep(folder, "--dry-run").stdout == "8 runs of 1 s\n"
     change(folder, ("duration = 1.0", "duration = 0.1"))

@@ -18,7 +18,7 @@ from libgz import World
 from libgz.base.errors import GazeboError
 from libgz.classic import server
 from libgz.classic.math import PID, Pose3d, Rand, Vector3d
-from libgz.simulation.state import decode
+from libgz.simulation.state import decode, encode
 
 pytestmark = pytest.mark.trial
 
@@ -150,11 +150,13 @@ class Changing(Run):
         return record
 
 
-def without_plugins(state: bytes) -> list[Any]:
+def without_plugins(state: bytes) -> dict[str, Any]:
     """The parts of a state but that of the plugins, which a reset does not load again, but calls."""
-    parts = [*decode(state)]
-    at = next(number for number, part in enumerate(parts) if isinstance(part, dict) and SERVER in part)
-    parts[at] = {**parts[at], SERVER: parts[at][SERVER][: server.PARTS.index("plugins")]}
+    _, _, encoded = decode(state)
+    parts: dict[str, Any] = decode(encoded)
+    kept = parts["companions"]
+    parts["companions"] = {**kept, SERVER: kept[SERVER][: server.PARTS.index("plugins")]}
+    parts["engine"] = encode(parts["engine"])
     return parts
 
 

@@ -68,11 +68,85 @@ def test_messages_of_watching_pages_are_dropped():
             return raws.pop(0)
 
     async def passed():
-        watcher = gate._Watcher(Connection(), gate.WATCHING.__contains__)
+        watcher = gate._Checked(Connection(), gate.WATCHING.__contains__)
         return [msgspec.msgpack.decode(await watcher.recv())["type"] for _ in range(2)]
 
     assert asyncio.run(passed()) == ["ViewerCameraMessage"] * 2
     assert not raws
+
+
+def let_through(*messages, control=True):
+    """The types of those messages that a page's connection lets through."""
+    raws = [message if isinstance(message, bytes) else msgspec.msgpack.encode(message) for message in messages]
+
+    class Connection:
+        request = Request("/")
+
+        async def recv(self):
+            if not raws:
+                raise EOFError
+            return raws.pop(0)
+
+    found = []
+
+    async def handler(connection):
+        while True:
+            found.append(msgspec.msgpack.decode(await connection.recv())["type"])
+
+    door = Gate("127.0.0.1", "", lambda note, page: None)
+    Connection.request = Request(f"/{door.token}/" if control else "/")
+    with pytest.raises(EOFError):
+        asyncio.run(door._connect(handler, Connection()))
+    return found
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 1e308, -1e10, 2**63])
+@pytest.mark.parametrize("control", [True, False])
+def test_messages_with_numbers_out_of_range_are_dropped(bad, control):
+    good = {"type": "ViewerCameraMessage", "position": [0.0, 1.0, -2.0], "fov": 1.2, "image_width": 800}
+    wrong = [{**good, "fov": bad}, {**good, "position": [0.0, bad, 0.0]}, {**good, "more": {"deep": [[bad]]}}]
+    assert let_through(*wrong, good, control=control) == ["ViewerCameraMessage"]
+
+
+def test_messages_that_are_nested_deeply_are_dropped():
+    deep = 0
+    for _ in range(20):
+        deep = [deep]
+    deeper = b"\x81\xa1x" + b"\x91" * 100_000 + b"\x00"  # deeper than a decoder can follow
+    assert let_through({"type": "GuiUpdateMessage", "value": deep}, deeper, {"type": "end"}) == ["end"]
+
+
+@pytest.mark.parametrize("kind", ["ShareUrlRequest", "ShareUrlDisconnect"])
+def test_no_page_can_make_itself_public(kind):
+    assert let_through({"type": kind}, {"type": "end"}) == ["end"]
+
+
+def test_an_origin_without_the_port_is_another_one(door):
+    for origin in ("http://127.0.0.1", "http://127.0.0.1:80801", "null", ""):
+        request = Request("/", Upgrade="websocket", Origin=origin)
+        assert door._answer(None, request).status_code == 403
+
+
+def test_notes_are_short_tables():
+    notes = []
+    door = Gate("127.0.0.1", "", lambda note, page: notes.append(note))
+    fits = json.dumps({"key": "x" * (gate.LARGEST_NOTE - len('{"key": ""}'))})
+    raws = ["[" * 5000, "{", "[1]", fits, fits.replace("x", "xx", 1), '{"key": 1}']
+
+    class Connection:
+        request = Request(f"/{door.token}/notes")
+
+        def __aiter__(self):
+            return self
+
+        async def __anext__(self):
+            if not raws:
+                raise StopAsyncIteration
+            return raws.pop(0)
+
+    asyncio.run(door._connect(None, Connection()))
+    assert [len(note.get("key", "")) if isinstance(note.get("key", ""), str) else 1 for note in notes] == [4085, 1, 0]
+    assert notes[-1] == {"closed": True}
 
 
 def test_a_viewer_binds_this_machine_and_a_busy_port_moves_on():

@@ -51,9 +51,9 @@ def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tm
     with served("-s", server_id, "-d", 0, file) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
         page = opened(chromium, url)
         tab(page, "World")
-        page.get_by_label("Keep 60 s").click()
+        page.get_by_label("Record 60 s").click()
         choose(page, "Insert", "Shrimp")
-        page.get_by_role("button", name="Insert it").click()
+        page.get_by_role("button", name="Insert", exact=True).click()
         wait_for(lambda: "shrimp1" in {entity.id for entity in observer.entities}, "the insertion")
         begin = observer.state().sim_time
         wait_for(lambda: observer.state().sim_time > begin + 1.0, "a second")
@@ -72,7 +72,7 @@ def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tm
         wait_for(lambda: drag_handle(page), "the handles")
         wait_for(lambda: np.linalg.norm(np.array([*observer.pose("shrimp1").pos]) - before) > 0.2, "the model moves")
 
-        page.get_by_role("button", name="Delete it").click()
+        page.get_by_role("button", name="Delete", exact=True).click()
         wait_for(lambda: "shrimp1" not in {entity.id for entity in observer.entities}, "the deletion")
         page.get_by_text("Pause", exact=True).click()
         wait_for(lambda: observer.state().paused, "the pause")

@@ -54,6 +54,29 @@ def viewer():
         yield viewer
 
 
+def test_a_viewer_survives_whatever_a_frame_or_an_action_raises(viewer, monkeypatch, caplog):
+    viewer.tick()
+    calls = []
+
+    def fail(*_):
+        calls.append(1)
+        raise ZeroDivisionError("of a page")
+
+    monkeypatch.setattr(viewer.view, "move", fail)
+    viewer.do(fail)
+    for _ in range(6):
+        viewer._due, viewer._state = 0.0, None  # a frame is due, and has something new
+        viewer.tick()
+    assert viewer.failures == len(calls) >= 6
+    told = [record for record in caplog.records if "the viewer continues after an error" in record.getMessage()]
+    assert 1 <= len(told) <= 4  # of 1, 2, 4, 8 ...
+    monkeypatch.undo()
+    viewer._due = viewer._shown = 0.0
+    before = viewer.failures
+    viewer.tick()
+    assert viewer.failures == before
+
+
 @contextlib.contextmanager
 def showing(text):
     """A world and a viewer that only shows it."""

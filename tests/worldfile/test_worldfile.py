@@ -124,6 +124,16 @@ def test_odd_values_of_real_files_are_read_with_a_warning():
     assert "'12abc' is not a number, and is read as 12" in text
 
 
+def test_lists_that_are_too_short_are_warnings():
+    node = node_of("<xyz>1 2</xyz><rpy>90</rpy><color>1 1</color><size>1 2 3</size>")
+    assert node.GetPosition("xyz") == GzVector(1, 2, 0)
+    node.GetRotation("rpy")
+    assert node.GetColor("color") == GzColor(1, 1, 0)
+    node.GetPosition("size")
+    missing = [text for text in messages(node.file) if "those that are missing are read as 0" in text]
+    assert [text.partition(">: ")[2][:10] for text in missing] == ["has 2 of 3", "has 1 of 3", "has 2 of 3"]
+
+
 def test_required_attribute():
     node = node_of("<otherName>1</otherName>")
     node.GetString("othername", None, 1)

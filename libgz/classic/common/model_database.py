@@ -7,7 +7,7 @@ import os
 from lxml import etree
 
 from libgz.base.errors import NotFoundError
-from libgz.base.files import is_file
+from libgz.base.files import is_file, open_file
 from libgz.classic.names import takes_names
 from libgz.sdf.paths import find_model, find_uri, model_directories
 
@@ -56,9 +56,9 @@ class ModelDatabase:
     @staticmethod
     def _name(folder: str) -> str:
         try:
-            root = etree.parse(
-                os.fsencode(f"{folder}/model.config"), etree.XMLParser(resolve_entities=False, no_network=True)
-            )
+            config = f"{folder}/model.config"
+            with open_file(config):  # which checks it
+                root = etree.parse(os.fsencode(config), etree.XMLParser(resolve_entities=False, no_network=True))
         except (OSError, etree.XMLSyntaxError):
             return ""
         return (root.findtext("name") or "").strip()

@@ -7,7 +7,6 @@ plain text, or compressed by zlib or bz2 and encoded in base64. A truncated file
 from __future__ import annotations
 
 import base64
-import binascii
 import bz2
 import os
 import re
@@ -19,35 +18,19 @@ from typing import NamedTuple
 from lxml import etree
 
 from libgz._version import __version__
+from libgz.base.budget import Budget, BudgetError
 from libgz.base.closing import Closing
 from libgz.base.errors import ParameterError, WorldFileError, nearest
+from libgz.base.files import open_file
 
 __all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
 
 CHUNK = 64 * 1024  # characters that are written together
-LARGEST_CHUNK = 256 * 1024 * 1024  # bytes of a decompressed chunk
-
-
-def _unzip(data: bytes) -> bytes:
-    tool = zlib.decompressobj()
-    return _whole(tool.decompress(data, LARGEST_CHUNK), tool.eof)
-
-
-def _unbz2(data: bytes) -> bytes:
-    tool = bz2.BZ2Decompressor()
-    return _whole(tool.decompress(data, LARGEST_CHUNK), tool.eof)
-
-
-def _whole(data: bytes, at_end: bool) -> bytes:
-    if not at_end:
-        raise ValueError(f"it is truncated, or has more than {LARGEST_CHUNK >> 20} MiB")
-    return data
-
-
-ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[bytes], bytes]]] = {
-    "zlib": (zlib.compress, _unzip),
-    "bz2": (bz2.compress, _unbz2),
-    "txt": (bytes, bytes),
+# How chunks are compressed, and how within a budget they are decompressed.
+ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[Budget, bytes], bytes]]] = {
+    "zlib": (zlib.compress, Budget.zlib),
+    "bz2": (bz2.compress, Budget.bz2),
+    "txt": (bytes, lambda _, data: data),
 }
 _DECLARATION = re.compile(r"<\?xml[^>]*\?>")
 
@@ -157,7 +140,7 @@ class LogReader:
 
     def _elements(self, name: str) -> Iterator[etree._Element]:
         try:
-            with self.path.open("rb") as file:
+            with open_file(self.path) as file:
                 # recover: the end may be missing.
                 yield from (
                     element
@@ -201,11 +184,14 @@ class LogReader:
                     f"{self.path}:{line}: <chunk>: bad encoding {encoding!r}; allowed are {', '.join(ENCODINGS)}"
                 )
             text = element.text or ""
-            if encoding != "txt":
-                try:
-                    text = ENCODINGS[encoding][1](base64.b64decode(text)).decode()
-                except (binascii.Error, zlib.error, OSError, EOFError, ValueError) as error:
-                    raise WorldFileError(f"{self.path}:{line}: <chunk>: is damaged: {error}") from None
+            try:
+                if encoding != "txt":
+                    text = ENCODINGS[encoding][1](Budget(), base64.b64decode(text)).decode()
+                Budget().take_xml(text)  # what readers make of it
+            except BudgetError as error:
+                raise WorldFileError(f"{self.path}:{line}: <chunk>: {error}") from None
+            except ValueError as error:
+                raise WorldFileError(f"{self.path}:{line}: <chunk>: is damaged: {error}") from None
             yield encoding, text
             element.clear()
 

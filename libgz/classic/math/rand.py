@@ -20,7 +20,6 @@ class Rand:
     _seed: ClassVar[int] = random.SystemRandom().getrandbits(32)
     _engine: ClassVar[random.Random] = random.Random(_seed)
     _used: ClassVar[bool] = False  # whether there were numbers since it was seeded
-    _kept: ClassVar[bytes] = b""  # the generator in a state, until there is another number
 
     @classmethod
     def Seed(cls, seed: int | None = None) -> int:
@@ -28,12 +27,12 @@ class Rand:
         if seed is not None:
             cls._seed = int(seed)
             cls._engine.seed(cls._seed)
-            cls._used, cls._kept = False, b""
+            cls._used = False
         return cls._seed
 
     @classmethod
     def _draw(cls) -> random.Random:
-        cls._used, cls._kept = True, b""
+        cls._used = True
         return cls._engine
 
     @classmethod
@@ -41,11 +40,8 @@ class Rand:
         """Seed and generator, for a snapshot of a world."""
         if not cls._used:
             return cls._seed, None
-        if not cls._kept:
-            _, words, spare = cls._engine.getstate()
-            has, value = spare is not None, spare or 0.0
-            cls._kept = _GENERATOR.pack(*words, has, value)
-        return cls._seed, cls._kept
+        _, words, spare = cls._engine.getstate()
+        return cls._seed, _GENERATOR.pack(*words, spare is not None, spare or 0.0)
 
     @classmethod
     def LoadState(cls, state: tuple[Any, ...]) -> None:
@@ -57,7 +53,7 @@ class Rand:
         if packed is not None:
             *words, has, value = _GENERATOR.unpack(packed)
             cls._engine.setstate((cls._engine.VERSION, tuple(words), value if has else None))
-            cls._used, cls._kept = True, packed
+            cls._used = True
 
     @classmethod
     def DblUniform(cls, low: float = 0.0, high: float = 1.0) -> float:

@@ -15,9 +15,9 @@ from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor import Descriptor
 from google.protobuf.descriptor_pb2 import DescriptorProto, FieldDescriptorProto, FileDescriptorProto
 
+from libgz.base.encoding import register
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.msgs.message import Message, extend
-from libgz.simulation.state import plain
 
 __all__ = ["PREFIX", "declarations", "declare", "known_types", "message_type", "restored"]
 
@@ -118,7 +118,8 @@ def restored(name: str, data: bytes) -> Message:
     return message_type(name).FromString(data)
 
 
-Message._restored = staticmethod(plain(restored, Message))
+Message._restored = staticmethod(restored)
+register(Message, lambda message: message.__reduce__()[1], restored)
 
 
 def _describe(name: str, fields: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.base.errors import NotFoundError, ParameterError
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, place_of
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, VectorLike, place_of
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 
@@ -220,8 +220,8 @@ class Entity(Base):
     GetWorldPose = WorldPose
 
     def SetWorldPose(self, pose: GzPose, notify: bool = True, publish: bool = True) -> None:
-        """Set the global pose [m]; velocities stay."""
-        self.move(pose)
+        """Set the global pose [m], also as six numbers; velocities stay."""
+        self.move(GzPoseOf(pose))
 
     def RelativePose(self) -> Pose3d:
         """Pose relative to the parent [m]."""
@@ -230,8 +230,8 @@ class Entity(Base):
     GetRelativePose = RelativePose
 
     def SetRelativePose(self, pose: GzPose, notify: bool = True, publish: bool = True) -> None:
-        """Set the pose relative to the parent [m]."""
-        self.move(GzCoordPoseAdd(pose, self._frame()))
+        """Set the pose relative to the parent [m], also as six numbers."""
+        self.move(GzCoordPoseAdd(GzPoseOf(pose), self._frame()))
 
     def InitialRelativePose(self) -> Pose3d:
         """The pose relative to the parent that a reset restores [m]."""

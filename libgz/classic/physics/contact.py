@@ -120,7 +120,7 @@ def contact_records(world: World, points: NDArray[np.void]) -> NDArray[np.void]:
 
 
 def _number_and_turn(world: World, row: int) -> tuple[int, tuple[float, ...]]:
-    """The number of a collision, and the rotation of its link; 0 for what is no collision of a model."""
+    """The number of a collision, and the rotation of its link; 0 for what is not a collision of a model."""
     table = world.core.engine.tables.geoms
     geom = table.objects.get(row)
     if geom is None or world.collision_of(geom) is None:

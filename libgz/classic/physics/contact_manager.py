@@ -12,7 +12,6 @@ from libgz.classic.physics.contact import Contact, contact_records, read_contact
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
 from libgz.simulation.event import unowned
-from libgz.simulation.state import changes, seldom
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -25,8 +24,8 @@ class ContactManager:
     """The contacts of the last step. They are recorded from the first request on."""
 
     STATE = ("_never_drop", "_requested")  # `published` changes often, and is saved beside it
-    _never_drop: bool = seldom()
-    _requested: bool = seldom()
+    _never_drop: bool
+    _requested: bool
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -52,7 +51,6 @@ class ContactManager:
             if name not in self._filters:
                 self.CreateFilter(name, collisions)
         self._filters = {name: self._filters[name] for name in wanted}
-        changes.count()
         self.published = published
 
     def forget(self) -> None:
@@ -130,7 +128,6 @@ class ContactManager:
         topic = f"~/{name}/contacts"
         with unowned():
             publisher = self._node.Advertise(msgs.Contacts, topic)
-        changes.count()
         self._filters[name] = publisher, frozenset(one.removeprefix(prefix) for one in wanted)
         return topic
 
@@ -144,7 +141,6 @@ class ContactManager:
         if name not in self._filters:
             raise NotFoundError(f"there is no contact filter {name!r}{nearest(name, self._filters)}")
         publisher, _ = self._filters.pop(name)
-        changes.count()
         publisher.Fini()
         self.release(publisher)
 

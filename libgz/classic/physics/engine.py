@@ -19,7 +19,6 @@ from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.physics import PHYSICS
 from libgz.sdfworld.world import SdfWorld
-from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
@@ -184,7 +183,6 @@ class PhysicsEngine:
         if value != self._value_without_effect(key):
             log.warning("physics parameter %s is kept, and has no effect", key)
         self._without_effect[key] = value
-        changes.count()
 
     def _value_without_effect(self, key: str) -> Any:
         """The value that was set, else that of the file."""

@@ -11,7 +11,6 @@ from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.place import found_at, place_if_there
-from libgz.simulation.state import changes
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -43,7 +42,6 @@ class Ids:
         self._names.setdefault(view, view._name)
         view._name = name
         self._world.server.activity.renamed()
-        changes.count()
 
     @property
     def new_names(self) -> set[str]:

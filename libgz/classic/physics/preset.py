@@ -8,7 +8,7 @@ from libgz.base.errors import NotFoundError, nearest
 from libgz.classic.names import takes_names
 from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
-from libgz.simulation.state import decode, encode, seldom
+from libgz.simulation.state import encode
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -20,30 +20,17 @@ __all__ = ["PresetManager"]
 class PresetManager:
     """The physics profiles of a world."""
 
-    STATE = ("_packed", "_current")
-    _encoded: bytes = seldom()  # the profiles in a state; empty after one has changed
-    _current: str = seldom()
+    STATE = ("_profiles", "_current")
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._profiles: dict[str, dict[str, Any]] = {}
         self._current = ""
-        self._encoded = b""
         self._settings = world.core.extension(SdfWorld).settings
         for name, element in self._settings.profiles.items():
             self._profiles[name] = read_physics(element)
             if element is self._settings.physics:
                 self._current = name
-
-    @property
-    def _packed(self) -> bytes:
-        if not self._encoded:
-            self._encoded = encode(self._profiles)
-        return self._encoded
-
-    @_packed.setter
-    def _packed(self, packed: bytes) -> None:
-        self._profiles, self._encoded = decode(packed), packed
 
     def AllProfiles(self) -> list[str]:
         """The names of all profiles."""
@@ -79,13 +66,12 @@ class PresetManager:
     def CreateProfile(self, name: str) -> str:
         """Add a profile with the present parameters; returns its name."""
         physics = self._world.Physics()
-        self._profiles[name], self._encoded = {key: physics.GetParam(key) for key in PHYSICS}, b""
+        self._profiles[name] = {key: physics.GetParam(key) for key in PHYSICS}
         return name
 
     def RemoveProfile(self, name: str) -> None:
         """Remove a profile."""
         self._profiles.pop(name, None)
-        self._encoded = b""
 
     def ProfileParam(self, name: str, key: str) -> Any:
         """A parameter of a profile."""
@@ -102,7 +88,7 @@ class PresetManager:
         encode(value)
         if name == self._current:
             self._world.Physics().SetParam(key, value)
-        profile[key], self._encoded = value, b""
+        profile[key] = value
         return True
 
     def CurrentProfileParam(self, key: str) -> Any:

@@ -14,7 +14,6 @@ from libgz.base.geometry import GzCoordPositionAdd, GzPose, VectorLike, rotate
 from libgz.classic.math import Angle, Vector3d
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.simulation.event import Connection, Event
-from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -111,6 +110,10 @@ class RayShape:
     Length, Retro, Fiducial = GetLength, GetRetro, GetFiducial
 
 
+MOST_OWN = 16  # surfaces of its own model that a ray passes before its minimum range
+BEYOND = 1e-6  # [m] behind such a surface
+
+
 class ScanGrid:
     """The directions of a scan: rows of rays, the lowest row first, each from `min_angle` to `max_angle`.
 
@@ -130,13 +133,22 @@ class ScanGrid:
 
     def rays(self, offset: GzPose) -> NDArray[np.float64]:
         """Start [m], direction and length [m] of all rays, shape (n, 7), in the frame that `offset` is given in."""
+        return ray_table(self.directions(), self.reach, offset)
+
+    def directions(self) -> NDArray[np.float64]:
+        """Unit vectors along all rays, shape (n, 3), in the frame of the laser."""
         yaw, pitch = (
             np.linspace(*angles, samples) if samples > 1 else np.zeros(1)  # a single ray points along x
             for angles, samples in zip(self.angles, self.samples, strict=True)
         )
         up, around = (grid.ravel() for grid in np.meshgrid(pitch, yaw, indexing="ij"))
-        directions = np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=1)
-        return ray_table(directions, self.reach, offset)
+        return np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=1)
+
+    @property
+    def spacing(self) -> float:
+        """The smallest angle between neighbouring rays of a row, or of a column [rad]; a right angle for one ray."""
+        pairs = zip(self.angles, self.samples, strict=True)
+        return min([abs(last - first) / (count - 1) for (first, last), count in pairs if count > 1] + [0.5 * np.pi])
 
 
 def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offset: GzPose) -> NDArray[np.float64]:
@@ -150,7 +162,7 @@ def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offse
     return rays
 
 
-class MultiRayShape(Noted):
+class MultiRayShape:
     """The rays of a laser, fixed to a link; they also hit the link itself.
 
     Args:
@@ -184,10 +196,37 @@ class MultiRayShape(Noted):
     def Update(self) -> None:
         """Cast all rays, from the present pose of the link."""
         pose = self.body.GetPose()
-        self._engine.scan(np.array((*pose.pos, *pose.rot)), self._rays, 0, self._reached, self._rows)
-        self.noted.count()
+        frame = np.array((*pose.pos, *pose.rot))
+        self._engine.scan(frame, self._rays, 0, self._reached, self._rows)
+        if self.grid.reach[0] > 0.0:
+            self._stop_at_near(frame)
         if self._scans:
             self._scans()
+
+    def _stop_at_near(self, frame: NDArray[np.float64]) -> None:
+        """Let what stands nearer than the minimum range stop its rays there; parts of the laser's own model do not."""
+        near, own = self._rays.copy(), _top(self.body)
+        near[:, :3] -= near[:, 3:6] * self.grid.reach[0]
+        near[:, 6] = self.grid.reach[0]
+        which = np.arange(len(near))
+        for _ in range(MOST_OWN):
+            reached, rows = np.empty(len(near)), np.empty(len(near), dtype=np.int64)
+            self._engine.scan(frame, near, 0, reached, rows)
+            hit = [row for row in np.unique(rows).tolist() if self._known(row)]
+            mine = [row for row in hit if _top(self._engine.geoms[row].body) is own]
+            stopped, through = np.isin(rows, [row for row in hit if row not in mine]), np.isin(rows, mine)
+            self._reached[which[stopped]], self._rows[which[stopped]] = 0.0, rows[stopped]
+            step = reached[through] + BEYOND
+            near, which = near[through], which[through]
+            near[:, :3] += near[:, 3:6] * step[:, None]
+            near[:, 6] -= step
+            near, which = near[near[:, 6] > 0.0], which[near[:, 6] > 0.0]
+            if not len(near):
+                return
+
+    def show(self, ranges: NDArray[np.float64]) -> None:
+        """Take ranges that were measured otherwise [m], shape (n,)."""
+        self._reached[:] = np.where(np.isfinite(ranges), ranges - self.grid.reach[0], sys.float_info.max)
 
     def ConnectNewLaserScans(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` after each scan, as long as the connection is kept."""
@@ -288,3 +327,11 @@ class MultiRayShape(Noted):
     GetMinRange, GetMaxRange = MinRange, MaxRange
     GetMinAngle, GetMaxAngle = MinAngle, MaxAngle
     GetVerticalMinAngle, GetVerticalMaxAngle = VerticalMinAngle, VerticalMaxAngle
+
+
+def _top(body: Body) -> object:
+    """The outermost model of a body, or the body itself."""
+    found: object = body.model if body.model is not None else body
+    while getattr(found, "parent", None) is not None:
+        found = found.parent  # type: ignore[attr-defined]
+    return found

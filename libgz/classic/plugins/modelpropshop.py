@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
+from libgz.base.files import read_limited
 from libgz.classic import msgs, transport
 from libgz.classic.common.console import gzerr, gzmsg
 from libgz.classic.event import Events
@@ -57,7 +58,7 @@ class ModelPropShop(SystemPlugin):
         self.world: World = get_world(name)
         self.before = {model.GetName() for model in self.world.Models()} if self.file is not None else set()
         if self.file is not None:
-            self.world.InsertModelString(Path(self.file).read_text(encoding="utf-8"))
+            self.world.InsertModelString(read_limited(Path(self.file)).decode())
         self.connections.append(Events.ConnectWorldUpdateEnd(self.OnUpdate))
 
     def OnUpdate(self) -> None:

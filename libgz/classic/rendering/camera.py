@@ -19,6 +19,7 @@ from libgz.base.geometry import (
     GzCoordPositionAdd,
     GzCoordPositionSub,
     GzPose,
+    GzPoseOf,
     GzVector,
     QuaternLike,
     VectorLike,
@@ -34,7 +35,6 @@ from libgz.classic.rendering.visual import Visual
 from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
 from libgz.rendering.image import write_image
 from libgz.simulation.event import Connection, Event
-from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -60,7 +60,7 @@ def render_frame(world: World, cameras: Iterable[Camera]) -> None:
 
 
 @takes_names
-class Camera(Noted, Closing):
+class Camera(Closing):
     """A camera that looks along +x of its pose, z up: a view on a `libgz.rendering.camera.Camera`.
 
         camera = Camera(world, "eye", 320, 240)
@@ -87,7 +87,6 @@ class Camera(Noted, Closing):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("_format", "_capture", "_saving", "_saved", "_rate", "_fresh", "mount", "core")
-    SELDOM: ClassVar[tuple[str, ...]] = STATE[:-1]  # images, and poses of the camera that takes them, change in place
 
     def __init__(
         self,
@@ -419,6 +418,7 @@ class Camera(Noted, Closing):
 
     def SetWorldPose(self, pose: GzPose) -> None:
         """Move it to a global pose [m]."""
+        pose = GzPoseOf(pose)
         self.core.SetPose(GzPose(GzVector(*pose.pos), pose.rot))
 
     def SetWorldPosition(self, pos: VectorLike) -> None:

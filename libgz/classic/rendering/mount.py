@@ -22,7 +22,6 @@ from libgz.base.geometry import (
 from libgz.classic.common.animation import PoseAnimation
 from libgz.rendering.camera import Camera as CoreCamera
 from libgz.simulation.event import Connection, Event
-from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.rendering.visual import Visual
@@ -32,7 +31,7 @@ __all__ = ["Mount"]
 NEAR = 1e-6  # [m] a camera horizontally this close to the visual that it tracks does not turn
 
 
-class Mount(Noted):
+class Mount:
     """Moves one camera.
 
     Attributes:

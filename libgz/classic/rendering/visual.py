@@ -15,6 +15,7 @@ from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,
+    GzPoseOf,
     GzVector,
     QuaternLike,
     VectorLike,
@@ -30,7 +31,7 @@ from libgz.rendering.shot import Lines
 from libgz.sdf.element import Element
 from libgz.sdf.materials import Material
 from libgz.sdfworld.visual import material_name, put_on, replaces_look, scripted_material, set_transparency
-from libgz.simulation.state import equal, get_values, set_values
+from libgz.simulation.state import encode, get_values, set_values
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -257,7 +258,7 @@ class Visual:
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned: lines that came since go, those that went are made again."""
-        if equal(state, self.save()):
+        if encode(state) == encode(self.save()):
             return
         own, lines = state
         set_values(self, own)
@@ -330,6 +331,7 @@ class Visual:
 
     def SetWorldPose(self, pose: GzPose) -> None:
         """Move it, with all in it, to a global pose [m]; from there it moves with its link."""
+        pose = GzPoseOf(pose)
         before = self.world_pose()
         moved = [(part, GzCoordPoseSub(part.world_pose(), before)) for part in self.tree()]
         for part, relative in moved:
@@ -344,6 +346,7 @@ class Visual:
 
     def SetPose(self, pose: GzPose) -> None:
         """Move it to a pose in its parent [m]."""
+        pose = GzPoseOf(pose)
         around = self._parent.world_pose() if self._parent is not None else GzPose()
         self.SetWorldPose(GzCoordPoseAdd(pose, around))
 

@@ -63,12 +63,11 @@ class CameraPlan:
         distances = element.child("clip")
         if depth and "depth_camera" in known_children(element) and element.HasElement("depth_camera"):
             distances = first(element.child("depth_camera"), "clip") or distances
-        self.near, self.far = clip(distances, "near", "far")
+        self.near, self.far = clip(distances, "near", "far", NEAREST)
 
     def make(self, world: World, name: str, kind: type[C]) -> C:
         """A camera of the given class."""
-        near = max(self.near, NEAREST)
-        camera = kind(world, name, self.width, self.height, self.hfov, near, self.far, self.format)
+        camera = kind(world, name, self.width, self.height, self.hfov, self.near, self.far, self.format)
         save, noise = first(self.element, "save"), self.noise
         if save is not None and save.Get(bool, "enabled"):
             path = save.Get(str, "path")

@@ -45,11 +45,11 @@ class ForceTorqueSensor(Sensor):
         super().__init__(sensors, parent, sdf)
         self._joint = cast(JointView, parent)  # in a link, none is made
         wrench = sdf.child("force_torque")
-        self._frame = choice(wrench, "frame", ("parent", "child", "sensor"))
+        self._frame = choice(wrench, "frame", ("parent", "child", "sensor"), "child")
         self._to_child = False
         if wrench.HasElement("measure_direction"):
             directions = ("child_to_parent", "parent_to_child")
-            self._to_child = choice(wrench, "measure_direction", directions) == "parent_to_child"
+            self._to_child = choice(wrench, "measure_direction", directions, directions[0]) == "parent_to_child"
         self._force, self._torque = Vector3d(), Vector3d()
 
     def Init(self) -> None:

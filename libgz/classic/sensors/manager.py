@@ -15,7 +15,7 @@ from libgz.classic.transport import Node, TopicManager
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.event import unowned
-from libgz.simulation.state import Noted, Reader, changes, decode, encode, equal, readers
+from libgz.simulation.state import decode, encode, get_values, set_values
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -27,7 +27,6 @@ __all__ = ["WorldSensors"]
 
 log = logging.getLogger("libgz.classic")
 
-_type: Any = type  # mypy takes a class for no key of a cache
 SENSOR = f"<sdf version='{NEWEST}'><model name='any'><link name='any'>%s</link></model></sdf>"
 
 
@@ -52,9 +51,6 @@ class WorldSensors:
         self._parent_name: str | None = None  # of a sensor that is made again
         self._started = False
         self._node: Node | None = None
-        self._encoded = b""  # what seldom changes of the sensors
-        self._seen = (-1, -1)  # the counts of changes then
-        self._changing: list[tuple[Reader, Any]] = []  # sensors and cameras that have more, and what reads that
 
     @property
     def renders(self) -> bool:
@@ -91,7 +87,6 @@ class WorldSensors:
             log.warning("%s: <sensor>: there is a %r already; this one is left out", element.where, sensor.ScopedName())
             return None
         self.sensors[sensor.ScopedName()] = sensor
-        Noted.noted.count()
         self._new.append(sensor)
         return sensor
 
@@ -160,7 +155,6 @@ class WorldSensors:
 
     def _update_lists(self) -> None:
         """List the sensors to check in each iteration."""
-        Noted.noted.count()
         self._gathering = [sensor for sensor in self._active if sensor.gathers]
         topics, inactive = TopicManager.Instance(), (s for s in self.sensors.values() if s not in self._active)
         self._idle = [(topics.topic(each.GetTopic()), one) for one in inactive for each in one.publishers]
@@ -240,47 +234,34 @@ class WorldSensors:
         """The state of all sensors, as plain data; None without any."""
         if not self.sensors:
             return None
-        return self._now, self._next, self._rows(), [reader.get(part) for reader, part in self._changing]
+        return self._now, self._next, self._rows()
 
-    def _rows(self) -> bytes:
-        """All of that but what often changes, such as images, encoded."""
-        counts = Noted.noted.last, changes.last
-        if counts != self._seen:
-            rows = []
-            self._changing = []
-            for name, one in self.sensors.items():
-                parts = [one, *one.cameras]
-                found = [readers(_type(part)) for part in parts]
-                values = [seldom.get(part) for (seldom, _), part in zip(found, parts, strict=True)]
-                self._changing += [(often, part) for (_, often), part in zip(found, parts, strict=True) if often.fields]
-                rows.append((name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, values))
-            self._encoded, self._seen = encode(rows), counts
-        return self._encoded
+    def _rows(self) -> list[Any]:
+        """Of each sensor how it is made, whether it is active, and the states of itself and of its cameras, encoded."""
+        return [
+            [
+                name,
+                one.Type(),
+                one.parent.GetScopedName(),
+                one.source,
+                one in self._active,
+                list(map(_state, _parts(one))),
+            ]
+            for name, one in self.sensors.items()
+        ]
 
     def load(self, state: Sequence[Any] | None) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
-        now, due, encoded, changing = state if state is not None else (0.0, -math.inf, encode([]), [])
-        moved = encoded != self._rows()
-        if moved:
-            self._load_rows(decode(encoded))
-        for (reader, part), values in zip(self._changing, changing, strict=True):
-            if moved or not reader.saves or not equal(values, reader.get(part)):
-                reader.set(part, values)
-        self._now, self._next = now, due
-
-    def _load_rows(self, rows: Sequence[Any]) -> None:
+        now, due, rows = state if state is not None else (0.0, -math.inf, [])
         if [(name, kind, active) for name, kind, _, _, active, _ in rows] != [
             (name, one.Type(), one in self._active) for name, one in self.sensors.items()
         ]:
             self._match(rows)
-        for name, *_, values in rows:
-            sensor = self.sensors[name]
-            for part, own in zip((sensor, *sensor.cameras), values, strict=True):
-                seldom = readers(_type(part))[0]
-                if not equal(own, seldom.get(part)):
-                    seldom.set(part, own)
-        Noted.noted.count()  # arrays and generators were changed in place
-        self._rows()
+        for name, *_, states in rows:
+            for part, encoded in zip(_parts(self.sensors[name]), states, strict=True):
+                if encoded != _state(part):
+                    set_values(part, decode(encoded))
+        self._now, self._next = now, due
 
     def _match(self, rows: Sequence[Any]) -> None:
         """Make the sensors those of a state."""
@@ -296,9 +277,9 @@ class WorldSensors:
             raise StateError(f"sensors of this state cannot be made again: {', '.join(missing)}")
         self.sensors = {name: self.sensors[name] for name, *_ in rows}
         self._active = {sensor: None for sensor in self.sensors.values() if sensor in self._active}
-        for name, *_, active, (values, *_) in rows:
+        for name, *_, active, (encoded, *_) in rows:
             sensor = self.sensors[name]
-            readers(_type(sensor))[0].set(sensor, values)
+            set_values(sensor, decode(encoded))
             if active and sensor not in self._active:
                 self._activate(sensor)
             elif not active and sensor in self._active:
@@ -407,3 +388,12 @@ class WorldSensors:
         """Remove all sensors."""
         for sensor in list(self.sensors.values()):
             self.remove(sensor)
+
+
+def _parts(sensor: Sensor) -> tuple[Any, ...]:
+    """What declares a state of a sensor: itself, and its cameras."""
+    return sensor, *sensor.cameras
+
+
+def _state(part: Any) -> bytes:
+    return encode(get_values(part))

@@ -17,7 +17,6 @@ from libgz.classic.sensors.read import choice, number
 from libgz.physics.check import finite
 from libgz.sdf.element import Element
 from libgz.simulation.event import Callback
-from libgz.simulation.state import Noted
 
 __all__ = ["GaussianNoiseModel", "Noise", "NoiseFactory", "SensorNoiseType", "new_noise"]
 
@@ -57,7 +56,7 @@ class NoiseType(IntEnum):
     GAUSSIAN_QUANTIZED = 3
 
 
-class Noise(Noted):
+class Noise:
     """A model of noise; without a callback this one adds none."""
 
     STATE: ClassVar[tuple[str, ...]] = ()
@@ -152,12 +151,10 @@ class GaussianNoiseModel(Noise):
         self._bias = float(bias if self._random.random() < 0.5 else -bias)
 
     def _one(self, value: float) -> float:
-        self.noted.count()  # of random numbers
         noisy = value + self._bias + self._random.normal(self._mean, self._stddev)
         return round(noisy / self._precision) * self._precision if self._precision else float(noisy)
 
     def _many(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        self.noted.count()
         noisy = values + self._bias + self._random.normal(self._mean, self._stddev, values.shape)
         return np.round(noisy / self._precision) * self._precision if self._precision else noisy
 
@@ -200,7 +197,7 @@ def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0)
     Raises:
         ParameterError: the kind is unknown, or a value is not allowed.
     """
-    kind = choice(element, "type", KINDS)
+    kind = choice(element, "type", KINDS, "none")
     if kind == "none":
         return Noise()
     if kind == "custom":

@@ -25,14 +25,14 @@ __all__ = ["RaySensor"]
 
 log = logging.getLogger("libgz.classic")
 
-FULL_TURN = 2.0 * math.pi
 MOST_RAYS = 10_000_000
 
 
 class RaySensor(LinkSensor):
     """A laser. Distances beyond its range are +inf, those below its minimum -inf.
 
-    Rays are cast against collisions, those of the laser's own link included, from the minimum range on. Where
+    Rays are cast against collisions, those of the laser's own link included, from the minimum range on. What stands
+    nearer stops them, unlike in Gazebo, which sees through it; the laser's own model does not. Where
     `resolution` is not 1, there are samples * resolution readings, interpolated between the rays.
     """
 
@@ -93,8 +93,7 @@ class RaySensor(LinkSensor):
 
     def measure(self, elapsed: float) -> None:
         """Cast all rays."""
-        self._shape.Update()
-        ranges, self._retros = self._shape.ranges(), self._shape.retros()
+        ranges, self._retros = self._scan()
         if self._mixing is not None:
             ranges = _mix(ranges, self._mixing)
             self._retros = _mix(self._retros, self._mixing, average=True)
@@ -102,6 +101,11 @@ class RaySensor(LinkSensor):
         noise = self.noises.get(self.noise_type)
         measured = ranges if noise is None else np.clip(noise.apply_all(ranges), near, far)
         self._ranges = np.where(ranges >= far, math.inf, np.where(ranges <= near, -math.inf, measured))
+
+    def _scan(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Ranges [m] and retro values of all rays."""
+        self._shape.Update()
+        return self._shape.ranges(), self._shape.retros()
 
     def message(self) -> Any:
         """The last scan as a msgs.LaserScanStamped."""
@@ -232,10 +236,8 @@ def _row(element: Element) -> tuple[int, int, tuple[float, float]]:
         message = f"is {resolution:g}; samples times resolution is less than 1, and 1 is used instead"
         log.warning("%s", wrong(element, "resolution", message))
         readings = 1
-    low, high = (number(element, key, -FULL_TURN, FULL_TURN, "rad") for key in ("min_angle", "max_angle"))
-    if high < low:
-        raise wrong(element, "max_angle", f"is {high:g} rad; it must be at least <min_angle>, {low:g} rad")
-    return samples, readings, (low, high)
+    low, high = (number(element, key, unit="rad") for key in ("min_angle", "max_angle"))
+    return samples, readings, (low, high)  # in either order: the first ray is the one at <min_angle>
 
 
 def _step(low: Angle, high: Angle, readings: int) -> float:

@@ -15,7 +15,6 @@ from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType, new_noise
 from libgz.classic.sensors.read import custom_topic, first, number
 from libgz.simulation.event import Connection, Event
-from libgz.simulation.state import Noted
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, World
@@ -54,7 +53,7 @@ class SensorOwner(Protocol):
         """Remove the sensor and its plugins."""
 
 
-class Sensor(Noted):
+class Sensor:
     """Base of all sensors.
 
     A sensor measures while it is active: with `<always_on>`, after `SetActive(True)`, or while its topic has

@@ -51,7 +51,7 @@ class SonarSensor(LinkSensor):
         self._min, self._max = clip(sonar, "min", "max")
         self._radius = number(sonar, "radius", 0.0, unit="m") if sonar.HasElement("radius") else 0.5
         known = sonar.HasElement("geometry") or "geometry" in known_children(sonar)
-        self._geometry = choice(sonar, "geometry", ("cone", "sphere")) if known else "cone"
+        self._geometry = choice(sonar, "geometry", ("cone", "sphere"), "cone") if known else "cone"
         self._place()
         self._reached: NDArray[np.float64] = np.zeros(len(self._rays))
         self._rows: NDArray[np.int64] = np.zeros(len(self._rays), dtype=np.int64)

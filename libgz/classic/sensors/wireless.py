@@ -11,7 +11,7 @@ import numpy as np
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.classic import msgs
 from libgz.classic.sensors.noise import GaussianNoiseModel, Noise
-from libgz.classic.sensors.read import number, wrong
+from libgz.classic.sensors.read import number, substituted
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ SPEED_OF_LIGHT = 299792458.0  # [m/s]
 FREE, BLOCKED = 6.0, 12.0  # the exponents of the loss with distance, in sight and behind an obstacle
 FADING = 6.0  # [dB] standard deviation of the loss that varies
 GRID = 10  # [m] radius of the grid of signal strengths that viewers show, with a point each metre
+FREQUENCY = 2442.0  # [MHz], in place of 0
 APART = 1e-5  # [m] between two ends that coincide, so that there is a ray between them
 
 
@@ -50,8 +51,8 @@ class WirelessTransceiver(LinkSensor):
         """A frequency of its file [MHz]."""
         value = number(self._antenna, key, 0.0, unit="MHz")
         if not value:
-            raise wrong(self._antenna, key, "is 0 MHz; it must be above 0")
-        return value
+            substituted(self._antenna, key, f"is 0 MHz; it must be above 0: {FREQUENCY:g} is used")
+        return value or FREQUENCY
 
 
 class WirelessTransmitter(WirelessTransceiver):

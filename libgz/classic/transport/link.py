@@ -46,12 +46,13 @@ class Link(Closing):
             network.close()
 
 
-def serve(uri: str | None = None) -> Link:
+def serve(uri: str | None = None, *, watch_only: bool = False) -> Link:
     """Open this process's topics to clients: start the master of Gazebo classic's protocol.
 
     Args:
         uri: Where to listen, such as `http://localhost:11345`; GAZEBO_MASTER_URI when not given. Port 0 takes a free
             one, which is in the link's `address`.
+        watch_only: Whether clients may only receive, and ask for what they show; what else they publish is ignored.
 
     Raises:
         ServerError: the port is in use, or cannot be opened; or this process has a link.
@@ -59,7 +60,7 @@ def serve(uri: str | None = None) -> Link:
     """
     address = _free_process(uri)
     try:
-        return Link(Network(address, True))
+        return Link(Network(address, True, watch_only=watch_only))
     except OSError as error:
         raise _start_error(error) from None
 

@@ -18,6 +18,7 @@ from typing import Any
 from libgz.base.errors import ParameterError
 from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
+from libgz.classic.transport.peers import PeerCheck
 from libgz.classic.transport.topic import log
 
 __all__ = ["Connection", "SocketLoop"]
@@ -55,6 +56,7 @@ class SocketLoop:
         self.backlog = Backlog()
         self._partial = 0  # bytes of incomplete frames
         self._listeners: list[socket.socket] = []
+        self._peers: PeerCheck | None = None
         self._connections: set[Connection] = set()
         self._writing: set[Connection] = set()  # whose sockets are full
         self._ending = False
@@ -99,6 +101,7 @@ class SocketLoop:
         """Accept connections; `accept` sets what they are for. Any thread may call this."""
         listener.setblocking(False)
         self._listeners.append(listener)
+        self._peers = self._peers or PeerCheck()
         self.call(lambda: self._register_listener(listener, accept, largest))
 
     def _register_listener(self, listener: socket.socket, accept: Callable[[Connection], None], largest: int) -> None:
@@ -106,6 +109,11 @@ class SocketLoop:
             try:
                 made, _ = listener.accept()
             except OSError:
+                return
+            refused = self._peers.refusal(made) if self._peers is not None else ""
+            if refused:
+                made.close()
+                self.warn("a connection was refused: %s", refused)
                 return
             connection = Connection(self, made, largest)
             self.accepted[connection] = None

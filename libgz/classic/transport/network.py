@@ -29,6 +29,7 @@ __all__ = ["Network"]
 SHARE = 0.02  # of a server's time, for handling what clients send
 REQUEST = 1 << 16  # [bytes] of a subscriber's request
 SOURCES = 500  # connections of a server to publishers of other processes
+READING = ("_info", "_list", "_data", "_sdf")  # ends of the requests that only read a world
 LARGEST = 1 << 26, 1 << 30  # [bytes] of a message that a server and a client accept
 SEND_PATIENCE, CLOSE_PATIENCE = 10.0, (0.5, 5.0)  # [s] of a client for a slow receiver; of servers and clients
 ANSWER_PATIENCE = 5.0  # [s] for the master
@@ -43,6 +44,7 @@ class Network:
         address: Of the master. With port 0 a server takes a free port.
         serve: Whether to be the master, or only to connect to it.
         timeout: For the connection to the master [s].
+        watch_only: Whether other processes may only receive, and ask on ~/request for what they show.
 
     Attributes:
         client: Whether there is a server to wait for.
@@ -52,8 +54,8 @@ class Network:
         OSError: there is no master at this address, or it does not answer; a server cannot listen there.
     """
 
-    def __init__(self, address: Address, serve: bool, timeout: float = 10.0) -> None:
-        self.client = not serve
+    def __init__(self, address: Address, serve: bool, timeout: float = 10.0, watch_only: bool = False) -> None:
+        self.client, self._watch_only = not serve, watch_only
         self._manager = TopicManager.Instance()
         self._lock = threading.RLock()  # of the tables of receivers; sending may find that one is closed
         self._receivers: dict[str, list[Connection]] = {}
@@ -222,6 +224,10 @@ class Network:
 
     def _connect_sources(self, topic: Topic) -> None:
         """Connect to the publishers of a topic that are not connected, and close connections without subscribers."""
+        if self._watch_only and not _asks(topic.name):
+            if any(key[0] == topic.name for key in self._publishers):
+                self._loop.warn("this server can only be watched: what clients publish on %s is ignored", topic.name)
+            return
         subscribers = topic.live_subscribers()
         wanted = {id(one): weakref.ref(one) for one in subscribers if one.latching}
         if any(not one.latching for one in subscribers):
@@ -282,6 +288,11 @@ class Network:
         self._loop.call(replace)
 
     def _take(self, topic: Topic, type_name: str, subscriber: weakref.ref[LocalSubscriber] | None, data: bytes) -> None:
+        if self._watch_only:
+            request: Any = message_type("Request").FromString(data)
+            if not request.request.endswith(READING):
+                self._loop.warn("this server can only be watched: request %.40r is ignored", request.request)
+                return
         self._manager.receive(topic, Incoming(next(sequence), type_name, data, subscriber))
 
     def attached(self, topic: str) -> bool:
@@ -367,6 +378,11 @@ class Network:
             end = time.monotonic() + SEND_PATIENCE
             for connection in receivers:
                 connection.wait_room(max(0.0, end - time.monotonic()))
+
+
+def _asks(topic: str) -> bool:
+    """Whether a topic is ~/request of a world."""
+    return topic.startswith("/gazebo/") and topic.endswith("/request") and topic.count("/") == 3
 
 
 def _refuse(_data: bytes) -> None:

@@ -253,6 +253,18 @@ def test_an_invalid_log_is_an_error(tmp_path, text, said):
         LogReader(tmp_path / "none.log")
 
 
+@pytest.mark.parametrize("content", [b" " * (4 << 20), b"<a/>" * 20_000, b'<a b="" c="" d=""/>' * 5_000])
+@pytest.mark.parametrize("encoding", ["zlib", "bz2"])
+def test_a_small_log_that_becomes_large_is_refused(tmp_path, monkeypatch, content, encoding):
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    data = base64.b64encode({"zlib": zlib.compress, "bz2": bz2.compress}[encoding](content)).decode()
+    path = tmp_path / "state.log"
+    path.write_text(f"<gazebo_log><header/><chunk encoding='{encoding}'>{data}</chunk></gazebo_log>")
+    said = r":1: <chunk>: it takes more than 1 MiB decompressed; the environment variable LIBGZ_DECOMPRESSED"
+    with pytest.raises(WorldFileError, match=said):
+        LogPlay(path)
+
+
 def test_bad_arguments_and_worlds_that_cannot_be_recorded(load, tmp_path):
     core = load(world(BOX))
     with pytest.raises(ParameterError, match=r"bad log encoding 'gzip'.*allowed are zlib, bz2, txt"):

@@ -16,7 +16,6 @@ from libgz.classic.loading import new_plugin
 from libgz.classic.math import Quaterniond
 from libgz.classic.server import attach
 from libgz.sdf.element import Element
-from libgz.simulation.state import changes
 
 # Wheels --------------------------------------------------------------------------------------------------------------
 
@@ -132,7 +131,6 @@ def test_position_is_served_by_a_plugin_that_took_the_place_of_another(run, capl
     for name in ("other", "libgz_position"):  # as in the state of a world that was changed so
         (loaded,) = attach(core).model_plugins(world.ModelByName("pioneer2dx"))
         loaded.name = name
-        changes.count()
         core.set_state(state)
         assert core.get_state() == state
     (loaded,) = attach(core).model_plugins(world.ModelByName("pioneer2dx"))

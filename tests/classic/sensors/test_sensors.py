@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from bone_files import two_bones
 from sensor_worlds import GROUND, G, box, collision, get, imu, model, noise, ray, sensor, world_of
 
 from libgz.base.errors import StateError, WorldFileError
@@ -267,7 +268,9 @@ def test_readings_beyond_the_range_are_plus_and_below_it_minus_infinity():
 
 
 def test_a_laser_tells_how_much_comes_back_and_plugins_can_shape_its_scans():
-    bright = box("b", "1 0 0 0 0 0").replace("<geometry>", "<laser_retro>2000</laser_retro><geometry>")
+    shape = "<geometry><box><size>1 1 1</size></box></geometry>"
+    bright = f"<collision name='c'><laser_retro>2000</laser_retro>{shape}</collision><visual name='v'>{shape}</visual>"
+    bright = model("b", bright, "1 0 0 0 0 0")
     with world_of(model("m", sensor("gpu_ray", ray(2, (0, 1.5), (0, 5)))) + bright) as world:
         one, frames, scans = get("s"), [], []
         kept = [
@@ -284,6 +287,50 @@ def test_a_laser_tells_how_much_comes_back_and_plugins_can_shape_its_scans():
         assert len(scans) == 1
         assert len(kept) == 2
         assert one.HorzFOV() == pytest.approx(1.5)
+
+
+BOX = "<geometry><box><size>0.2 0.2 2</size></box></geometry>"
+
+
+def test_a_gpu_ray_sees_visuals_and_actors_and_no_collisions(tmp_path, caplog):
+    (tmp_path / "arm.dae").write_text(two_bones())
+    skin = f"<skin><filename>{tmp_path}/arm.dae</filename></skin>"
+    still = "".join(f"<waypoint><time>{t}</time><pose>4 -1 0 1.57 0 1.57</pose></waypoint>" for t in (0, 100))
+    script = f"<script><trajectory id='0' type='none'>{still}</trajectory></script>"
+    actor = f"<actor name='a'>{skin}{script}</actor>"
+    left = model("left", f"<visual name='v'>{BOX}</visual>", "5 1.5 0 0 0 0")
+    right = model("right", f"<collision name='c'>{BOX}</collision>", "5 -1.5 0 0 0 0")
+    for kind, seen in (("gpu_ray", [False, True, True]), ("ray", [True, False, False])):
+        content = model("m", sensor(kind, ray(81, (-0.4, 0.4), (0.1, 30)))) + actor + left + right
+        with world_of(content) as world:
+            world.step(2)
+            hit = np.isfinite(get("s").Ranges())
+            yaws = np.linspace(-0.4, 0.4, 81)
+            assert [bool(hit[np.abs(yaws - yaw) < 0.03].any()) for yaw in (-0.29, -0.1, 0.29)] == seen, kind
+            if kind == "gpu_ray":
+                nearest = np.min(np.array(get("s").Ranges())[yaws > 0.26])
+                assert nearest == pytest.approx(math.hypot(4.9, 1.4), rel=1e-3)
+    assert "instead of visuals" not in caplog.text
+
+
+def test_a_gpu_ray_without_opengl_sees_collisions_and_says_so(monkeypatch, caplog):
+    monkeypatch.setenv("LIBGZ_GL", "none")
+    with world_of(model("m", sensor("gpu_ray", ray(1, (0, 0), (0.1, 30)))) + box("b", "3 0 0 0 0 0")) as world:
+        world.step(1)
+        assert get("s").Ranges() == [pytest.approx(2.5)]
+    assert "sees collisions instead of visuals: OpenGL is switched off" in caplog.text
+
+
+def test_what_is_nearer_than_the_minimum_range_stops_a_ray_but_not_the_laser_s_own_model():
+    housing = collision("<sphere><radius>0.1</radius></sphere>", name="housing")
+    mount = "<link name='mount'>" + collision("<box><size>0.3 0.3 0.3</size></box>") + "</link>"
+    scan = sensor("ray", ray(3, (-0.8, 0.8), (0.5, 10)))
+    thin = box("thin", "0.3 0 0 0 0 0", "0.02 0.2 1")
+    with world_of(model("m", housing + scan, more=mount) + thin + box("wall", "3 0 0 0 0 0", "0.2 9 1")) as world:
+        world.step(1)
+        ranges = get("s").Ranges()
+        assert ranges[1] == -math.inf
+        assert ranges[0] == ranges[2] == pytest.approx(2.9 / math.cos(0.8))
 
 
 def test_an_altimeter_and_a_magnetometer():
@@ -371,7 +418,6 @@ def test_rays_of_one_s_own():
     [
         (sensor("ray", ray(0)), r":\d+: <samples>: is 0; it must be at least 1"),
         (sensor("ray", ray(5, reach=(3, 2))), "<max>: is 2 m; it must be beyond <min>, 3 m"),
-        (sensor("ray", ray(5, (1, -1))), "<max_angle>: is -1 rad; it must be at least <min_angle>, 1 rad"),
         (sensor("ray", ray(5, resolution=-1)), "<resolution>: is -1; it must be at least 0"),
         (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
@@ -385,7 +431,44 @@ def test_rays_of_one_s_own():
         ),
     ],
 )
-def test_wrong_values_are_told_with_file_and_line(text, message):
+def test_values_beyond_their_bounds_are_replaced_with_a_warning(text, message, caplog):
+    with world_of("\n" + model("m", text)) as world:
+        world.step(100)
+    assert re.search(message, caplog.text)
+    assert ":2: <" in caplog.text
+
+
+def test_scans_may_go_round_more_than_once_and_backwards():
+    def ranges(first, last, vertical=""):
+        scan = f"<scan><horizontal><samples>5</samples><min_angle>{first}</min_angle><max_angle>{last}</max_angle>"
+        content = f"<ray>{scan}</horizontal>{vertical}</scan><range><min>0.1</min><max>10</max></range></ray>"
+        with world_of(model("m", sensor("ray", content)) + box("b", "3 0.4 0 0 0 0.3")) as world:
+            world.step(200)
+            return get("s").Ranges()
+
+    forwards = ranges(-0.2, 0.3)
+    assert len(set(forwards)) == 4
+    assert math.isfinite(forwards[2])
+    assert ranges(0.3, -0.2) == pytest.approx(forwards[::-1], abs=1e-12)
+    around = ranges(0.0, 6.28319)
+    assert around[0] == pytest.approx(around[4], abs=1e-4)
+    assert around[1:4] == [math.inf] * 3
+    rows = "<vertical><samples>3</samples><min_angle>{}</min_angle><max_angle>{}</max_angle></vertical>"
+    up, down = ranges(-0.2, 0.3, rows.format(-0.1, 0.1)), ranges(-0.2, 0.3, rows.format(0.1, -0.1))
+    assert down[:5] == pytest.approx(up[10:], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (sensor("ray", ray(20_000_000)), r":\d+: <samples>: is 20000000; it must be at most"),
+        (
+            sensor("camera", "<camera><image><width>99999</width></image></camera>"),
+            "<width>: is 99999; it must be at most",
+        ),
+    ],
+)
+def test_sensors_that_are_larger_than_libgz_holds_are_errors(text, message):
     with pytest.raises(WorldFileError, match=message):
         world_of("\n" + model("m", text))
 
@@ -407,10 +490,10 @@ def test_of_sensors_of_one_name_the_first_is_made(caplog):
 
 def test_a_wrong_sensor_of_a_model_that_joins_later_is_told_and_left_out(caplog):
     with world_of(model("m", imu())) as world:
-        wrong = model("n", sensor("ray", ray(0), "bad") + imu("fine"))
+        wrong = model("n", sensor("ray", ray(20_000_000), "bad") + imu("fine"))
         with caplog.at_level(logging.ERROR):
             physics.get_world().InsertModelString(f"<sdf version='1.6'>{wrong}</sdf>")
-        assert "<samples>: is 0" in caplog.text
+        assert "<samples>: is 20000000" in caplog.text
         world.step(1)
         assert sensors.get_sensor("bad") is None
         assert get("fine").IsActive()

@@ -1,0 +1,86 @@
+"""Which user is at the other end of a connection from this machine, as the kernel lists it."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import socket
+import struct
+from pathlib import Path
+
+from libgz.classic.transport.topic import log
+
+__all__ = ["PeerCheck"]
+
+TABLES = (Path("/proc/net/tcp"), Path("/proc/net/tcp6"))
+ATTEMPTS = 3  # the kernel may leave a row out while others come and go
+ROOT = 0
+
+
+class PeerCheck:
+    """Decides who may connect over the loopback interface: the user of this process, and root.
+
+    A peer that has closed its socket has no user any more, and is refused. Where the kernel lists no connections (no
+    /proc, or no access to it), that is said once, and nobody is refused: there nobody could connect at all.
+    """
+
+    def __init__(self) -> None:
+        self._uid = os.geteuid()
+        try:
+            self._tables = [table for table in TABLES if table.exists() and table.read_bytes()]
+        except OSError:
+            self._tables = []
+        if not self._tables:
+            log.warning("%s cannot be read: every user of this machine may connect to this server", TABLES[0])
+
+    def refusal(self, connection: socket.socket) -> str:
+        """Why a connection is refused; empty if it is not."""
+        try:
+            near, far = connection.getsockname(), connection.getpeername()
+        except OSError:
+            return "it is closed"
+        if not self._tables or not _address(far[0]).is_loopback:
+            return ""
+        for _ in range(ATTEMPTS):
+            uid = self._owner(far, near)
+            if uid is not None:
+                return "" if uid in (self._uid, ROOT) else f"it is of user {uid}, not of user {self._uid} or root"
+        return "its user is unknown: it has closed its socket"
+
+    def _owner(self, local: tuple[str, int], remote: tuple[str, int]) -> int | None:
+        """The user of the socket with these ends; None if there is none."""
+        wanted = {
+            (_words(local[0], mapped), local[1], _words(remote[0], mapped), remote[1]) for mapped in (False, True)
+        }
+        for table in self._tables:
+            try:
+                rows = table.read_bytes().splitlines()[1:]
+            except OSError:
+                continue
+            for row in rows:
+                words = row.split()
+                # A socket that its process has closed has inode 0, and root's number whoever had it.
+                if len(words) > 9 and _ends(words) in wanted and words[9] != b"0":
+                    return int(words[7])
+        return None
+
+
+def _ends(words: list[bytes]) -> tuple[bytes, int, bytes, int]:
+    """Addresses and ports in a row."""
+    near, _, near_port = words[1].partition(b":")
+    far, _, far_port = words[2].partition(b":")
+    return near, int(near_port, 16), far, int(far_port, 16)
+
+
+def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
+    """An address; an IPv4 one that is mapped into IPv6 as itself."""
+    address = ipaddress.ip_address(text.partition("%")[0])
+    return getattr(address, "ipv4_mapped", None) or address
+
+
+def _words(text: str, mapped: bool) -> bytes:
+    """An address as the kernel writes it: words of 32 bits in the machine's order; IPv4 also as mapped into IPv6."""
+    packed = _address(text).packed
+    if mapped and len(packed) == 4:
+        packed = b"\0" * 10 + b"\xff\xff" + packed
+    return b"".join(b"%08X" % word for word in struct.unpack(f"={len(packed) // 4}I", packed))

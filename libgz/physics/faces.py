@@ -1,0 +1,109 @@
+"""Faces of mesh files as triangles: polygons of any shape, strips and fans.
+
+All functions number corners: the corners of all faces, one face after another. Positions, normals and texture
+coordinates of a corner are then cut alike.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.base.errors import ParameterError
+from libgz.physics.outlines import triangulate
+
+__all__ = ["cut_fans", "cut_polygons", "cut_strips"]
+
+Corners = NDArray[np.int64]
+
+MOST_CORNERS = 1000  # of a concave polygon that is cut; one with more is read as a fan
+ROUNDING = 1e-9  # of the squares of sides, below which a corner is straight
+
+
+def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
+    """Triangles of polygons, in the order of the polygons, shape (m, 3).
+
+    Convex polygons become fans of their first corners, concave ones are cut by ears (Meisters, 1975). What cannot be
+    cut, since its sides cross or its corners do not lie in a plane, becomes a fan, too.
+
+    Args:
+        counts: of corners of each polygon; those with less than three have no triangle.
+        points: positions of all corners [m], shape (n, 3).
+
+    Raises:
+        ValueError: the polygons have more corners than there are.
+    """
+    if counts.sum() > len(points) or (len(counts) and counts.min() < 0):
+        raise ValueError(f"the faces name {counts.sum()} corners; there are {len(points)}")
+    starts = np.cumsum(counts) - counts
+    found: list[tuple[Corners, Corners]] = []  # (polygon of each triangle, triangles)
+    for count in np.unique(counts[counts > 2]).tolist():
+        which = np.flatnonzero(counts == count)
+        corners = starts[which, None] + np.arange(count)
+        concave = _are_concave(points[corners]) if count > 3 else np.zeros(len(which), dtype=bool)
+        steps = np.arange(1, count - 1)
+        fan = np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
+        found.append((np.repeat(which[~concave], len(fan)), corners[~concave][:, fan].reshape(-1, 3)))
+        for polygon, own in zip(which[concave].tolist(), corners[concave], strict=True):
+            cut = own[_ears(points[own], fan)]
+            found.append((np.full(len(cut), polygon), cut))
+    if not found:
+        return np.zeros((0, 3), dtype=np.int64)
+    order = np.argsort(np.concatenate([polygons for polygons, _ in found]), kind="stable")
+    triangles: Corners = np.concatenate([triangles for _, triangles in found])[order]
+    return triangles
+
+
+def cut_strips(counts: Corners) -> Corners:
+    """Triangles of strips of so many corners: each two of neighbouring triangles share a side, shape (m, 3)."""
+    rows = [start + _strip(count) for start, count in zip(np.cumsum(counts) - counts, counts.tolist(), strict=True)]
+    return np.concatenate(rows) if rows else np.zeros((0, 3), dtype=np.int64)
+
+
+def _strip(count: int) -> Corners:
+    first = np.arange(max(count - 2, 0))
+    odd = first % 2  # every second one has its first two corners exchanged
+    return np.stack([first + odd, first + 1 - odd, first + 2], axis=1)
+
+
+def cut_fans(counts: Corners) -> Corners:
+    """Triangles of fans of so many corners: all share the first one, shape (m, 3)."""
+    rows = []
+    for start, count in zip(np.cumsum(counts) - counts, counts.tolist(), strict=True):
+        steps = np.arange(1, max(count - 1, 1))
+        rows.append(start + np.stack([np.zeros_like(steps), steps, steps + 1], axis=1))
+    return np.concatenate(rows) if rows else np.zeros((0, 3), dtype=np.int64)
+
+
+def _normals(polygons: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Normals of polygons, twice their areas long (Newell); shape (k, 3)."""
+    arms = polygons - polygons[:, :1]
+    total: NDArray[np.float64] = np.cross(arms, np.roll(arms, -1, axis=1)).sum(axis=1)
+    return total
+
+
+def _are_concave(polygons: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether polygons of equally many corners, shape (k, n, 3), turn back at a corner."""
+    sides = np.roll(polygons, -1, axis=1) - polygons
+    turns = np.cross(np.roll(sides, 1, axis=1), sides)
+    normals = _normals(polygons)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    across = np.einsum("knj,kj->kn", turns, normals / np.where(lengths > 0.0, lengths, 1.0))
+    result: NDArray[np.bool_] = (across < -ROUNDING * (sides**2).sum(axis=2).max(axis=1, keepdims=True)).any(axis=1)
+    return result
+
+
+def _ears(points: NDArray[np.float64], fan: Corners) -> Corners:
+    """Triangles of one concave polygon, seen along its normal."""
+    if len(points) > MOST_CORNERS:
+        return fan
+    normal = _normals(points[None])[0]
+    axis = int(np.argmax(np.abs(normal)))
+    flat = points[:, [(axis + 1) % 3, (axis + 2) % 3]]  # counter-clockwise, seen against this axis
+    if normal[axis] < 0.0:
+        flat = flat[:, ::-1]
+    span = np.ptp(flat, axis=0).max()
+    try:
+        return triangulate((flat - flat.min(axis=0)) / span)
+    except ParameterError:
+        return fan

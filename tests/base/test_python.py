@@ -1,0 +1,66 @@
+"""Processes that libgz starts do not import what lies in the current directory."""
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from libgz.base.files import installed_worlds
+from libgz.base.python import run_module
+
+ROOT = Path(__file__).parent.parent.parent
+BIN = Path(sys.executable).parent
+HOSTILE = "from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\nraise SystemExit('hostile')\n"
+NAMES = ("json", "struct", "logging", "numpy", "pickle", "socket", "threading", "viser", "mcap", "lxml", "libgz")
+STUDY = """world = "pioneer2at"
+duration = 0.1
+seeds = 2
+measures = {x = "crate/pos[0]"}
+"""
+
+
+def test_one_place_starts_python():
+    starts = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for folder in ("libgz", "interfaces", "models")
+        for path in (ROOT / folder).rglob("*.py")
+        if path != ROOT / "libgz" / "base" / "python.py"
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Attribute) and node.attr in ("executable", "_base_executable")
+    ]
+    assert starts == [], "use libgz.base.python.run_module"
+
+
+def test_the_current_directory_is_not_searched(tmp_path):
+    (tmp_path / "json.py").write_text(HOSTILE)
+    done = subprocess.run(run_module("json.tool", "--help"), cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert not (tmp_path / "json.ran").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "gazebo -n --steps 20 --mcap log.mcap --view {world}",
+        "gzserver --iters 20 --mcap log.mcap --view",
+        "libgz demo --seconds 0.3",
+        "libgz sweep study.toml -j 2",
+        "libgz check {world}",
+        "libgz view --timeout 0.1",
+        "libgz doctor",
+    ],
+)
+def test_commands_run_in_a_hostile_folder(words, tmp_path, wire):
+    for name in NAMES:
+        (tmp_path / f"{name}.py").write_text(HOSTILE)
+    (tmp_path / "study.toml").write_text(STUDY)
+    program, *rest = words.format(world=installed_worlds() / "pioneer2at.world").split()
+    environment = {**os.environ, "GAZEBO_MASTER_URI": "localhost:0", "HOME": str(tmp_path)}
+    done = subprocess.run(
+        [BIN / program, *rest], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120
+    )
+    assert "hostile" not in done.stdout + done.stderr, done
+    assert [path.name for path in tmp_path.glob("*.ran")] == []

@@ -1,0 +1,140 @@
+"""Logs that are small, and large when they are decompressed or parsed, are refused with a sentence."""
+
+import struct
+import zlib
+
+import lz4.frame
+import pytest
+import zstandard
+from commands import run_libgz
+
+from libgz.base.budget import VARIABLE
+from libgz.base.errors import ParameterError
+from libgz.recording.mcap_file import McapFile
+from libgz.recording.player import Player
+from libgz.recording.reader import MAGIC, LogReader
+
+MIB = 1 << 20
+SAID = "takes more than 1 MiB decompressed"
+_FOOTER = struct.Struct("<BQQQI")
+
+
+@pytest.fixture(autouse=True)
+def small_budget(monkeypatch):
+    monkeypatch.setenv(VARIABLE, "1")
+
+
+def record(kind, content):
+    return struct.pack("<BQ", kind, len(content)) + content
+
+
+def text(value):
+    return struct.pack("<I", len(value)) + value.encode()
+
+
+def message(channel, size, time=0):
+    return record(5, struct.pack("<HIQQ", channel, 0, time, time) + bytes(size))
+
+
+def chunk(content, compression="zstd", size=None):
+    pack = {"zstd": zstandard.compress, "lz4": lz4.frame.compress, "": bytes}[compression]
+    data, size = pack(content), len(content) if size is None else size
+    head = struct.pack("<QQQI", 0, 0, size, zlib.crc32(content))
+    return record(6, head + text(compression) + struct.pack("<Q", len(data)) + data)
+
+
+CHANNEL = record(4, struct.pack("<HH", 1, 0) + text("/a") + text("json") + struct.pack("<I", 0))
+
+
+def indexed(body):
+    """A finished file whose index names the chunk in it."""
+    place = len(MAGIC)
+    index = struct.pack("<QQQQ", 0, 0, place, len(body)) + struct.pack("<IHQ", 10, 1, 0)
+    index += struct.pack("<Q", 0) + text("zstd") + struct.pack("<QQ", 0, 0)
+    summary = CHANNEL + record(8, index)
+    return MAGIC + body + summary + _FOOTER.pack(2, 20, place + len(body), 0, 0) + MAGIC
+
+
+def test_a_chunk_within_the_budget_is_read(tmp_path):
+    path = tmp_path / "a.mcap"
+    for compression in ("zstd", "lz4", ""):
+        body = chunk(CHANNEL + message(1, 1000), compression)
+        for whole in (True, False):
+            path.write_bytes(indexed(body) if whole else MAGIC + body)
+            with LogReader(path) as log:
+                assert log.complete is whole
+                assert [len(one.data) for one in log.messages()] == [1000]
+                assert list(log.last(1.0)) == ["/a"]
+
+
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("compression", ["zstd", "lz4"])
+def test_a_chunk_beyond_it_is_refused(tmp_path, compression, whole):
+    path = tmp_path / "a.mcap"
+    body = chunk(CHANNEL + message(1, 4 * MIB), compression)
+    path.write_bytes(indexed(body) if whole else MAGIC + body)
+    assert path.stat().st_size < MIB / 8
+    ended = run_libgz("play", "--info", path)
+    assert ended.returncode == 1
+    assert SAID in ended.stderr
+    assert "Traceback" not in ended.stderr
+    assert f"{path} cannot be read at byte 8" in ended.stderr
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4"])
+def test_a_chunk_that_states_too_small_a_size_is_damaged(tmp_path, compression):
+    path = tmp_path / "a.mcap"
+    path.write_bytes(indexed(chunk(CHANNEL + message(1, 4 * MIB), compression, size=2000)))
+    with LogReader(path) as log, pytest.raises(ParameterError, match="has not the 2000 bytes that it states"):
+        list(log.messages())
+
+
+def test_a_chunk_in_the_index_is_not_decompressed(tmp_path):
+    body = chunk(CHANNEL + message(1, 100))
+    bomb = chunk(bytes(4 * MIB))
+    data = indexed(body)
+    end = len(data) - _FOOTER.size - len(MAGIC)
+    path = tmp_path / "a.mcap"
+    path.write_bytes(data[:end] + bomb + data[end:])
+    with LogReader(path) as log:
+        assert log.complete
+        assert len(list(log.messages())) == 1
+
+
+def test_records_that_state_more_than_the_file_has_are_damage(tmp_path):
+    path = tmp_path / "a.mcap"
+    for data in (
+        MAGIC + struct.pack("<BQ", 6, 1 << 60) + bytes(100),
+        MAGIC + chunk(CHANNEL + struct.pack("<BQ", 5, 1 << 60) + bytes(30)),
+        MAGIC + record(12, struct.pack("<I", 1 << 31) + b"libgz"),
+        MAGIC + _FOOTER.pack(2, 20, 1 << 62, 0, 0) + MAGIC,
+    ):
+        path.write_bytes(data)
+        with LogReader(path) as log:
+            assert not log.complete
+            assert list(log.messages()) == []
+
+
+def test_the_last_messages_of_many_channels_are_bounded(tmp_path):
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        log = McapFile(file, "test")
+        for number in range(1, 5):
+            channel = log.add_channel(f"/a{number}", "json", 0, {})
+            log.add_message(channel, 0, number, number, bytes(MIB // 2))
+            log.flush()
+        log.finish()
+    with LogReader(path) as log, pytest.raises(ParameterError, match=SAID):
+        log.last(1.0)
+
+
+def test_a_scene_of_many_small_parts_is_bounded(tmp_path):
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        log = McapFile(file, "test")
+        log.add_metadata("libgz", {"format": "1"})
+        channel = log.add_channel("/gz/scene", "json", 0, {"kind": "own"})
+        log.add_message(channel, 0, 1, 1, b"[" + b"[]," * 50_000 + b"[]]")
+        log.finish()
+    with pytest.raises(ParameterError, match=SAID):
+        Player(path, 941_777)

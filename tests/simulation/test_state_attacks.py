@@ -1,0 +1,183 @@
+"""Bytes that were made to harm: each is refused with a sentence, and leaves the world and the process as they were."""
+
+import random
+import struct
+import subprocess
+import sys
+import tracemalloc
+from pathlib import Path
+
+import msgpack
+import numpy as np
+import pytest
+from state_attacks import WORDS, world as attacked
+
+from libgz.base import encoding
+from libgz.base.encoding import FORMAT, decode, encode
+from libgz.base.errors import StateError
+from libgz.base.geometry import GzPose, GzVector
+
+
+def data(value):
+    """The bytes of what msgpack writes."""
+    return FORMAT + msgpack.packb(value)
+
+
+def extension(code, *parts):
+    """An extension of these parts."""
+    return msgpack.ExtType(code, msgpack.packb(list(parts)))
+
+
+def array(kind, shape, content):
+    """An array that says so of itself."""
+    return data(extension(encoding.ARRAY, kind, shape, content))
+
+
+def nested(code, depth):
+    """A value within itself."""
+    value = None
+    for _ in range(depth):
+        value = extension(code, value)
+    return value
+
+
+TWISTER = encode(np.random.Generator(np.random.MT19937(1)))
+ATTACKS = {
+    "objects as bytes": lambda: array("|O", [1], b"\x10" * 8),
+    "objects of 8 bytes": lambda: array("|O8", [1], b"\x10" * 8),
+    "records": lambda: array("|V8", [1], b"\x10" * 8),
+    "objects in records": lambda: array([("a", "|O")], [1], b"\x10" * 8),
+    "a kind with commas": lambda: array("O,O", [1], b"\x10" * 16),
+    "more numbers than bytes": lambda: array("<f8", [2**40], b""),
+    "a product that overflows": lambda: array("<f8", [2**32, 2**32], b""),
+    "a large size": lambda: array("<f8", [2**63], b""),
+    "a size below zero": lambda: array("<f8", [-1, -1], b"\0" * 8),
+    "texts of no letters": lambda: array("<U1", [1], b"\xff" * 4),
+    "truth of 7": lambda: array("|b1", [1], b"\7"),
+    "many empty texts": lambda: array("<U0", [2**40], b""),
+    "a number of objects": lambda: data(extension(encoding.NUMBER, "|O", b"\x10" * 8)),
+    "objects of another shape": lambda: data(extension(encoding.OBJECTS, [2**40], [])),
+    "words behind the last": lambda: TWISTER.replace(b"\xa3pos\xcd\x02o", b"\xa3pos\xcd\xff\xff"),
+    "a generator of another name": lambda: encode(np.random.default_rng(1)).replace(b"\xa5PCG64", b"\xa5__all"),
+    "no words": lambda: data(msgpack.ExtType(encoding.NUMPY, msgpack.packb({"bit_generator": "MT19937", "state": {}}))),
+    "Python's generator": lambda: data(extension(encoding.RANDOM, 3, [], None)),
+    "a class": lambda: data(extension(encoding.STRUCT, "Model", 1)),
+    "a class of another module": lambda: data(extension(encoding.STRUCT, "os.system", "true")),
+    "a vector of texts": lambda: data(extension(encoding.STRUCT, "GzVector", "a", "b", "c")),
+    "a vector of two": lambda: data(extension(encoding.STRUCT, "GzVector", 1.0, 2.0)),
+    "a pose of 3 bytes": lambda: data(msgpack.ExtType(encoding.RAW, b"GzPose\0abc")),
+    "a mass of 3 bytes": lambda: data(msgpack.ExtType(encoding.RAW, b"Mass\0abc")),
+    "a mass of nothing": lambda: data(
+        msgpack.ExtType(encoding.RAW, b"Mass\0" + struct.pack("17d", *[float("nan")] * 17))
+    ),
+    "a mesh of texts": lambda: data(extension(encoding.VALUE, "Mesh", "a")),
+    "an unknown extension": lambda: data(msgpack.ExtType(99, b"")),
+    "a deque that is longer than it may be": lambda: data(extension(encoding.DEQUE, 1, [1, 2])),
+    "a set of lists": lambda: data(extension(encoding.SET, [1])),
+    "a dict with lists as keys": lambda: FORMAT + b"\x81\x90\x01",
+    "deep lists": lambda: FORMAT + b"\x91" * 100_000 + b"\xc0",
+    "deep tuples": lambda: data(nested(encoding.TUPLE, 400)),
+    "a list of 2^32": lambda: FORMAT + b"\xdd\xff\xff\xff\xff",
+    "a list of 2^32 in each other": lambda: FORMAT + b"\xdd\xff\xff\xff\xff" * 400,
+    "a dict of 2^32": lambda: FORMAT + b"\xdf\xff\xff\xff\xff",
+    "many empty lists": lambda: FORMAT + b"\xdd" + struct.pack(">I", 2_000_000) + b"\x90" * 2_000_000,
+    "a text of 2^32": lambda: FORMAT + b"\xdb\xff\xff\xff\xffa",
+    "a broken text": lambda: FORMAT + b"\xa1\xff",
+    "nothing": lambda: FORMAT,
+    "two values": lambda: FORMAT + b"\xc0\xc0",
+    "an older pickle": lambda: b"libgz state 7\n" + bytes(8) + b"\x80\x04cos\nsystem\n(S'true'\ntR.",
+}
+
+
+@pytest.fixture(scope="module")
+def world():
+    """A world with all kinds of joints."""
+    with attacked() as made:
+        for _ in range(5):
+            made.step()
+        yield made
+
+
+def process():
+    """What no state may change in this process."""
+    return {kind: dict(vars(kind)) for kind in (GzVector, GzPose, type, encoding.Generated)}, random.getstate()
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_bytes_that_were_made_to_harm_are_refused(world, name):
+    attack = ATTACKS[name]()
+    before, state = process(), world.get_state()
+    tracemalloc.start()
+    try:
+        with pytest.raises(StateError, match="state"):
+            decode(attack)
+        assert tracemalloc.get_traced_memory()[1] < 200e6
+    finally:
+        tracemalloc.stop()
+    for outer in (attack, encode([world.era.digest, [], attack])):
+        with pytest.raises(StateError):
+            world.set_state(outer)
+    assert (process(), world.get_state()) == (before, state)
+
+
+def test_what_stands_in_place_of_a_part_is_refused(world):
+    state = world.get_state()
+    digest, names, parts = decode(state)
+    inner = decode(parts)
+    for part in inner:
+        for value in (None, -1, 1e308, "x", b"x", [], {}, [None], {"a": 1}):
+            if value == inner[part]:
+                continue
+            try:
+                world.set_state(encode([digest, names, encode({**inner, part: value})]))
+            except StateError:
+                assert world.get_state() == state, (part, value)
+            else:
+                assert part in ("extensions", "interfaces"), value  # what is not in it stays as it is
+                world.set_state(state)
+
+
+def test_a_time_of_msgpack_is_a_number():
+    assert type(decode(FORMAT + msgpack.packb(msgpack.Timestamp(1)))) is int
+
+
+@pytest.mark.parametrize("engine_part", ["settings", "numbers", "quirks", "fresh", "dummies", "couplings", "contacts"])
+def test_parts_of_an_engine_that_are_damaged_are_refused(world, engine_part):
+    engine = world.engine
+    state, before = engine.get_state(), world.get_state()
+    for value in (None, 5, b"\xff" * 56, b"\xff" * 8, [float("nan")] * 11, [[10**9, [1.0]]], ["x", 1]):
+        try:
+            engine.set_state({**state, engine_part: value})
+        except StateError:
+            engine.set_state(state)
+        else:
+            assert value == state[engine_part] or engine_part in ("fresh", "quirks", "dummies", "contacts"), value
+            engine.set_state(state)
+        assert world.get_state() == before
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_no_number_in_the_memory_of_ode_ends_the_process(name):
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).parents[1] / "state_attacks.py"), name, "7"],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    taken, refused = map(int, done.stdout.split())
+    assert taken + refused > 80
+    assert refused > 15
+
+
+def test_large_numbers_are_refused(world):
+    engine = world.engine
+    state = engine.get_state()
+    for body in engine.bodies.values():
+        at = state["memory"].index(struct.pack("3d", *body.GetCoMPose().pos))
+        for number in (-1e308, 1e12, float("nan"), float("inf")):
+            memory = state["memory"][:at] + struct.pack("d", number) + state["memory"][at + 8 :]
+            with pytest.raises(StateError, match="out of its range"):
+                engine.set_state({**state, "memory": memory})
+            assert engine.get_state() == state

@@ -25,6 +25,7 @@ class Battery(Device):
 
     STATE: ClassVar[tuple[str, ...]] = ("level",)
 
+    interface: Power
     level = Number()  # voltage [V]
 
     def __init__(self, model: Model, level: float, curve: tuple[float, ...]) -> None:

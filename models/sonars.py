@@ -47,6 +47,8 @@ class SonarRing(Device):
 
     STATE: ClassVar[tuple[str, ...]] = ("rays",)
 
+    interface: Sonar
+
     def __init__(self, model: Model, body: Body, poses: Sequence[tuple[float, float, float, float]]) -> None:
         self.model = model
         self.poses = np.array(poses)

@@ -185,7 +185,7 @@ class Number:
         found = vars(owner).get(self._place)
         if found is None:
             found = vars(owner)[self._place] = ctypes.c_double(self._start)
-        return found  # type: ignore[no-any-return]
+        return found
 
 
 def wrong(reason: str) -> LawError:
@@ -292,7 +292,7 @@ class Term:
     def __float__(self) -> float:
         raise wrong(f"gives a number to a function that cannot be recorded; there are {_FUNCTIONS}")
 
-    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __float__  # type: ignore[assignment]
+    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __float__
 
     def __len__(self) -> int:
         if self.count is None:

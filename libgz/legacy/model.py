@@ -7,7 +7,6 @@ import logging
 import weakref
 from collections.abc import Set
 from dataclasses import dataclass
-from functools import cache
 from types import CodeType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -375,7 +374,6 @@ class Model(Entity):
         self.modelSpaceId.close()
 
 
-@cache
 def _names_in_plans(kind: type) -> frozenset[str]:
     """The names of the attributes that the plans of a class mention."""
     plans = [vars(base)["plan_update"] for base in kind.__mro__ if "plan_update" in vars(base)]

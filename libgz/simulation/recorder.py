@@ -47,7 +47,7 @@ class Traced:
         object.__setattr__(self, "_traced_by", recorder)
         object.__setattr__(self, "_traced", traced)
 
-    @property
+    @property  # type: ignore[misc]
     def __class__(self) -> Any:  # so that `super()` and `isinstance` find that of the object
         return type(self._traced)
 
@@ -335,7 +335,7 @@ class Recorder:
         """An attribute of an object, as the law sees it."""
         static = _static(type(thing), name)
         if isinstance(static, Number):
-            return self.read(np.frombuffer(static.cell(thing), np.float64).reshape(()))
+            return self.read(_cell(static, thing))
         if isinstance(thing, ctypes.Structure) and isinstance(static, _FIELD):
             return self._field(thing, name)
         if isinstance(static, View):
@@ -353,7 +353,7 @@ class Recorder:
         """Set an attribute of an object."""
         static = _static(type(thing), name)
         if isinstance(static, Number):
-            self.assign(np.frombuffer(static.cell(thing), np.float64).reshape(()), value)
+            self.assign(_cell(static, thing), value)
         elif isinstance(thing, ctypes.Structure) and isinstance(static, _FIELD):
             self.assign(self._view(thing, name), value)
         else:
@@ -361,7 +361,9 @@ class Recorder:
 
     def _view(self, record: ctypes.Structure, name: str) -> NDArray[Any]:
         """A field of a struct as an array."""
-        kind = next(dict(k._fields_)[name] for k in type(record).__mro__ if name in dict(getattr(k, "_fields_", ())))
+        kind = next(
+            dict(vars(k)["_fields_"])[name] for k in type(record).__mro__ if name in dict(vars(k).get("_fields_", ()))
+        )
         place = getattr(type(record), name)
         try:
             return np.ndarray(*_shape(kind), buffer=memoryview(record).cast("B")[place.offset :])
@@ -390,7 +392,7 @@ class Recorder:
             doubles = value.dtype == np.float64 and value.ndim == 1 and value.flags.c_contiguous
             return self.read(value) if doubles else value
         if isinstance(value, ctypes.Array):
-            return self.read(np.frombuffer(value, np.float64)) if value._type_ is ctypes.c_double else value
+            return self.read(np.ctypeslib.as_array(value)) if value._type_ is ctypes.c_double else value
         if type(value) in (list, tuple):
             return type(value)(self.wrap(one) for one in value)
         return Traced(self, value)
@@ -480,6 +482,11 @@ class Recorder:
 def _static(kind: type, name: str) -> Any:
     """What a class has under a name, as it stands there."""
     return next((vars(base)[name] for base in kind.__mro__ if name in vars(base)), None)
+
+
+def _cell(declared: Number, owner: object) -> NDArray[np.float64]:
+    """The number of an object as an array without dimensions."""
+    return np.ndarray((), np.float64, buffer=memoryview(declared.cell(owner)).cast("B"))
 
 
 def _noted(value: Any) -> Any:

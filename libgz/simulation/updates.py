@@ -153,7 +153,7 @@ class UpdateRows:
 
     def _add_law(self, line: Line) -> bool:
         """A row for a law; false where Python has to do it."""
-        interface, method = line.interface, line.law
+        interface, method = line.interface, line.law or _nothing
         recorder = Recorder() if interface is None else Exchange(interface)
         if isinstance(recorder, Exchange):
             if not recorder.interface.link.memory:
@@ -331,12 +331,12 @@ def run_exchanges(world: HasRows, exchanges: Sequence[tuple[Exchange, Callable[[
         kept.append((points_to, exchange.interface.memory))
     rows = (Row * len(records))(*(Row(Kind.LAW, 0, ctypes.addressof(record)) for record in records))
     tables, clock, count = world.engine.tables.record, world.clock, len(records)
-    record = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, rows)))
+    table = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, rows)))
     function, _ = world.engine.native.updates()
 
     def run(number: int) -> int:
         """The number of the next exchange that Python has to do."""
-        return int(function(ctypes.byref(record), number, count)) if world.rows.native else number
+        return int(function(ctypes.byref(table), number, count)) if world.rows.native else number
 
     def exchange_all(_kept: object = (records, kept, rows)) -> None:
         number = run(0)

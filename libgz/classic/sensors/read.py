@@ -1,4 +1,4 @@
-"""Reading a `<sensor>`: values with their bounds; what is beyond them is substituted, with a warning that has the line."""
+"""Reading a `<sensor>`: values with their bounds; others are substituted, with a warning that has the line."""
 
 from __future__ import annotations
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 import libgz
+from libgz.base.law import law
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import add_body, fit
 from libgz.models.wheels import add_hinge
 from libgz.ode.records import numbers
-from libgz.simulation.updates import UpdateRows
+from libgz.simulation.plan import Plan
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -57,16 +58,15 @@ class Quadruped(libgz.Model):
     def Fini(self) -> None:
         """Nothing."""
 
-    def Update(self, step: float) -> None:
+    def plan_update(self, plan: Plan) -> None:
         """Hold the stance."""
+        plan.call(self.stand)
+
+    @law
+    def stand(self) -> None:
+        """Turn the joints towards the stance."""
         for servo, target in zip(self.servos, self.targets, strict=True):
             servo.turn_to(target)
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows."""
-        for i, servo in enumerate(self.servos):
-            servo.add_row(rows, self.targets, i)
-        return True
 
 
 libgz.GZ_REGISTER_STATIC("Quadruped", Quadruped)

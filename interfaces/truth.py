@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector, pose_text
+from libgz.base.law import law
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.physics.check import finite_tuple, rotation_tuple
 from libgz.transport.interface import View
@@ -85,6 +86,7 @@ class Truth(SampleInterface[TruthData]):
             data.cmd_pos[:], data.cmd_rot[:] = position, self._rotation(GzPose(GzVector(*position), rotation))
             data.cmd_new = 1
 
+    @law
     def publish(self, time: float, pose: GzPose) -> None:
         """Write the model's global pose [m] at a sim time [s]; for servers, which hold the lock."""
         data = self.data
@@ -102,6 +104,7 @@ class Truth(SampleInterface[TruthData]):
         data.cmd_new = 0
         return GzPose(GzVector(*data.cmd_pos), _quaternion(data.cmd_rot))
 
+    @law
     def _rotation(self, pose: GzPose) -> tuple[float, ...]:
         """The rotation in the form of this version of the struct: a quaternion, or Euler angles [rad]."""
         return tuple(pose.rot if len(self.data.rot) == 4 else GzQuaternToEuler(pose.rot))

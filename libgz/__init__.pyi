@@ -62,6 +62,15 @@ from libgz.base.geometry import (
     GzVectorUnit as GzVectorUnit,
     GzVectorZero as GzVectorZero,
 )
+from libgz.base.law import (
+    LawError as LawError,
+    Number as Number,
+    clamp as clamp,
+    law as law,
+    rarely as rarely,
+    usually as usually,
+    where as where,
+)
 from libgz.front import World as World
 from libgz.interfaces.actarray import (
     GAZEBO_ACTARRAY_ACTSTATE_BRAKED as GAZEBO_ACTARRAY_ACTSTATE_BRAKED,
@@ -401,13 +410,9 @@ from libgz.physics.two_axes import (
     UniversalJoint as UniversalJoint,
 )
 from libgz.simulation.batch import Batch as Batch
-from libgz.simulation.formula import Formula as Formula
+from libgz.simulation.exchange import Exchange as Exchange
+from libgz.simulation.plan import Plan as Plan, handler as handler
 from libgz.simulation.rate import UpdateRate as UpdateRate
-from libgz.simulation.updates import (
-    Exchange as Exchange,
-    JointAxis as JointAxis,
-    UpdateRows as UpdateRows,
-)
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE as GAZEBO_MAX_MODEL_TYPE,
     LIBGAZEBO_VERSION as LIBGAZEBO_VERSION,

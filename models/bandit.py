@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzPose, GzVectorMul, VectorLike
-from libgz.interfaces.joint import JointData, Joints
+from libgz.base.law import law
+from libgz.interfaces.joint import JointData, Joints, JointsData
 from libgz.legacy.model import Model
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import GREY, add_body, fit
@@ -20,8 +21,9 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import FixedJoint, HingeJoint
 from libgz.physics.two_axes import UniversalJoint
+from libgz.simulation.exchange import Exchange
+from libgz.simulation.plan import Plan, handler
 from libgz.simulation.rate import UpdateRate
-from libgz.simulation.updates import Exchange, UpdateRows, is_plain, replaced
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -60,6 +62,7 @@ class JointServo:
         self._servos = [Servo(Axis(joint, number), GAIN, TORQUE) for number in axes]
 
     @property
+    @law
     def command(self) -> tuple[float, float]:
         """Wanted angle of each axis [rad]; it holds until the client's next tick."""
         return self._command[0], self._command[1]
@@ -90,16 +93,13 @@ class JointServo:
         command[1] = guard.number(place[1], wish[1], command[1], LARGEST_ANGLE)
         seen.note(wish)
 
+    @law
     def turn(self) -> None:
         """Turn the axes towards the commanded angles; call it every step."""
         for servo, angle in zip(self._servos, self.command, strict=False):
             servo.turn_to(angle)
 
-    def add_rows(self, rows: UpdateRows) -> None:
-        """Describe `turn` as rows."""
-        for i, servo in enumerate(self._servos):
-            servo.add_row(rows, self._command, i)
-
+    @law
     def publish(self, data: JointData) -> None:
         """Fill in one joint of the interface."""
         joint = self.joint
@@ -114,19 +114,6 @@ class JointServo:
         first = self._servos[0].axis
         data.angle, data.angular_velocity = first.angle(), first.rate()
 
-    def share(self, exchange: Exchange, place: str) -> None:
-        """Describe `publish` as numbers of an exchange."""
-        kind = "Universal" if isinstance(self.joint, UniversalJoint) else "Hinge"
-        exchange.integer(f"{place}.type", self.joint.GetType())
-        exchange.vector(f"{place}.anchor", self.joint, f"dJointGet{kind}Anchor")
-        axes = (("axis", "Axis1"), ("axis2", "Axis2")) if kind == "Universal" else (("axis", "Axis"),)
-        for field, name in axes:
-            exchange.vector(f"{place}.{field}", self.joint, f"dJointGet{kind}{name}", -1.0 if len(axes) > 1 else 1.0)
-        for number, servo in enumerate(self._servos):
-            suffix = "2" if number else ""
-            exchange.angle(f"{place}.angle{suffix}", servo.axis.joint_axis)
-            exchange.rate(f"{place}.angular_velocity{suffix}", servo.axis.joint_axis)
-
 
 class Bandit(Model):
     """A torso that is fixed to the world or to its parent model; its hands reach 28 cm below its origin.
@@ -137,7 +124,6 @@ class Bandit(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "servos")
-    ROW_PARTS = Model.ROW_PARTS | {"rate", "servos"}
 
     behaviour = "motors that move and hold its joints (arms and head hang down)"
     example = """
@@ -209,54 +195,26 @@ class Bandit(Model):
     def Fini(self) -> None:  # noqa: D102
         self.interface.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        if step == 0.0:
-            return
-        now = self.world.GetSimTime()
-        if self.rate.due(now):
-            self._publish(now)
-            self._take()
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        with plan.due(self.rate):
+            plan.exchange(self.interface, self._publish)
+            plan.exchange(self.interface, None, unless=self._expect, otherwise=self._take)
         for servo in self.servos:
-            servo.turn()
+            plan.call(servo.turn)
 
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows: the servos natively."""
-        plain = rows.knows(self.rate) and all(is_plain(servo, JointServo, "turn", "publish") for servo in self.servos)
-        if replaced(self, Bandit, "Update", "_publish", "_take") or not plain:
-            return False
-        with rows.due(self.rate):
-            rows.share(lambda _: self._publish(self.world.GetSimTime()), self._published())
-            rows.share(lambda _: self._take(), self._unchanged())
-        for servo in self.servos:
-            servo.add_rows(rows)
-        return True
-
-    def _published(self) -> Exchange:
-        """What `_publish` does."""
-        exchange = Exchange(self.interface)
-        exchange.now()
-        exchange.integer("joint_count", len(self.servos))
-        for i, servo in enumerate(self.servos):
-            servo.share(exchange, f"joints[{i}]")
-        return exchange
-
-    def _publish(self, now: float) -> None:
+    @law
+    def _publish(self, data: JointsData) -> None:
         """Publish the joints."""
-        if not self.interface.lock():
-            return
-        data = self.interface.data
-        data.time, data.joint_count = now, len(self.servos)
+        data.time, data.joint_count = self.world.GetSimTime(), len(self.servos)
         for servo, joint in zip(self.servos, data.joints, strict=False):
             servo.publish(joint)
-        self.interface.unlock()
 
-    def _unchanged(self) -> Exchange:
-        """What `_take` does as long as no command changes: nothing."""
-        exchange = Exchange(self.interface)
+    def _expect(self, exchange: Exchange) -> None:
+        """The condition that no command changes."""
         for i, servo in enumerate(self.servos):
             servo.expect(exchange, f"joints[{i}]")
-        return exchange
 
+    @handler
     def _take(self) -> None:
         """Take the commands; numbers that are not finite are ignored."""
         if not self.interface.lock():

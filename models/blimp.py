@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternToEuler
+from libgz.base.law import Value, clamp, law
 from libgz.interfaces.position import PositionData
 from libgz.models.motion import Motion
 from libgz.models.parts import GREY, add_body, fit
 from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
-from libgz.simulation.formula import Formula, Number, clamp
-from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.attributes import boolean
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -46,7 +45,6 @@ class Blimp(MobileRobot):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("start", "motion")
-    ROW_PARTS = MobileRobot.ROW_PARTS | {"motion"}
 
     behaviour = "thrust, drag, and the torque that keeps it upright (it drifts and turns freely); odometry"
     example = """
@@ -78,10 +76,12 @@ class Blimp(MobileRobot):
         self.start = self.GetPose()
         self.measure(0.0)
 
+    @law
     def measure(self, step: float) -> None:
         """Update the true pose, and the velocities in the hull's frame."""
         self.motion.measure(self.GetBody())
 
+    @law
     def publish(self, data: PositionData) -> None:
         """The true pose relative to the start, and the velocities."""
         relative: GzPose = GzCoordPoseSub(self.motion.pose, self.start)
@@ -90,6 +90,7 @@ class Blimp(MobileRobot):
         data.vel_pos[:] = self.motion.velocity[:]
         data.vel_rot[:] = self.motion.rate[:]
 
+    @law
     def act(self, step: float) -> None:
         """Apply thrust, drag and the righting torque of the gondola."""
         motion, hull = self.motion, self.GetBody()
@@ -97,36 +98,13 @@ class Blimp(MobileRobot):
         hull.AddRelForce(*force)
         hull.AddRelTorque(*torque)
 
-    # As rows ------------------------------------------------------------------------------------------------------
-
-    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:  # noqa: D102
-        if replaced(self, Blimp, "measure"):
-            super().MasterRowsOfMeasure(rows)
-        else:
-            self.motion.add_row(rows, self.GetBody())
-
-    def MasterRowsOfAct(self, rows: UpdateRows) -> None:  # noqa: D102
-        hull = self.GetBody()
-        if replaced(self, Blimp, "act") or hull.dummy:
-            super().MasterRowsOfAct(rows)
-            return
-        formula = Formula()
-        wanted = self.position.read_wanted(formula)
-        measured = (
-            [formula.read((self.motion, name, i)) for i in range(3)] for name in ("velocity", "rate", "attitude")
-        )
-        force, torque = _efforts(wanted, *measured)
-        formula.force(hull, *force)
-        formula.body_torque(hull, *torque)
-        rows.formula(self.act, formula)
-
 
 def _efforts(
-    wanted: Sequence[Number],
-    velocity: Sequence[Number],
-    rate: Sequence[Number],
-    attitude: Sequence[Number],
-) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
+    wanted: Sequence[Value],
+    velocity: Sequence[Value],
+    rate: Sequence[Value],
+    attitude: Sequence[Value],
+) -> tuple[tuple[Value, ...], tuple[Value, ...]]:
     """Force [N] and torque [N m] along the hull's axes."""
     forward, turn, up = wanted
     force = (

@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor
+from libgz.base.law import Number, clamp, law, tan
 from libgz.interfaces.position import PositionData
-from libgz.models.motors import Axis, Servo
+from libgz.models.motors import Axis, Servo, mean
 from libgz.models.odometry import Odometry
 from libgz.models.parts import DARK, add_body, fit
-from libgz.models.robot import MobileRobot, RobotAttributes, clamp
+from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.models.skin import SkinAttributes, add_skin
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge, on_hinge2
-from libgz.ode.records import numbers
 from libgz.physics.geoms import BoxGeom
-from libgz.simulation.updates import Exchange, UpdateRows, is_plain, replaced
 from libgz.worldfile.attributes import color
 
 RADIUS, WHEEL_BASE = 0.25, 1.4  # [m]
@@ -47,7 +46,8 @@ class CarChassis(MobileRobot):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("odometry", "_steering")
-    ROW_PARTS = MobileRobot.ROW_PARTS | {"odometry", "front", "rear"}
+
+    _steering = Number()  # wanted angle of the front wheels [rad]
 
     behaviour = "motors that drive and steer its wheels, and hold the steering straight; odometry"
     attributes: ClassVar[type[RobotAttributes]] = CarChassisAttributes
@@ -59,7 +59,6 @@ class CarChassis(MobileRobot):
             BoxGeom(chassis, self.modelSpaceId, 2.0, 0.90, 0.30), (0.0, 0.0, 0.40), 16.0, GzColor(*self.values.color)
         )
         self.odometry = Odometry()
-        self._steering = numbers(1)()  # wanted angle of the front wheels [rad]
         self.rear: list[Wheel] = []
         self.front: list[Servo] = []
         for side, y in (("left", HALF_TRACK), ("right", -HALF_TRACK)):
@@ -71,47 +70,26 @@ class CarChassis(MobileRobot):
             )
         add_skin(self, hull, self.values)
 
+    @law
     def measure(self, step: float) -> None:
         """Odometry from the travel of the rear wheels and the angle of the front wheels."""
-        speed = RADIUS * sum([wheel.rate() for wheel in self.rear]) / len(self.rear)
-        angle = sum([steering.angle() for steering in self.front]) / len(self.front)
-        self.odometry.advance(speed * step, speed * step * math.tan(angle) / WHEEL_BASE, step)
+        speed = RADIUS * (self.rear[0].rate() + self.rear[1].rate()) / 2.0
+        angle = mean([steering.angle() for steering in self.front])
+        self.odometry.advance(speed * step, speed * step * tan(angle) / WHEEL_BASE, step)
 
+    @law
     def publish(self, data: PositionData) -> None:
         """Odometry."""
         self.odometry.publish(data)
 
     def run(self, speed: float, angle: float) -> None:
         """Run the rear wheels at a speed [m/s], and steer to an angle [rad]."""
-        self._steering[0] = clamp(angle, STEERING_STOP)
+        self._steering = clamp(angle, STEERING_STOP)
         for wheel in self.rear:
             wheel.run(speed / RADIUS, DRIVE_TORQUE)
 
+    @law
     def act(self, step: float) -> None:
         """Steer."""
         for steering in self.front:
-            steering.turn_to(self._steering[0])
-
-    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
-        """Describe `measure` as a row."""
-        plain = is_plain(self.odometry, Odometry, "advance")
-        if replaced(self, CarChassis, "measure") or not plain:
-            super().MasterRowsOfMeasure(rows)
-            return
-        driven, steered = ([part.axis.joint_axis for part in parts] for parts in (self.rear, self.front))
-        rows.bicycle(self.measure, self.odometry, driven, steered, RADIUS, WHEEL_BASE)
-
-    def MasterPublished(self, exchange: Exchange) -> bool:
-        """Describe `publish` as numbers."""
-        if replaced(self, CarChassis, "publish") or not is_plain(self.odometry, Odometry, "publish"):
-            return False
-        self.odometry.share(exchange)
-        return True
-
-    def MasterRowsOfAct(self, rows: UpdateRows) -> None:
-        """Describe `act` as rows."""
-        if replaced(self, CarChassis, "act"):
-            super().MasterRowsOfAct(rows)
-            return
-        for steering in self.front:
-            steering.add_row(rows, self._steering)
+            steering.turn_to(self._steering)

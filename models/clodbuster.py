@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor
+from libgz.base.law import Number, clamp, floor, law
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motors import Servo
 from libgz.models.parts import DARK, add_body, fit
-from libgz.models.robot import RobotAttributes, clamp
+from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import Tire, add_steered_wheel
 from libgz.ode.records import numbers
 from libgz.physics.geoms import BoxGeom
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.worldfile.attributes import boolean
 
 WHEEL_BASE, TRACK, RADIUS = 0.2921, 0.275, 0.076  # [m]
@@ -48,6 +48,8 @@ class ClodBuster(DifferentialRobot):
 
     STATE: ClassVar[tuple[str, ...]] = ("steeringAngle", "counts")
 
+    steeringAngle = Number()  # of the front axle [rad]; the rear axle has the opposite one
+
     behaviour = "motors that drive its wheels and steer both axles; odometry"
     attributes: ClassVar[type[RobotAttributes]] = ClodBusterAttributes
     values: ClodBusterAttributes
@@ -59,7 +61,6 @@ class ClodBuster(DifferentialRobot):
         fit(BoxGeom(chassis, self.modelSpaceId, 0.36, 0.16, 0.10), (0.0, 0.0, 0.13), 4.0, GzColor(0.2, 0.3, 0.8))
         self.front: list[Servo] = []
         self.rear: list[Servo] = []
-        self._steering = numbers(1)()
         self.counts = numbers(2)()  # of the left and the right encoders
         for axle, x, steerings in (("front", WHEEL_BASE / 2.0, self.front), ("rear", -WHEEL_BASE / 2.0, self.rear)):
             for side, y in (("left", TRACK / 2.0), ("right", -TRACK / 2.0)):
@@ -70,15 +71,6 @@ class ClodBuster(DifferentialRobot):
                 self.wheels.add(wheel, y)
                 steerings.append(steering)
 
-    @property
-    def steeringAngle(self) -> float:
-        """Angle of the front axle [rad]; the rear axle has the opposite one."""
-        return float(self._steering[0])
-
-    @steeringAngle.setter
-    def steeringAngle(self, angle: float) -> None:
-        self._steering[0] = angle
-
     def run(self, speed: float, turn: float) -> None:
         """Steer both axles for the circle of radius speed / turn, and run the inner wheels slower."""
         curvature = turn / speed if abs(speed) >= SLOWEST else 0.0
@@ -87,6 +79,7 @@ class ClodBuster(DifferentialRobot):
         curvature = math.tan(self.steeringAngle) * 2.0 / WHEEL_BASE
         super().run(speed, speed * curvature)
 
+    @law
     def act(self, step: float) -> None:
         """Steer."""
         for steering in self.front:
@@ -94,38 +87,16 @@ class ClodBuster(DifferentialRobot):
         for steering in self.rear:
             steering.turn_to(-self.steeringAngle)
 
+    @law
     def measure(self, step: float) -> None:
         """Odometry and encoders."""
         super().measure(step)
         for i, rate in enumerate(self.wheel_rates()):
             self.counts[i] += COUNTS_PER_TURN * rate * step / (2.0 * math.pi)
 
+    @law
     def publish(self, data: PositionData) -> None:
         """Odometry, or encoder counts with rawEncoder."""
         super().publish(data)
         if self.values.rawEncoder:
-            data.pos[0], data.pos[1] = map(math.floor, self.counts)
-
-    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
-        """Describe `measure` as a row."""
-        if replaced(self, ClodBuster, "measure", "wheel_rates"):
-            super().MasterRowsOfMeasure(rows)
-        else:
-            self.add_measuring(rows, (self.counts, COUNTS_PER_TURN))
-
-    def MasterPublished(self, exchange: Exchange) -> bool:
-        """Describe `publish` as numbers, without rawEncoder."""
-        if replaced(self, ClodBuster, "publish") or self.values.rawEncoder:
-            return False
-        self.odometry.share(exchange)
-        return True
-
-    def MasterRowsOfAct(self, rows: UpdateRows) -> None:
-        """Describe `act` as rows."""
-        if replaced(self, ClodBuster, "act"):
-            super().MasterRowsOfAct(rows)
-            return
-        for steering in self.front:
-            steering.add_row(rows, self._steering)
-        for steering in self.rear:
-            steering.add_row(rows, self._steering, sign=-1.0)
+            data.pos[0], data.pos[1] = map(floor, self.counts)

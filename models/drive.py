@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from libgz.base.geometry import NORMALIZE, VectorLike
+from libgz.base.law import law
 from libgz.interfaces.position import PositionData
 from libgz.models.battery import Battery
-from libgz.models.motors import Axis
+from libgz.models.motors import Axis, mean
 from libgz.models.odometry import Odometry
 from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge
 from libgz.physics.body import Body
 from libgz.physics.joint import HingeJoint
-from libgz.simulation.updates import Exchange, JointAxis, UpdateRows, is_plain, replaced
 from libgz.worldfile.attributes import number, numbers
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -55,17 +54,10 @@ class DifferentialDrive:
         """Add a wheel at y [m], to the left where that is positive."""
         (self.left if y > 0.0 else self.right).append(wheel)
 
+    @law
     def rates(self) -> tuple[float, float]:
         """Mean rate of the wheels of the left and the right side [rad/s]."""
         return _mean_rate(self.left), _mean_rate(self.right)
-
-    def sides(self) -> tuple[list[JointAxis], list[JointAxis]] | None:
-        """The axes of the wheels of the left and the right side; None if one of them is of another kind."""
-        wheels = (*self.left, *self.right)
-        if not all(is_plain(wheel, Wheel) and wheel.rate == wheel.axis.rate for wheel in wheels):
-            return None
-        left, right = ([wheel.axis.joint_axis for wheel in side] for side in (self.left, self.right))
-        return left, right
 
     def run(self, speed: float, turn: float) -> None:
         """Set the wheels' motors for a speed [m/s] and a turn [rad/s]."""
@@ -79,9 +71,6 @@ class DifferentialRobot(MobileRobot):
     """A robot with a differential drive; it has a battery if its attributes are BatteryAttributes."""
 
     STATE: ClassVar[tuple[str, ...]] = ("odometry",)
-    ROW_PARTS = MobileRobot.ROW_PARTS | {
-        *("odometry", "battery", "wheels", "wheelSep", "wheelDiam", "normaliseYaw", "wheel_rates")
-    }
 
     attributes: ClassVar[type[RobotAttributes]] = BatteryAttributes
     wheelSep: ClassVar[float]  # between left and right wheels [m]
@@ -116,10 +105,12 @@ class DifferentialRobot(MobileRobot):
         """Driven wheels `left` and `right` at (x, +-y, z) in the model's frame [m]; returns their hinges."""
         return [self.add_wheel(f"left{suffix}", (x, y, z), tire), self.add_wheel(f"right{suffix}", (x, -y, z), tire)]
 
+    @law
     def wheel_rates(self) -> tuple[float, float]:
         """Rates at which the wheels of the left and the right side roll on the ground [rad/s]."""
         return self.wheels.rates()
 
+    @law
     def measure(self, step: float) -> None:
         """Odometry and battery from the wheels' rates."""
         left_rate, right_rate = self.wheel_rates()
@@ -132,50 +123,10 @@ class DifferentialRobot(MobileRobot):
         if self.battery is not None:
             self.battery.drain(step, left, right)
 
+    @law
     def publish(self, data: PositionData) -> None:
         """Odometry."""
         self.odometry.publish(data)
-
-    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
-        """Describe `measure` as a row."""
-        if replaced(self, DifferentialRobot, "measure", "wheel_rates"):
-            super().MasterRowsOfMeasure(rows)
-        else:
-            self.add_measuring(rows)
-
-    def add_measuring(
-        self,
-        rows: UpdateRows,
-        encoders: tuple[Any, float] | None = None,
-        *,
-        twin: Callable[[float], object] | None = None,
-        lean: Any = None,
-    ) -> None:
-        """Add a row for `measure`, or for another twin, and for encoders; see `UpdateRows.differential`."""
-        twin = twin or self.measure
-        sides = self.wheels.sides() if is_plain(self.wheels, DifferentialDrive, "rates") else None
-        drained = self.battery is None or is_plain(self.battery, Battery, "drain")
-        if sides is None or not drained or not is_plain(self.odometry, Odometry, "advance"):
-            rows.python(twin)
-            return
-        rows.differential(
-            twin,
-            self.odometry,
-            self.battery,
-            sides,
-            diameter=self.wheelDiam,
-            separation=self.wheelSep,
-            normalise=self.normaliseYaw,
-            encoders=encoders,
-            lean=lean,
-        )
-
-    def MasterPublished(self, exchange: Exchange) -> bool:
-        """Describe `publish` as numbers."""
-        if replaced(self, DifferentialRobot, "publish") or replaced(self.odometry, Odometry, "publish"):
-            return False
-        self.odometry.share(exchange)
-        return True
 
     def run(self, speed: float, turn: float) -> None:
         """Drive at a speed [m/s] and a turn [rad/s]."""
@@ -183,7 +134,4 @@ class DifferentialRobot(MobileRobot):
 
 
 def _mean_rate(wheels: list[Wheel]) -> float:
-    total = 0.0
-    for wheel in wheels:
-        total += wheel.rate()
-    return total / len(wheels)
+    return mean([wheel.rate() for wheel in wheels])

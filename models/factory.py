@@ -14,7 +14,8 @@ from libgz.legacy.model import Model
 from libgz.legacy.world import LegacyWorld
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
+from libgz.simulation.exchange import Exchange
+from libgz.simulation.plan import Plan, handler
 from libgz.transport.tally import Tally
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -34,8 +35,8 @@ class Factory(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("_seen",)
-    ROW_PARTS = Model.ROW_PARTS | {"interface"}
 
+    active_while_paused = True
     behaviour = "adding and removing models on request"
     interfaces = ("factory",)
 
@@ -51,7 +52,16 @@ class Factory(Model):
     def Fini(self) -> None:  # noqa: D102
         self.interface.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        plan.exchange(self.interface, None, unless=self._expect, otherwise=self._read)
+
+    def _expect(self, exchange: Exchange) -> None:
+        """The condition that there is no text, or one that has changed."""
+        exchange.text("string", self._text, "time")
+
+    @handler
+    def _read(self) -> None:
+        """Read a text, and obey one that has not changed."""
         if not self.interface.lock():  # locking also restores a file that a client has truncated
             return
         string = self.interface.string
@@ -67,15 +77,6 @@ class Factory(Model):
         self.interface.unlock()
         if taken and self.interface.intact():
             self.world.after_step(lambda: self.obey(content))
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as a row: native code waits for a text that has not changed."""
-        if replaced(self, Factory, "Update"):
-            return False
-        exchange = Exchange(self.interface)
-        exchange.text("string", self._text, "time")
-        rows.share(self.Update, exchange)
-        return True
 
     @property
     def _seen(self) -> bytes:

@@ -12,8 +12,8 @@ from libgz.models.parts import add_body, fit
 from libgz.models.serving import serve
 from libgz.models.utm import utm_to_geodetic
 from libgz.physics.geoms import CylinderGeom
+from libgz.simulation.plan import Plan
 from libgz.simulation.rate import OldRate, UpdateRate
-from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.attributes import color, lengths, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -39,7 +39,6 @@ class GarminGPS(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "zone")
-    ROW_PARTS = Model.ROW_PARTS | {"rate"}
 
     attributes = GarminGPSAttributes
     interfaces = ("gps",)
@@ -78,17 +77,9 @@ class GarminGPS(Model):
     def Fini(self) -> None:  # noqa: D102
         self.gps.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        if step != 0.0 and self.rate.due(self.world.GetSimTime()):
-            self._publish()
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows: Python publishes when a fix is due."""
-        if replaced(self, GarminGPS, "Update") or not rows.knows(self.rate):
-            return False
-        with rows.due(self.rate):
-            rows.python(lambda _: self._publish())
-        return True
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        with plan.due(self.rate):
+            plan.call(self._publish)
 
     def _publish(self) -> None:
         """Publish where it is."""

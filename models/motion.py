@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+import ctypes
+from typing import Any, ClassVar
 
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternInverse, GzQuaternToEuler, GzVector, rotate
-from libgz.ode.records import MotionRecord
+from libgz.base.law import law
+from libgz.ode.records import numbers
 from libgz.physics.body import Body
-from libgz.simulation.updates import UpdateRows, is_plain
 
 __all__ = ["Motion"]
 
 
-class Motion(MotionRecord):
+class Motion(ctypes.Structure):
     """How a body moved when it was last measured.
 
     Attributes:
@@ -26,11 +27,22 @@ class Motion(MotionRecord):
 
     STATE: ClassVar[tuple[str, ...]] = ("position", "rotation", "attitude", "velocity", "rate", "up")
 
+    _fields_ = [(name, numbers(4 if name == "rotation" else 3)) for name in STATE]
+
+    position: Any
+    rotation: Any
+    attitude: Any
+    velocity: Any
+    rate: Any
+    up: Any
+
     @property
+    @law
     def pose(self) -> GzPose:
         """Of the body frame [m]."""
         return GzPose(GzVector(*self.position), GzQuatern(*self.rotation))
 
+    @law
     def measure(self, body: Body) -> None:
         """Find how a body moves now."""
         pose = body.GetPose()
@@ -40,10 +52,3 @@ class Motion(MotionRecord):
         self.velocity = tuple(rotate(inverse, body.GetLinearVel()))
         self.rate = tuple(rotate(inverse, body.GetAngularRate()))
         self.up = tuple(rotate(pose.rot, (0.0, 0.0, 1.0)))
-
-    def add_row(self, rows: UpdateRows, body: Body) -> None:
-        """Describe `measure` as a row."""
-        if is_plain(self, Motion, "measure"):
-            rows.motion(lambda _: self.measure(body), body, self)
-        else:
-            rows.python(lambda _: self.measure(body))

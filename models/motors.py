@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
 
+from libgz.base.law import law
 from libgz.ode.types import dParamFMax, dParamFMax2, dParamHiStop, dParamLoStop, dParamVel, dParamVel2
 from libgz.physics.joint import HingeJoint
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
-from libgz.simulation.updates import JointAxis, UpdateRows, is_plain
 
-__all__ = ["Axis", "Servo"]
+__all__ = ["Axis", "Servo", "mean"]
 
 
 class Axis:
@@ -31,7 +30,6 @@ class Axis:
 
     def __init__(self, joint: HingeJoint | Hinge2Joint | UniversalJoint, number: int = 1) -> None:
         self.joint = joint
-        self.joint_axis = JointAxis(joint, number)
         self.velocity, self.force = (dParamVel, dParamFMax) if number == 1 else (dParamVel2, dParamFMax2)
         if isinstance(joint, HingeJoint):
             self.angle, self.rate = joint.GetAngle, joint.GetAngleRate
@@ -63,6 +61,7 @@ class Servo:
             axis.joint.SetParam(dParamHiStop, stop)
         axis.joint.SetParam(axis.force, torque)
 
+    @law
     def turn_to(self, angle: float) -> None:
         """Set the motor's velocity towards an angle [rad]; call it every step."""
         velocity = self.gain * (angle - self.angle())
@@ -70,22 +69,10 @@ class Servo:
             velocity -= self.damping * self.axis.rate()
         self._set(self._velocity, velocity)
 
-    def add_row(self, rows: UpdateRows, targets: Any, index: int = 0, sign: float = 1.0) -> None:
-        """Add a row that turns to an angle in each step.
 
-        Args:
-            rows: to add to.
-            targets: an array of `libgz.ode.records.numbers`, which the row reads [rad].
-            index: of the target in it.
-            sign: 1, or -1 to turn to the opposite angle.
-        """
-
-        def turn(_step: float) -> None:
-            self.turn_to(sign * targets[index])
-
-        if is_plain(self, Servo, "turn_to"):
-            axis, parameter = self.axis.joint_axis, self._velocity
-            source = (targets, index)
-            rows.servo(turn, axis, source, parameter=parameter, sign=sign, gain=self.gain, damping=self.damping)
-        else:
-            rows.python(turn)
+def mean(values: Sequence[float]) -> float:
+    """The mean of numbers, added in their order."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total / len(values)

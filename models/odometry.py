@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from typing import ClassVar
+import ctypes
+from typing import Any, ClassVar
 
+from libgz.base.law import cos, law, sin
 from libgz.interfaces.position import PositionData
-from libgz.ode.records import OdometryRecord
-from libgz.simulation.updates import Exchange
+from libgz.ode.records import numbers
 
 __all__ = ["Odometry"]
 
 
-class Odometry(OdometryRecord):
+class Odometry(ctypes.Structure):
     """Pose and velocity by dead reckoning. Starts at zero; moving the model by other means does not change it.
 
     Attributes:
@@ -22,23 +22,23 @@ class Odometry(OdometryRecord):
 
     STATE: ClassVar[tuple[str, ...]] = ("pose", "velocity")
 
+    _fields_ = [("pose", numbers(3)), ("velocity", numbers(2))]
+
+    pose: Any
+    velocity: Any
+
+    @law
     def advance(self, travel: float, turn: float, step: float) -> None:
         """Add a travel [m] in the present direction and then a turn [rad], made in a step [s]."""
         pose = self.pose
-        pose[0] += travel * math.cos(pose[2])
-        pose[1] += travel * math.sin(pose[2])
+        pose[0] += travel * cos(pose[2])
+        pose[1] += travel * sin(pose[2])
         pose[2] += turn
         self.velocity = (travel / step, turn / step)
 
+    @law
     def publish(self, data: PositionData) -> None:
         """Write pose and velocity to the interface."""
         pos, vel_pos = data.pos, data.vel_pos
         pos[0], pos[1], data.rot[2] = self.pose
         vel_pos[0], data.vel_rot[2] = self.velocity
-
-    def share(self, exchange: Exchange) -> None:
-        """Describe `publish` as numbers of an exchange."""
-        exchange.doubles("pos", (self, "pose"), 2)
-        exchange.doubles("rot", (self, "pose", 2), index=2)
-        exchange.doubles("vel_pos", (self, "velocity"))
-        exchange.doubles("vel_rot", (self, "velocity", 1), index=2)

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzVector
+from libgz.base.law import Number, law, whole
 from libgz.interfaces import gripper as codes
-from libgz.interfaces.gripper import Gripper
+from libgz.interfaces.gripper import Gripper, GripperData
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
+from libgz.ode.records import numbers
 from libgz.ode.types import dParamBounce, dParamFMax, dParamHiStop, dParamLoStop, dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
 from libgz.physics.rays import RayProximity
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
+from libgz.simulation.plan import Plan
 from libgz.simulation.world import World
 from libgz.worldfile.attributes import boolean, read
 from libgz.worldfile.file import WorldFile
@@ -131,8 +132,9 @@ class Pioneer2Gripper(Model):
 
     STATE: ClassVar[tuple[str, ...]] = ("lift", "left", "right", "beams", "commanded", "slow_for")
 
-    ROW_PARTS = Model.ROW_PARTS | {"gripper"}
+    _command = Number()  # that was taken in this step; 0: none
 
+    active_while_paused = True
     behaviour = "motors that move and hold its paddles and its lift; the beams between the paddles"
     attributes = GripperAttributes
     interfaces = ("gripper",)
@@ -165,7 +167,6 @@ class Pioneer2Gripper(Model):
         self._old = "gripperState" in self.world.engine.quirks
         self.commanded = (0, 0)  # last directions of paddles and lift other than stop; 0 before the first
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
-        self._command = (ctypes.c_double * 1)()  # that was taken in this step; 0: none
         self.gripper = Gripper(read(GripperAttributes, node).laterInterface)
 
     def _box(
@@ -184,46 +185,28 @@ class Pioneer2Gripper(Model):
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         serve(self, self.gripper)
-        self._publish()
+        self._names = [name for name in (*self.state(), "state") if hasattr(self.gripper.layout, name)]
+        self._values = numbers(len(self._names))()
+        self._note()
+        with self.gripper.locked() as data:
+            self._publish(data)
 
     def Fini(self) -> None:  # noqa: D102
         self.gripper.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        self._take()
-        self._act(step)
-        self._publish()
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        plan.exchange(self.gripper, self._take)
+        plan.do(self._act)
+        plan.exchange(self.gripper, self._publish)
 
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows: native code takes the command and publishes, Python does the rest."""
-        if replaced(self, Pioneer2Gripper, "Update"):
-            return False
-        taking, publishing = Exchange(self.gripper), Exchange(self.gripper)
-        taking.fetch(self._command, self.gripper.array("cmd").reshape(1))
-        publishing.now()
-        names = self._published()
-        numbers = (ctypes.c_double * len(names))()
-        for i, name in enumerate(names):
-            publishing.store(self.gripper.array(name).reshape(1), (numbers, i))
-
-        def act(step: float) -> None:
-            self._act(step)
-            numbers[:] = list(self._published().values())
-
-        rows.share(lambda _: self._take(), taking)
-        rows.python(act)
-        rows.share(lambda _: self._publish(), publishing)
-        return True
-
-    def _take(self) -> None:
+    @law
+    def _take(self, data: GripperData) -> None:
         """Take the client's command."""
-        if self.gripper.lock():
-            self._command[0] = self.gripper.data.cmd
-            self.gripper.unlock()
+        self._command = data.cmd
 
     def _act(self, step: float) -> None:
         """Obey the command that was taken, if any, and measure."""
-        command, self._command[0] = int(self._command[0]), 0.0
+        command, self._command = int(self._command), 0.0
         self._obey(command)
         if step > 0.0:
             self._watch_grip(step)
@@ -232,6 +215,7 @@ class Pioneer2Gripper(Model):
             self._aim_old_beams()
         else:
             self._cast_beams()
+        self._note()
 
     def _obey(self, command: int) -> None:
         """Set the directions that a command requests."""
@@ -318,17 +302,15 @@ class Pioneer2Gripper(Model):
             return 1 if self._old else codes.GAZEBO_GRIPPER_STATE_CLOSED
         return 4 if self._old else codes.GAZEBO_GRIPPER_STATE_MOVING
 
-    def _published(self) -> dict[str, int]:
-        """What is published, by the names of the fields that the interface has."""
+    def _note(self) -> None:
+        """Note what is to be published."""
         state = self._old_state() if self._old else self.state()
         found = {**state, "state": self._code(state)}
-        return {name: int(value) for name, value in found.items() if hasattr(self.gripper.layout, name)}
+        self._values[:] = [found[name] for name in self._names]
 
-    def _publish(self) -> None:
-        published = self._published()
-        if self.gripper.lock():
-            data = self.gripper.data
-            data.time = self.world.GetSimTime()
-            for name, value in published.items():
-                setattr(data, name, value)
-            self.gripper.unlock()
+    @law
+    def _publish(self, data: GripperData) -> None:
+        """Write the state."""
+        data.time = self.world.GetSimTime()
+        for name, value in zip(self._names, self._values, strict=True):
+            setattr(data, name, whole(value))

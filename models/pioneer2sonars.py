@@ -7,8 +7,8 @@ from typing import ClassVar
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.sonars import PIONEER2AT_RING, PIONEER2DX_RING, SonarRing
+from libgz.simulation.plan import Plan
 from libgz.simulation.rate import UpdateRate
-from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -22,7 +22,6 @@ class Pioneer2Sonars(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "sonars")
-    ROW_PARTS = Model.ROW_PARTS | {"rate", "sonars"}
 
     interfaces = ("sonar",)
     example = """
@@ -47,15 +46,6 @@ class Pioneer2Sonars(Model):
     def Fini(self) -> None:  # noqa: D102
         self.sonars.Fini()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        now = self.world.GetSimTime()
-        if step > 0.0 and self.rate.due(now):
-            self.sonars.Update(now)
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows."""
-        if replaced(self, Pioneer2Sonars, "Update") or not rows.knows(self.rate):
-            return False
-        with rows.due(self.rate):
-            self.sonars.MasterRows(rows)
-        return True
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        with plan.due(self.rate):
+            self.sonars.plan_update(plan)

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
+from libgz.base.law import law, rarely
 from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
+from libgz.models.device import Device
 from libgz.models.positionserver import PositionServer
-from libgz.simulation.formula import clamp
+from libgz.ode.records import numbers
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.state import declares
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.worldfile.attributes import number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-__all__ = ["Device", "MobileRobot", "RobotAttributes", "clamp"]
+__all__ = ["MobileRobot", "RobotAttributes"]
 
 
 @dataclass(frozen=True)
@@ -25,19 +28,6 @@ class RobotAttributes:
     """Attributes of every robot."""
 
     updateRate: float = number(10.0, unit="Hz", least=0.0, help="updates of the interfaces per second of sim time")
-
-
-class Device(Protocol):
-    """A part of a robot with an interface of its own, such as a battery or a sonar ring."""
-
-    def Init(self) -> None:
-        """Create the interface."""
-
-    def Update(self, now: float) -> None:
-        """Publish, at sim time `now` [s]."""
-
-    def Fini(self) -> None:
-        """Destroy the interface."""
 
 
 class MobileRobot(Model):
@@ -49,9 +39,7 @@ class MobileRobot(Model):
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "position", "_kept_devices", "_driven")
 
-    ROW_PARTS = Model.ROW_PARTS | {"rate", "position", "devices", "measure", "publish", "drive", "act"}
-
-    _driven: tuple[float, ...] | None  # the command that the motors were last set to
+    _driven: Any  # the command that the motors were last set to
 
     behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
@@ -74,16 +62,18 @@ class MobileRobot(Model):
         """Write pose and velocity to the interface; called at the update rate."""
         raise NotImplementedError
 
+    @law
     def drive(self) -> None:
         """Apply `position.wanted` to the motors; called at the update rate. By default `run`, if it changed."""
         wanted = self.position.wanted
-        if wanted != self._driven:
-            self._driven = wanted
+        if rarely(_differ(wanted, self._driven)):
+            self._driven[:] = wanted
             self.run(*wanted)
 
     def run(self, *wanted: Any, **_options: Any) -> None:
         """Drive as a command, in the order of `commands`, requests; called when it changed."""
 
+    @law
     def act(self, step: float) -> None:
         """Run the controllers that need every step [s]."""
 
@@ -91,12 +81,12 @@ class MobileRobot(Model):
         self.values = read(self.attributes, node)
         self.rate = UpdateRate(self.values.updateRate)
         self.position = PositionServer(self, self.commands)
-        self.devices: list[Device] = []
-        self._driven = None
+        self.devices: list[Any] = []  # parts with Init, Update(now) and Fini, such as a `Device`
+        self._driven = numbers(len(self.commands))(*(math.nan for _ in self.commands))
         self.build()
 
     @property
-    def _kept_devices(self) -> list[Device]:
+    def _kept_devices(self) -> list[Any]:
         """The devices that declare a state."""
         return [device for device in self.devices if declares(type(device))]
 
@@ -110,66 +100,25 @@ class MobileRobot(Model):
         for device in self.devices:
             device.Fini()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        if step == 0.0:
-            return
-        self.measure(step)
-        now = self.world.GetSimTime()
-        if self.rate.due(now):
-            self.position.exchange(now, self.publish)
-            self.drive()
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        plan.do(self.measure)
+        with plan.due(self.rate):
+            self.position.plan(plan, self.publish)
+            plan.call(self.drive)
             for device in self.devices:
-                device.Update(now)
-        self.act(step)
+                self._plan_device(plan, device)
+        plan.do(self.act)
 
-    # As rows ------------------------------------------------------------------------------------------------------
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows. What a subclass replaces is done in Python."""
-        if replaced(self, MobileRobot, "Update") or not rows.knows(self.rate):
-            return False
-        self.MasterRowsOfMeasure(rows)
-        with rows.due(self.rate):
-            self._add_exchange(rows)
-            for device in self.devices:
-                add = getattr(device, "MasterRows", None)
-                if add is None:
-                    rows.python(partial(self._update_device, device))
-                else:
-                    add(rows)
-        self.MasterRowsOfAct(rows)
-        return True
-
-    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
-        """Describe `measure` as rows."""
-        rows.python(self.measure)
-
-    def MasterPublished(self, exchange: Exchange) -> bool:
-        """Describe `publish` as numbers of an exchange; false where `publish` itself is to be called."""
-        return False
-
-    def MasterRowsOfAct(self, rows: UpdateRows) -> None:
-        """Describe `act` as rows."""
-        if replaced(self, MobileRobot, "act"):
-            rows.python(self.act)
-
-    def _add_exchange(self, rows: UpdateRows) -> None:
-        own_drive = replaced(self, MobileRobot, "drive")
-        position, twin = self.position, self._exchange if own_drive else self._exchange_and_drive
-        exchange = None if replaced(position, PositionServer, "exchange") else position.unchanged()
-        if exchange is not None and self.MasterPublished(exchange):
-            rows.share(twin, exchange)
+    def _plan_device(self, plan: Plan, device: Any) -> None:
+        if isinstance(device, Device) and not overrides(device, Device, "Update"):
+            device.plan_update(plan)
         else:
-            rows.python(twin)
-        if own_drive:
-            rows.python(lambda _: self.drive())
+            plan.do(lambda _: device.Update(self.world.GetSimTime()))
 
-    def _exchange(self, _step: float) -> None:
-        self.position.exchange(self.world.GetSimTime(), self.publish)
 
-    def _exchange_and_drive(self, step: float) -> None:
-        self._exchange(step)
-        self.drive()
-
-    def _update_device(self, device: Device, _step: float) -> None:
-        device.Update(self.world.GetSimTime())
+def _differ(some: Iterable[float], others: Iterable[float]) -> Any:
+    """Whether a number differs from the one at the same place."""
+    differs: Any = False
+    for one, other in zip(some, others, strict=True):
+        differs |= one != other
+    return differs

@@ -10,10 +10,10 @@ import math
 from typing import ClassVar, Generic, NamedTuple
 
 from libgz.base.geometry import GzColor, GzVector
+from libgz.base.law import Value, clamp, law, unrecorded, usually
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motion import Motion
-from libgz.models.odometry import Odometry
 from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import HARD, Tire
@@ -21,8 +21,6 @@ from libgz.ode.records import numbers
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
-from libgz.simulation.formula import Formula, Number, clamp
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
 
 TIRE = Tire(0.24, 0.05, 5.0, DARK, hard=True)
 TOP_PLATE = (0.0, 0.0, 0.70)  # [m]
@@ -51,7 +49,6 @@ class SegwayRMP(DifferentialRobot):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("motion", "_velocity", "_balance")
-    ROW_PARTS = DifferentialRobot.ROW_PARTS | {"motion", "_balance"}
 
     behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
@@ -82,25 +79,30 @@ class SegwayRMP(DifferentialRobot):
         self._balance = numbers(3)()  # see `_Balance`
 
     @property
+    @law
     def pitch(self) -> float:
         """Of the base [rad], leaning forward positive."""
-        return float(self.motion.attitude[1])
+        return self.motion.attitude[1]  # type: ignore[no-any-return]
 
     @property
+    @law
     def pitchRate(self) -> float:
         """Of the base [rad/s], likewise."""
-        return float(self.motion.rate[1])
+        return self.motion.rate[1]  # type: ignore[no-any-return]
 
+    @law
     def wheel_rates(self) -> tuple[float, float]:
         """Rates at which the wheels roll on the ground [rad/s]: their hinge rates plus the pitch rate of the base."""
         left, right = super().wheel_rates()
         return left + self.pitchRate, right + self.pitchRate
 
+    @law
     def measure(self, step: float) -> None:
         """Attitude, then odometry."""
         self.motion.measure(self.GetBody())
         super().measure(step)
 
+    @law
     def publish(self, data: PositionData) -> None:
         """Odometry and pitch."""
         super().publish(data)
@@ -109,10 +111,11 @@ class SegwayRMP(DifferentialRobot):
     def run(self, speed: float, turn: float) -> None:
         """Nothing: `act` drives the wheels by torques."""
 
+    @law
     def act(self, step: float) -> None:
         """Balance."""
         falling = self._velocity is not None and self._falls(step)
-        if not self.position.enabled or not self.motion.up[2] >= UPRIGHT:
+        if not usually(self.position.enabled) or not usually(self.motion.up[2] >= UPRIGHT):
             self._balance[:] = (0.0, 0.0, 0.0)
             return
         if falling:
@@ -127,6 +130,7 @@ class SegwayRMP(DifferentialRobot):
         for hinge, torque in zip(self._hinges, torques, strict=True):
             hinge.SetTorque(torque)
 
+    @unrecorded
     def _falls(self, step: float) -> bool:
         """Whether the base gained more than half of what gravity gives it in a step [s]."""
         velocity, gravity = self.GetBody().GetLinearVel(), self.world.engine.gravity
@@ -134,55 +138,20 @@ class SegwayRMP(DifferentialRobot):
         gained = sum((v - b) * g for v, b, g in zip(velocity, before, gravity, strict=True))
         return gained > 0.5 * step * sum(g * g for g in gravity)
 
-    # As rows ------------------------------------------------------------------------------------------------------
 
-    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:  # noqa: D102
-        if replaced(self, SegwayRMP, "measure", "wheel_rates"):
-            rows.python(self.measure)
-            return
-        self.motion.add_row(rows, self.GetBody())
-        self.add_measuring(rows, twin=super().measure, lean=(self.motion, "rate", 1))
-
-    def MasterPublished(self, exchange: Exchange) -> bool:  # noqa: D102
-        if replaced(self, SegwayRMP, "publish") or replaced(self.odometry, Odometry, "publish"):
-            return False
-        self.odometry.share(exchange)
-        exchange.doubles("rot", (self.motion, "attitude", 1), index=1)
-        exchange.doubles("vel_rot", (self.motion, "rate", 1), index=1)
-        return True
-
-    def MasterRowsOfAct(self, rows: UpdateRows) -> None:  # noqa: D102
-        if replaced(self, SegwayRMP, "act") or self._velocity is not None:
-            rows.python(self.act)
-            return
-        formula = Formula()
-        self.position.require_enabled(formula)
-        formula.at_least((self.motion, "up", 2), UPRIGHT)
-        read, motion, odometry = formula.read, self.motion, self.odometry
-        speed, turn = self.position.read_wanted(formula)
-        measured = read((odometry, "velocity")), read((odometry, "velocity", 1)), read((motion, "attitude", 1))
-        before = _Balance(*(read((self._balance, i)) for i in range(3)))
-        kept, torques = _balance(rows.step_of(formula), speed, turn, (*measured, read((motion, "rate", 1))), before)
-        for i, value in enumerate(kept):
-            formula.set((self._balance, i), value)
-        for hinge, torque in zip(self._hinges, torques, strict=True):
-            formula.torque(hinge, torque)
-        rows.formula(self.act, formula)
-
-
-class _Balance(NamedTuple, Generic[Number]):
+class _Balance(NamedTuple, Generic[Value]):
     """What the controller keeps: how far the robot is ahead of the commanded travel [m], the error of its turn [rad/s],
     and the integral of that.
     """
 
-    lag: Number
-    error: Number
-    integral: Number
+    lag: Value
+    error: Value
+    integral: Value
 
 
 def _balance(
-    step: Number, speed: Number, turn: Number, measured: tuple[Number, ...], kept: _Balance[Number]
-) -> tuple[_Balance[Number], tuple[Number, Number]]:
+    step: Value, speed: Value, turn: Value, measured: tuple[Value, ...], kept: _Balance[Value]
+) -> tuple[_Balance[Value], tuple[Value, Value]]:
     """What is kept, and the torques of the left and the right wheel [N m].
 
     Args:

@@ -6,9 +6,10 @@ import ctypes
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from libgz.base.law import Number
 from libgz.legacy.model import Model
 from libgz.ode.records import numbers
-from libgz.simulation.updates import Exchange
+from libgz.simulation.exchange import Exchange
 from libgz.transport.interface import Interface
 
 __all__ = ["Seen", "serve"]
@@ -20,29 +21,21 @@ class Seen:
     They are settled until the command is set otherwise.
     """
 
+    settled = Number()  # whether the command follows from the numbers: 1 or 0
+
     def __init__(self, count: int) -> None:
         self.numbers = numbers(count)()
-        self._settled = ctypes.c_int64(0)
-
-    @property
-    def settled(self) -> bool:
-        """Whether the command follows from the numbers."""
-        return bool(self._settled.value)
-
-    @settled.setter
-    def settled(self, value: bool) -> None:
-        self._settled.value = value
 
     def note(self, wishes: Sequence[float], settled: bool = True) -> None:
         """Keep what a client wrote."""
         self.numbers[: len(wishes)] = wishes
-        self._settled.value = settled
+        self.settled = settled
 
     def expect(self, exchange: Exchange, fields: Iterable[tuple[str, int]]) -> None:
         """Make it a condition of an exchange that the client wrote nothing else in these fields: name and index."""
-        exchange.require(self._settled)
+        exchange.need(self, "settled")
         for number, (name, index) in enumerate(fields):
-            exchange.expect(name, (self.numbers, number), index)
+            exchange.expect(name, index, ctypes.c_double.from_buffer(self.numbers, 8 * number))
 
 
 def serve(model: Model, interface: Interface[Any]) -> None:

@@ -11,16 +11,15 @@ import math
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor
+from libgz.base.law import Number, law
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motors import Servo
 from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import Tire, Wheel, add_hinge, add_steered_wheel
-from libgz.ode.records import numbers
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
-from libgz.simulation.updates import UpdateRows, replaced
 
 YELLOW = GzColor(0.9, 0.7, 0.1)
 TIRE = Tire(0.055, 0.02, 0.15, DARK)
@@ -43,6 +42,8 @@ class Shrimp(DifferentialRobot):
 
     STATE: ClassVar[tuple[str, ...]] = ("endAngle",)
 
+    endAngle = Number()  # of the front wheel [rad]; the rear wheel has the opposite one
+
     behaviour = "motors that drive and steer its wheels; the spring of its fork; odometry"
     example = """
     <model:Shrimp>
@@ -63,7 +64,6 @@ class Shrimp(DifferentialRobot):
         for side, y in (("left", 1.0), ("right", -1.0)):
             self._add_bogie(chassis, side, y)
         fork = self._add_fork(chassis)
-        self._steering = numbers(1)()
         self.front, self.frontSteering = self._add_end_wheel("front", END, fork)
         self.rear, self.rearSteering = self._add_end_wheel("rear", -END, chassis)
 
@@ -96,15 +96,6 @@ class Shrimp(DifferentialRobot):
         position = (x, 0.0, AXLE_HEIGHT)
         return add_steered_wheel(self, name, position, TIRE, base, STEERING_STOP, STEERING_GAIN, STEERING_TORQUE)
 
-    @property
-    def endAngle(self) -> float:
-        """Angle of the front wheel [rad]; the rear wheel has the opposite one."""
-        return float(self._steering[0])
-
-    @endAngle.setter
-    def endAngle(self, angle: float) -> None:
-        self._steering[0] = angle
-
     def run(self, speed: float, turn: float) -> None:
         """Run the wheels of the bogies, and steer and run the front and the rear wheel along the resulting motion."""
         super().run(speed, turn)
@@ -114,20 +105,9 @@ class Shrimp(DifferentialRobot):
         for wheel in (self.front, self.rear):
             wheel.run(2.0 * direction * math.hypot(speed, sideways) / self.wheelDiam, self.maxTorque)
 
+    @law
     def act(self, step: float) -> None:
         """Steer, and apply the spring of the fork."""
         self.frontSteering.turn_to(self.endAngle)
         self.rearSteering.turn_to(-self.endAngle)
-        self._hold_fork(step)
-
-    def _hold_fork(self, _step: float) -> None:
         self.fork.SetTorque(-FORK_SPRING * self.fork.GetAngle())
-
-    def MasterRowsOfAct(self, rows: UpdateRows) -> None:
-        """Describe `act` as rows."""
-        if replaced(self, Shrimp, "act"):
-            super().MasterRowsOfAct(rows)
-            return
-        self.frontSteering.add_row(rows, self._steering)
-        self.rearSteering.add_row(rows, self._steering, sign=-1.0)
-        rows.spring(self._hold_fork, self.fork, FORK_SPRING)

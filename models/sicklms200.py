@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,17 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.geometry import GzColor
-from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial
-from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser
+from libgz.base.law import law, usually
+from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial, FiducialData
+from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser, LaserData
 from libgz.legacy.model import Model
 from libgz.models.parts import BLACK, add_body, fit
 from libgz.models.serving import serve
-from libgz.ode.records import CastRecord, ScannerRecord
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.physics.rays import RayProximity
+from libgz.simulation.exchange import Exchange
+from libgz.simulation.plan import Plan, handler
 from libgz.simulation.rate import OldRate, UpdateRate
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import angle, integer, length, number, read
 from libgz.worldfile.file import WorldFile
@@ -34,7 +34,6 @@ MOST_READINGS = GZ_LASER_MAX_RANGES - 1
 FARTHEST = 1000.0  # [m]
 
 # Parts of an update that subclasses may replace.
-_STEPS = ("_take_command", "_publish_laser", "_publish_fiducials", "_intensities")
 
 Hit = tuple[int, int, Geom | None]  # of `RayProximity.hits`
 
@@ -56,10 +55,6 @@ class SickLMS200(Model):
     """SICK's scanning laser range-finder with a mass of 7 kg; the origin is the centre of its bottom."""
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "_wanted_scan", "rays")
-    ROW_PARTS = Model.ROW_PARTS | {
-        *("rate", "rays", "laser", "fiducial", "rangeMin", "rangeMax", "minAngle", "maxAngle", "rangeCount"),
-        *("readings", "fiducials"),
-    }
 
     attributes = SickAttributes
     interfaces = ("laser", "fiducial")
@@ -139,70 +134,22 @@ class SickLMS200(Model):
         self.laser.destroy()
         self.fiducial.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        now = self.world.GetSimTime()
-        if step == 0.0 or not self.rate.due(now):
-            return
-        self._take_command()
-        self.rays.Update()
-        hits = self.rays.hits()
-        self._publish_laser(now, hits)
-        self._publish_fiducials(now, hits)
-        self.laser.post()
-
-    # As rows -----------------------------------------------------------------------------------------------------
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows: without a request of a client, and where no ray hits a marked object, natively."""
-        own = ("Update", "readings", "fiducials", *_STEPS)
-        if replaced(self, SickLMS200, *own) or not rows.knows(self.rate):
-            return False
-        requests = Exchange(self.laser)
-        for name in ("cmd_new_angle", "cmd_new_length"):
-            requests.switch(name, self.guard.switch_record(name))
-        with rows.due(self.rate):
-            rows.share(lambda _: self._take_command(), requests)
-            cast = rows.cast(lambda _: self.rays.Update(), self.rays)
-            if cast is None:
-                rows.python(self._publish)
-            else:
-                rows.share(lambda _: self._publish_laser(self.world.GetSimTime(), self.rays.hits()), self._scan(cast))
-                nothing = Exchange(self.fiducial)
-                nothing.unmarked(cast)
-                nothing.now()
-                nothing.integer("fid_count", 0)
-                rows.share(lambda _: self._publish_fiducials(self.world.GetSimTime(), self.rays.hits()), nothing)
-            rows.post(lambda _: self.laser.post())
-        return True
-
-    def _publish(self, _step: float) -> None:
-        now, hits = self.world.GetSimTime(), self.rays.hits()
-        self._publish_laser(now, hits)
-        self._publish_fiducials(now, hits)
-
-    def _scan(self, cast: CastRecord) -> Exchange:
-        """What `_publish_laser` writes where no ray hit a reflector."""
-        exchange, count = Exchange(self.laser), self.rangeCount
-        exchange.unmarked(cast)
-        exchange.now()
-        exchange.doubles("max_range", np.array([self.rangeMax]))
-        exchange.integer("range_count", count)
-        exchange.doubles("min_angle", np.array([self.minAngle]))
-        exchange.doubles("max_angle", np.array([self.maxAngle]))
-        exchange.doubles("res_angle", np.array([self._resolution]))
-        kept = (cast, self._first, self._second, self._share)
-        exchange.readings("ranges", self._interpolation(cast), count, kept)
-        exchange.integer("intensity", 0, count)
-        return exchange
-
-    def _interpolation(self, cast: CastRecord) -> ScannerRecord:
-        """What `readings` computes."""
-        far, near, offset = self._limits
-        arrays = (array.ctypes.data for array in (self._first, self._second, self._share))
-        return ScannerRecord(ctypes.addressof(cast), *arrays, far, near, offset, SMOOTH)
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        with plan.due(self.rate):
+            plan.exchange(self.laser, None, unless=self._expect, otherwise=self._take_command)
+            plan.cast(lambda: self.rays)
+            plan.exchange(self.laser, self._publish_laser)
+            plan.exchange(self.fiducial, self._publish_fiducials)
+            plan.post(self.laser)
 
     # Commands ----------------------------------------------------------------------------------------------------
 
+    def _expect(self, exchange: Exchange) -> None:
+        """The condition that there is no request."""
+        for name in ("cmd_new_angle", "cmd_new_length"):
+            exchange.switch(name, self.guard.switch_record(name))
+
+    @handler
     def _take_command(self) -> None:
         """Change the scan if a client requests it."""
         if not self.laser.lock():
@@ -242,6 +189,7 @@ class SickLMS200(Model):
         return low, high, far or self.rangeMax, count or self.rangeCount
 
     @property
+    @law
     def _limits(self) -> tuple[float, float, float]:
         """The largest range of a ray, what is added to it, and what is added to readings [m]."""
         if "laserNoHitOffset" in self.world.engine.quirks:
@@ -249,12 +197,14 @@ class SickLMS200(Model):
         return self.rangeMax - self.rangeMin, self.rangeMin, 0.0
 
     @property
+    @law
     def _resolution(self) -> float:
         """The angle between readings [rad]."""
         return (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
 
     # Readings ----------------------------------------------------------------------------------------------------
 
+    @law
     def readings(self) -> NDArray[np.float64]:
         """Distances from the sensor's centre [m]: interpolated between two rays, or the shorter one of them."""
         far, near, offset = self._limits
@@ -263,45 +213,39 @@ class SickLMS200(Model):
         between: NDArray[np.float64] = (1.0 - self._share) * a + self._share * b
         return np.where(np.abs(a - b) < SMOOTH, between, np.minimum(a, b)) + offset
 
-    def _publish_laser(self, now: float, hits: list[Hit]) -> None:
-        if not self.laser.lock():
-            return
-        data = self.laser.data
-        data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
+    @law
+    def _publish_laser(self, data: LaserData) -> None:
+        data.time, data.max_range, data.range_count = self.world.GetSimTime(), self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
         data.res_angle = self._resolution
         count = self.rangeCount  # not that of the interface: a client may have overwritten it
         self.laser.all_ranges[:count] = self.readings()
-        self.laser.all_intensities[:count] = self._intensities(hits)
-        self.laser.unlock()
+        self.laser.all_intensities[:count] = 0 if usually(self.rays.unmarked()) else self._intensities()
 
-    def _intensities(self, hits: list[Hit]) -> NDArray[np.int32] | int:
+    def _intensities(self) -> NDArray[np.int32] | int:
         """1 for each reading with a ray that hit a reflector, else 0; 0 for all where there is none."""
         bright: NDArray[np.int32] | None = None
-        for i, j, geom in hits:
+        for i, j, geom in self.rays.hits():
             if geom is not None and geom.GetRetro() >= self._bright_from:
                 bright = np.zeros(self.rayCount, dtype=np.int32) if bright is None else bright
                 bright[i:j] = 1
         return 0 if bright is None else bright[self._first] | bright[self._second]
 
-    def _publish_fiducials(self, now: float, hits: list[Hit]) -> None:
-        found = self.fiducials(hits)
-        if not self.fiducial.lock():
-            return
-        data = self.fiducial.data
-        data.time, data.fid_count = now, len(found)
+    @law
+    def _publish_fiducials(self, data: FiducialData) -> None:
+        found = [] if usually(self.rays.unmarked()) else self.fiducials()
+        data.time, data.fid_count = self.world.GetSimTime(), len(found)
         for fid, (number_, x, y, yaw) in zip(data.fids, found, strict=False):
             fid.id, fid.pos[:], fid.rot[:] = number_, (x, y, 0.0), (0.0, 0.0, yaw)
-        self.fiducial.unlock()
 
-    def fiducials(self, hits: list[Hit] | None = None) -> list[tuple[int, float, float, float]]:
-        """(number, x [m], y [m], yaw [rad]) of marked objects in the sensor's frame, among `hits` of the rays.
+    def fiducials(self) -> list[tuple[int, float, float, float]]:
+        """(number, x [m], y [m], yaw [rad]) of marked objects in the sensor's frame.
 
         Neighbouring rays with the same number are one object, at the middle of its two ends. With three rays or more
         its yaw is normal to the line between the ends; with fewer, it faces the sensor.
         """
         seen: list[list[int]] = []  # number, first and last ray
-        for i, j, geom in self.rays.hits() if hits is None else hits:
+        for i, j, geom in self.rays.hits():
             number_ = geom.GetFiducial() if geom is not None else -1
             if number_ < 0:
                 continue

@@ -8,12 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from libgz.base.law import law
 from libgz.interfaces.sonar import Sonar, SonarData
 from libgz.legacy.model import Model
+from libgz.models.device import Device
 from libgz.models.serving import serve
 from libgz.physics.body import Body
 from libgz.physics.rays import RayProximity
-from libgz.simulation.updates import Exchange, UpdateRows, is_plain
+from libgz.simulation.plan import Plan
 
 __all__ = ["PIONEER2AT_RING", "PIONEER2DX_RING", "SonarRing", "pioneer_ring"]
 
@@ -34,7 +36,7 @@ PIONEER2AT_RING = pioneer_ring(0.24103, 0.24103, 0.25)
 PIONEER2DX_RING = pioneer_ring(0.14103, 0.24103, -0.04)
 
 
-class SonarRing:
+class SonarRing(Device):
     """Sonars fixed to a body, each a ray of at most 5 m.
 
     Args:
@@ -44,6 +46,8 @@ class SonarRing:
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rays",)
+
+    interface: Sonar
 
     def __init__(self, model: Model, body: Body, poses: Sequence[tuple[float, float, float, float]]) -> None:
         self.model = model
@@ -64,6 +68,7 @@ class SonarRing:
             sonar.sonar_ranges[: len(self.poses)] = MAX_RANGE
             sonar.unlock()
 
+    @law
     def _describe(self, data: SonarData) -> None:
         """Write the constant fields, under the lock."""
         count = len(self.poses)
@@ -72,35 +77,13 @@ class SonarRing:
         self.interface.sonar_pos[:count] = self._own_places
         self.interface.sonar_rot[:count, 2] = self._own_yaws
 
-    def Update(self, now: float) -> None:
-        """Cast the rays and publish, at sim time `now` [s]."""
-        self.rays.Update()
-        self.publish(now)
+    @law
+    def publish(self, data: SonarData) -> None:
+        """Write what the rays measured last."""
+        data.time = self.model.world.GetSimTime()
+        self._describe(data)  # a client may have overwritten them
+        self.interface.sonar_ranges[: len(self.poses)] = np.minimum(self.rays.ranges, MAX_RANGE)
 
-    def publish(self, now: float) -> None:
-        """Publish what the rays measured last, at sim time `now` [s]."""
-        if self.interface.lock():
-            data = self.interface.data
-            data.time = now
-            self._describe(data)  # a client may have overwritten them
-            np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.sonar_ranges[: len(self.poses)])
-            self.interface.unlock()
-
-    def MasterRows(self, rows: UpdateRows) -> None:
-        """Describe `Update` as rows."""
-        if not is_plain(self, SonarRing, "Update", "publish"):
-            rows.python(lambda _: self.Update(self.model.world.GetSimTime()))
-            return
-        count, exchange = len(self.poses), Exchange(self.interface)
-        exchange.now()
-        exchange.integer("sonar_count", count)
-        exchange.doubles("max_range", np.array([MAX_RANGE]))
-        exchange.doubles("sonar_pos", self._own_places, 3 * count)
-        exchange.doubles("sonar_rot", self._own_yaws, count, index=2, stride=3)
-        exchange.nearest("sonar_ranges", self.rays.ranges, MAX_RANGE)
-        rows.cast(lambda _: self.rays.Update(), self.rays)
-        rows.share(lambda _: self.publish(self.model.world.GetSimTime()), exchange)
-
-    def Fini(self) -> None:
-        """Destroy the interface."""
-        self.interface.destroy()
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        plan.cast(lambda: self.rays)
+        plan.exchange(self.interface, self.publish)

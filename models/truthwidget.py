@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
-from libgz.interfaces.truth import Truth
+from libgz.base.law import law
+from libgz.interfaces.truth import Truth, TruthData
 from libgz.legacy.model import Model
-from libgz.models.motion import Motion
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
 from libgz.simulation.entity import Entity
-from libgz.simulation.updates import Exchange, UpdateRows, replaced
+from libgz.simulation.exchange import Exchange
+from libgz.simulation.plan import Plan, handler
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -26,8 +27,7 @@ class TruthWidget(Model):
     and obeys in every step, also while the world is paused.
     """
 
-    ROW_PARTS = Model.ROW_PARTS | {"truth", "parent"}
-
+    active_while_paused = True
     behaviour = "moving its robot on request"
     interfaces = ("truth",)
     example = """
@@ -52,43 +52,39 @@ class TruthWidget(Model):
     def Fini(self) -> None:  # noqa: D102
         self.truth.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        pose = self._subject.GetPose()
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        plan.exchange(self.truth, self._write, unless=self._expect, otherwise=self._exchange)
+
+    @law
+    def _write(self, _data: TruthData) -> None:
+        """Write the pose."""
+        self.truth.publish(self.world.GetSimTime(), self._subject.GetPose())
+
+    def _expect(self, exchange: Exchange) -> None:
+        """The condition that there is no request."""
+        exchange.switch("cmd_new", self.guard.switch_record("cmd_new"))
+
+    @handler
+    def _exchange(self) -> None:
+        """Publish, and do what a client requests."""
         if not self.truth.lock():
             return
         new = self.truth.data.cmd_new
         wanted = self.truth.take_move()
-        self.truth.publish(self.world.GetSimTime(), pose)
+        self._write(self.truth.data)
         self.truth.unlock()
         if wanted is not None and self.truth.intact() and self.guard.switch("cmd_new", new, False):
             self._move(wanted)
             self._publish()
 
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows: native code publishes, Python moves the model."""
-        subject = self._subject
-        if replaced(self, TruthWidget, "Update") or replaced(subject, Entity, "GetPose", "GetBody"):
-            return False
-        motion, exchange = Motion(), Exchange(self.truth)
-        exchange.switch("cmd_new", self.guard.switch_record("cmd_new"))
-        exchange.now()
-        exchange.doubles("pos", (motion, "position"), 3)
-        if len(self.truth.data.rot) == 4:
-            exchange.doubles("rot", (motion, "rotation"), 4)
-        else:
-            exchange.doubles("rot", (motion, "attitude"), 3)
-        motion.add_row(rows, subject.GetBody())
-        rows.share(self.Update, exchange)
-        return True
-
     @property
+    @law
     def _subject(self) -> Entity:
         return self.parent or self
 
     def _publish(self) -> None:
-        pose = self._subject.GetPose()
         if self.truth.lock():
-            self.truth.publish(self.world.GetSimTime(), pose)
+            self._write(self.truth.data)
             self.truth.unlock()
 
     def _move(self, wanted: GzPose) -> None:

@@ -11,8 +11,8 @@ from libgz.interfaces.wifi import GAZEBO_WIFI_MAX_LINKS, GAZEBO_WIFI_QUAL_DBM, W
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
+from libgz.simulation.plan import Plan
 from libgz.simulation.rate import UpdateRate
-from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.attributes import number, read, text
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -44,7 +44,6 @@ class WiFi(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("ip", "rate")
-    ROW_PARTS = Model.ROW_PARTS | {"rate"}
 
     attributes = WiFiAttributes
     interfaces = ("wifi",)
@@ -77,17 +76,9 @@ class WiFi(Model):
     def Fini(self) -> None:  # noqa: D102
         self.wifi.destroy()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        if step != 0.0 and self.rate.due(self.world.GetSimTime()):
-            self._publish()
-
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows: Python publishes when that is due."""
-        if replaced(self, WiFi, "Update") or not rows.knows(self.rate):
-            return False
-        with rows.due(self.rate):
-            rows.python(lambda _: self._publish())
-        return True
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        with plan.due(self.rate):
+            plan.call(self._publish)
 
     def _publish(self) -> None:
         now = self.world.GetSimTime()

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.law import asin, atan2, cos, rarely, sin
 
 __all__ = [
     "DTOR",
@@ -182,7 +183,7 @@ def DTOR(d: float) -> float:
 
 def NORMALIZE(a: float) -> float:
     """The angle `a` [rad] brought into (-pi, pi]."""
-    return math.atan2(math.sin(a), math.cos(a))
+    return atan2(sin(a), cos(a))  # type: ignore[no-any-return]
 
 
 # Vectors ---------------------------------------------------------------------------------------------------------
@@ -326,11 +327,11 @@ def GzQuaternToEuler(q: QuaternLike) -> GzVector:
     """Roll, pitch, yaw [rad] of a unit quaternion; at a pitch of 90 degrees yaw is 0."""
     u, x, y, z = q
     sine = -2.0 * (x * z - u * y)
-    if abs(sine) > STEEP:
+    if rarely(abs(sine) > STEEP):
         return _steep_euler(u, x, y, z)
-    roll = math.atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z)
-    yaw = math.atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z)
-    return GzVector(roll, math.asin(sine), yaw)
+    roll = atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z)
+    yaw = atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z)
+    return GzVector(roll, asin(sine), yaw)
 
 
 def _steep_euler(u: float, x: float, y: float, z: float) -> GzVector:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 import logging
 import weakref
+from collections.abc import Set
 from dataclasses import dataclass
+from types import CodeType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, pass_interrupt
@@ -13,9 +15,9 @@ from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, G
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.plugins import own_place, own_traceback
 from libgz.simulation.running_code import names
-from libgz.simulation.updates import UpdateRows, replaced, set_part
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 from libgz.worldfile.file import WorldFile
 
@@ -62,15 +64,14 @@ class Model(Entity):
 
     STATE: ClassVar[tuple[str, ...]] = ("logPoses", "poses", "initialized", "_pick_id", "_gravity", "_enabled")
 
-    # Attributes that its rows depend on: they are built again after one was set.
-    ROW_PARTS: ClassVar[frozenset[str]] = frozenset(("Update", "MasterUpdate", "LogPose"))
-    __setattr__ = set_part
-
     # What tools print about a model; `libgz models`, the reference pages and the grammar are generated from it.
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
     behaviour: ClassVar[str] = ""  # what its Update does to itself and to others, interfaces apart
     example: ClassVar[str] = ""  # elements of a small world that shows it; by default itself with an id
+
+    active_while_paused: ClassVar[bool] = False  # whether its plan runs then, too
+    _watched: Set[str] = frozenset()  # the attributes that its rows depend on
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
@@ -94,8 +95,18 @@ class Model(Entity):
     def Init(self, file: WorldFile, node: WorldFileNode) -> int | None:
         """Create interfaces; all models are loaded by now."""
 
+    def plan_update(self, plan: Plan) -> None:
+        """Describe what it does in each step, line by line, instead of an `Update`; native code then does the laws."""
+
     def Update(self, step: float) -> None:
-        """Act. Called once per step with the step's length [s], and with 0 while the world is paused."""
+        """Act. Called once per step with the step's length [s], and with 0 while the world is paused.
+
+        By default what `plan_update` describes; while the world is paused only if it is `active_while_paused`.
+        """
+        if step or self.active_while_paused:
+            plan = Plan()
+            self.plan_update(plan)
+            plan.run(step, self.world.GetSimTime())
 
     def Fini(self) -> int | None:
         """Destroy interfaces."""
@@ -188,19 +199,24 @@ class Model(Entity):
             self.LogPose()
         self.Update(step)
 
-    def MasterRows(self, rows: UpdateRows) -> None:
-        """Describe the update as rows: by default `Update`, if a subclass has one."""
-        if replaced(self, Model, "MasterUpdate"):
-            rows.python(self.MasterUpdate)
+    def MasterPlan(self, plan: Plan) -> None:
+        """Describe the update: by `plan_update`, where no subclass has an `Update` of its own."""
+        self._watched = {"MasterUpdate", "Update", "LogPose", *_names_in_plans(type(self))}
+        if overrides(self, Model, "MasterUpdate"):
+            plan.do(self.MasterUpdate)
             return
         if self.logPoses:
-            rows.python(lambda _: self.LogPose())
-        if not self.MasterRowsOfUpdate(rows) and replaced(self, Model, "Update"):
-            rows.python(self.Update)
+            plan.do(lambda _: self.LogPose())
+        if overrides(self, Model, "Update"):
+            plan.do(self.Update)
+        else:
+            self.plan_update(plan)
 
-    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
-        """Describe `Update` as rows; false, and nothing is added, where `Update` itself is to be called."""
-        return False
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set an attribute; what native code does is found anew if it depends on this one."""
+        object.__setattr__(self, name, value)
+        if name in self._watched:
+            self.world.update_rows_changed()
 
     @property
     def logPoses(self) -> bool:
@@ -356,6 +372,18 @@ class Model(Entity):
             if (made := part()) is not None:
                 made.close()
         self.modelSpaceId.close()
+
+
+def _names_in_plans(kind: type) -> frozenset[str]:
+    """The names of the attributes that the plans of a class mention."""
+    plans = [vars(base)["plan_update"] for base in kind.__mro__ if "plan_update" in vars(base)]
+    return frozenset(name for plan in plans for name in _names_in(plan.__code__))
+
+
+def _names_in(code: CodeType) -> set[str]:
+    """The names of attributes and globals in a function and in those inside it."""
+    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
+    return set(code.co_names).union(*map(_names_in, inner))
 
 
 names(Model.MasterLoad, lambda values: f"Load of model {values['self'].GetId()!r}")

@@ -15,7 +15,6 @@
 
 enum { MOTION_COLUMNS = 13 };
 
-void gz_rotate(const double *q, const double *v, double *out) { rotate(q, v, out); }
 
 int gz_may_sleep(void *body) { return dBodyGetAutoDisableFlag(body); }
 

@@ -7,7 +7,7 @@ are plain integers: who makes a struct keeps alive what it points to.
 from __future__ import annotations
 
 import ctypes
-from ctypes import c_char, c_double, c_int64, c_void_p
+from ctypes import c_char, c_double, c_int32, c_int64, c_void_p
 from enum import IntEnum
 from functools import cache
 from typing import Any
@@ -15,35 +15,22 @@ from typing import Any
 from libgz.base.errors import LibraryError
 
 __all__ = [
-    "AxisRecord",
-    "BatteryRecord",
     "BeginRecord",
-    "BicycleRecord",
     "CastRecord",
     "ClockRecord",
-    "DifferentialRecord",
-    "FormulaRecord",
     "Kind",
+    "LawRecord",
     "LinkRecord",
-    "MotionRecord",
-    "OdometryRecord",
     "OperationRecord",
     "PostRecord",
     "PublishRecord",
     "RateRecord",
     "Row",
-    "ScannerRecord",
-    "ServoRecord",
-    "ShareRecord",
     "SpanRecord",
-    "SpringRecord",
     "SwitchRecord",
     "TableRecord",
     "TextRecord",
-    "TransferRecord",
     "UpdatesRecord",
-    "VectorRecord",
-    "What",
     "check_sizes",
     "numbers",
 ]
@@ -57,40 +44,11 @@ class Kind(IntEnum):
     PYTHON = 0
     BEGIN = 1
     DUE = 2
-    DIFFERENTIAL = 3
-    BICYCLE = 4
-    SERVO = 5
-    SPRING = 6
-    CAST = 7
-    SHARE = 8
-    ADVANCE = 9
-    SETTLE = 10
-    PUBLISH = 11
-    POST = 12
-    MOTION = 13
-    FORMULA = 14
-
-
-class What(IntEnum):
-    """What a transfer is: conditions, then numbers that are written or read."""
-
-    REQUIRE = 0
-    EXPECT_INT = 1
-    EXPECT_DOUBLE = 2
-    UNMARKED = 3
-    NOW = 4
-    REAL_TIME = 5
-    INTS = 6
-    DOUBLES = 7
-    NEAREST = 8
-    READINGS = 9
-    STORE = 10
-    FETCH = 11
-    ANGLE = 12
-    RATE = 13
-    VECTOR = 14
-    SWITCH = 15
-    TEXT = 16
+    LAW = 3
+    CAST = 4
+    ADVANCE = 5
+    PUBLISH = 6
+    POST = 7
 
 
 @cache
@@ -189,117 +147,25 @@ class RateRecord(ctypes.Structure):
     beyond: int
 
 
-class AxisRecord(ctypes.Structure):
-    """An axis of a joint: its row, its handle in ODE, the column of its angle."""
-
-    _fields_ = [("joint", c_int64), ("handle", c_void_p), ("column", c_int64)]
-
-
-class OdometryRecord(ctypes.Structure):
-    """x [m], y [m], yaw [rad]; forward [m/s], turning [rad/s]."""
-
-    _fields_ = [("pose", numbers(3)), ("velocity", numbers(2))]
-
-    pose: Any
-    velocity: Any
-
-
-class BatteryRecord(ctypes.Structure):
-    """Voltage [V], and what is lost with time [V/s] and squared wheel travel [V/m^2]."""
-
-    _fields_ = [("level", c_double), ("curve", numbers(2))]
-
-    level: float
-    curve: Any
-
-
-class DifferentialRecord(ctypes.Structure):
-    """Odometry, battery and encoders of a robot with driven wheels on two sides."""
-
-    _fields_ = [
-        ("odometry", c_void_p),
-        ("battery", c_void_p),
-        ("axes", c_void_p),
-        ("left", c_int64),
-        ("right", c_int64),
-        ("diameter", c_double),
-        ("separation", c_double),
-        ("normalise", c_int64),
-        ("counts", c_void_p),
-        ("counts_per_turn", c_double),
-        ("lean", c_void_p),
-    ]
-
-
-class BicycleRecord(ctypes.Structure):
-    """Odometry of a robot with driven wheels and steered ones."""
-
-    _fields_ = [
-        ("odometry", c_void_p),
-        ("axes", c_void_p),
-        ("driven", c_int64),
-        ("steered", c_int64),
-        ("radius", c_double),
-        ("base", c_double),
-    ]
-
-
-class MotionRecord(ctypes.Structure):
-    """How a body moves: position [m] and rotation of its frame, roll, pitch and yaw [rad], velocity [m/s] and rate
-    [rad/s] in its own axes, and which way up is, its z axis.
-    """
-
-    _fields_ = [
-        ("body", c_int64),
-        ("handle", c_void_p),
-        ("steep", c_double),
-        ("position", numbers(3)),
-        ("rotation", numbers(4)),
-        ("attitude", numbers(3)),
-        ("velocity", numbers(3)),
-        ("rate", numbers(3)),
-        ("up", numbers(3)),
-    ]
-
-    position: Any
-    rotation: Any
-    attitude: Any
-    velocity: Any
-    rate: Any
-    up: Any
-
-
 class OperationRecord(ctypes.Structure):
-    """An operation of a formula: what it is, its two operands, and its result."""
-
-    _fields_ = [("operation", c_int64), ("one", c_void_p), ("two", c_void_p), ("result", c_void_p)]
-
-
-class FormulaRecord(ctypes.Structure):
-    """The operations of a formula: conditions, arithmetic, effects."""
-
-    _fields_ = [("operations", c_void_p), ("count", c_int64)]
-
-
-class ServoRecord(ctypes.Structure):
-    """A motor that turns an axis to an angle."""
+    """`operation` in updates.c: what it is, its operands, and its result."""
 
     _fields_ = [
-        ("axis", AxisRecord),
-        ("set", c_void_p),
-        ("parameter", c_int64),
-        ("target", c_void_p),
-        ("sign", c_double),
-        ("gain", c_double),
-        ("damping", c_double),
-        ("most", c_double),
+        ("code", c_int32),
+        ("count", c_int32),
+        ("strides", c_int32 * 3),
+        ("type", c_int32),
+        ("one", c_void_p),
+        ("two", c_void_p),
+        ("three", c_void_p),
+        ("result", c_void_p),
     ]
 
 
-class SpringRecord(ctypes.Structure):
-    """A torque that is proportional to an angle."""
+class LawRecord(ctypes.Structure):
+    """The operations of a law, and the interface under whose lock they are done."""
 
-    _fields_ = [("axis", AxisRecord), ("add", c_void_p), ("stiffness", c_double)]
+    _fields_ = [("link", c_void_p), ("operations", c_void_p), ("count", c_int64)]
 
 
 class CastRecord(ctypes.Structure):
@@ -317,41 +183,6 @@ class CastRecord(ctypes.Structure):
     ]
 
 
-class VectorRecord(ctypes.Structure):
-    """A vector of a joint, such as its anchor: ODE's function that writes it, and what it is multiplied by."""
-
-    _fields_ = [("joint", c_int64), ("handle", c_void_p), ("get", c_void_p), ("scale", c_double)]
-
-
-class ScannerRecord(ctypes.Structure):
-    """Readings between rays; see `scanner` in updates.c."""
-
-    _fields_ = [
-        ("cast", c_void_p),
-        ("first", c_void_p),
-        ("second", c_void_p),
-        ("share", c_void_p),
-        ("far", c_double),
-        ("near", c_double),
-        ("offset", c_double),
-        ("smooth", c_double),
-    ]
-
-
-class TransferRecord(ctypes.Structure):
-    """One condition on an interface, or some numbers that are written to it."""
-
-    _fields_ = [
-        ("what", c_int64),
-        ("offset", c_int64),
-        ("count", c_int64),
-        ("stride", c_int64),
-        ("source", c_void_p),
-        ("limit", c_double),
-        ("type", c_int64),
-    ]
-
-
 class SwitchRecord(ctypes.Structure):
     """How often native code ignored other numbers than 0 and 1 since Python counted them, and how often it may."""
 
@@ -365,12 +196,6 @@ class TextRecord(ctypes.Structure):
     """A text of clients, as it was seen before and as it is found now; where to write the sim time of that."""
 
     _fields_ = [("seen", c_void_p), ("found", c_void_p), ("size", c_int64), ("time", c_int64)]
-
-
-class ShareRecord(ctypes.Structure):
-    """An exchange with an interface under its lock; it is left out while a client keeps the lock."""
-
-    _fields_ = [("link", c_void_p), ("transfers", c_void_p), ("count", c_int64)]
 
 
 class BeginRecord(ctypes.Structure):
@@ -406,10 +231,8 @@ class UpdatesRecord(ctypes.Structure):
 
 
 _MIRRORS: tuple[Any, ...] = (
-    *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, AxisRecord, OdometryRecord, BatteryRecord),
-    *(DifferentialRecord, BicycleRecord, ServoRecord, SpringRecord, CastRecord, ScannerRecord, TransferRecord),
-    *(ShareRecord, BeginRecord, PublishRecord, PostRecord, UpdatesRecord, MotionRecord, OperationRecord),
-    *(FormulaRecord, VectorRecord, SwitchRecord, TextRecord),
+    *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, CastRecord, OperationRecord, LawRecord),
+    *(BeginRecord, PublishRecord, PostRecord, UpdatesRecord, SwitchRecord, TextRecord),
 )
 
 

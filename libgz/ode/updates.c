@@ -1,9 +1,10 @@
 /* Updates: what models do in each step, as a table of rows that one call works through.
  *
- * A row is one thing to do: whether a rate is due, odometry, a servo, rays, the exchange of numbers with an interface
- * under its lock. gz_updates_run() stops at a row that it cannot do, and returns its number: then Python does that row,
- * and calls again from the next one on. A row is done either wholly here or wholly there, with the same arithmetic in
- * the same order; a test compares the bits. Nothing here knows a struct of an interface: rows hold offsets.
+ * Most rows are laws: the operations that were recorded of a function in Python, with an interface under its lock where
+ * they read or write one. The others are what is no arithmetic: whether a rate is due, rays, the step itself, and what
+ * other processes see. gz_updates_run() stops at a row that it cannot do, and returns its number: then Python does that
+ * row, and calls again from the next one on. A row is done either wholly here or wholly there, with the same arithmetic
+ * in the same order; a test compares the bits. Nothing here knows a struct of an interface: operations hold offsets.
  *
  * libgz/ode/records.py mirrors the structs; gz_updates_sizes() guards against drift.
  */
@@ -20,7 +21,6 @@ int gz_step(void *context);
 void gz_scan(void *context, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
              int64_t *rows);
 void gz_publish(const void *context, void *publication);
-void gz_rotate(const double *quaternion, const double *vector, double *out);
 int gz_may_sleep(void *body);
 void gz_disturb(void *context);
 
@@ -185,375 +185,31 @@ static void give_back(link_record *l)
     release(l);
 }
 
-/* Rows -------------------------------------------------------------------------------------------------------- */
+/* Laws -------------------------------------------------------------------------------------------------------- */
 
-/* Kind in records.py. */
-enum { PYTHON, BEGIN, DUE, DIFFERENTIAL, BICYCLE, SERVO, SPRING, CAST, SHARE, ADVANCE, SETTLE, PUBLISH, POST, MOTION, FORMULA };
-
-typedef struct {
-    int64_t kind;
-    int64_t jump; /* where to continue if a rate is not due */
-    void *part;
-} row;
-
-typedef struct {
-    double period, last, slack; /* [s] */
-    int64_t beyond;             /* 1: the period has to be exceeded */
-} rate_record;
-
-/* An axis of a joint. */
-typedef struct {
-    int64_t joint; /* row */
-    void *handle;
-    int64_t column; /* of its angle; that of its rate is two further on */
-} axis;
-
-static int is_fresh(const tables *t, const axis *a)
-{
-    return t->joints[a->joint] == a->handle && t->joint_fresh[a->joint];
-}
-
-static int all_fresh(const tables *t, const axis *a, int64_t count)
-{
-    int64_t i;
-    for (i = 0; i < count; i++)
-        if (!is_fresh(t, a + i))
-            return 0;
-    return 1;
-}
-
-static double angle_of(const tables *t, const axis *a) { return t->joint_state[4 * a->joint + a->column]; }
-static double rate_of(const tables *t, const axis *a) { return t->joint_state[4 * a->joint + a->column + 2]; }
-
-static double sum_of(double (*value)(const tables *, const axis *), const tables *t, const axis *a, int64_t count)
-{
-    double total = 0.0;
-    int64_t i;
-    for (i = 0; i < count; i++)
-        total += value(t, a + i);
-    return total;
-}
-
-typedef struct {
-    double pose[3], velocity[2];
-} odometry_record;
-
-typedef struct {
-    double level, curve[2];
-} battery_record;
-
-static int is_due(rate_record *r, double now)
-{
-    double elapsed = now - r->last;
-    if ((elapsed >= 0.0 && elapsed < r->period - r->slack) || (r->beyond && elapsed == r->period))
-        return 0;
-    r->last = now;
-    return 1;
-}
-
-static void move_on(odometry_record *o, double travel, double turn, double step)
-{
-    o->pose[0] += travel * cos(o->pose[2]);
-    o->pose[1] += travel * sin(o->pose[2]);
-    o->pose[2] += turn;
-    o->velocity[0] = travel / step;
-    o->velocity[1] = turn / step;
-}
-
-/* Wheels on two sides. */
-typedef struct {
-    odometry_record *odometry;
-    battery_record *battery; /* or NULL */
-    const axis *axes;        /* those of the left side first */
-    int64_t left, right;
-    double diameter, separation;
-    int64_t normalise;
-    double *counts; /* of two encoders, or NULL */
-    double counts_per_turn;
-    const double *lean; /* [rad/s], added to the rates of the wheels; or NULL */
-} differential;
-
-static int measure_differential(const tables *t, const differential *d)
-{
-    double step = t->step, travel = step * d->diameter / 2.0, left, right, level, rates[2];
-    int k;
-    if (!all_fresh(t, d->axes, d->left + d->right))
-        return 0;
-    rates[0] = sum_of(rate_of, t, d->axes, d->left) / (double)d->left;
-    rates[1] = sum_of(rate_of, t, d->axes + d->left, d->right) / (double)d->right;
-    for (k = 0; d->lean && k < 2; k++)
-        rates[k] += *d->lean;
-    left = travel * rates[0];
-    right = travel * rates[1];
-    move_on(d->odometry, (left + right) / 2.0, (right - left) / d->separation, step);
-    if (d->normalise)
-        d->odometry->pose[2] = atan2(sin(d->odometry->pose[2]), cos(d->odometry->pose[2]));
-    if (d->battery) {
-        const double *curve = d->battery->curve;
-        level = d->battery->level - (curve[0] * step + curve[1] * (left * left + right * right));
-        d->battery->level = level > 0.0 ? level : 0.0;
-    }
-    for (k = 0; d->counts && k < 2; k++)
-        d->counts[k] += d->counts_per_turn * rates[k] * step / (2.0 * M_PI);
-    return 1;
-}
-
-/* Driven wheels, and steered ones in front of them. */
-typedef struct {
-    odometry_record *odometry;
-    const axis *axes; /* those of the driven wheels first */
-    int64_t driven, steered;
-    double radius, base;
-} bicycle;
-
-static int measure_bicycle(const tables *t, const bicycle *b)
-{
-    double step = t->step, speed, angle;
-    if (!all_fresh(t, b->axes, b->driven + b->steered))
-        return 0;
-    speed = b->radius * sum_of(rate_of, t, b->axes, b->driven) / (double)b->driven;
-    angle = sum_of(angle_of, t, b->axes + b->driven, b->steered) / (double)b->steered;
-    move_on(b->odometry, speed * step, speed * step * tan(angle) / b->base, step);
-    return 1;
-}
-
-/* How a body moves. */
-typedef struct {
-    int64_t body; /* row */
-    void *handle;
-    double steep; /* sine of the pitch from which Python computes the attitude */
-    double position[3], rotation[4], attitude[3], velocity[3], rate[3], up[3];
-} motion;
-
-static int find_motion(const tables *t, motion *m)
-{
-    static const double z_axis[3] = {0.0, 0.0, 1.0};
-    const double *state = t->body_state + 16 * m->body;
-    double u = state[3], x = state[4], y = state[5], z = state[6], sine = -2.0 * (x * z - u * y);
-    double inverse[4] = {u, -x, -y, -z};
-    if (t->bodies[m->body] != m->handle || !t->body_fresh[m->body] || !(fabs(sine) <= m->steep))
-        return 0;
-    memcpy(m->position, state, sizeof m->position);
-    memcpy(m->rotation, state + 3, sizeof m->rotation);
-    m->attitude[0] = atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z);
-    m->attitude[1] = asin(sine);
-    m->attitude[2] = atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z);
-    gz_rotate(inverse, state + 10, m->velocity);
-    gz_rotate(inverse, state + 13, m->rate);
-    gz_rotate(m->rotation, z_axis, m->up);
-    return 1;
-}
-
-/* A formula: conditions, then arithmetic, then what has effects. */
-/* Operation in formula.py. */
+/* Operation in libgz/base/law.py: conditions, what is read, arithmetic; then, from STORE on, what has effects. */
 enum {
-    NEED, AT_LEAST, FINITE, BODY, JOINT, ADD, SUBTRACT, MULTIPLY, DIVIDE, NEGATE, LEAST, MOST, COPY, EFFORT, EFFORTS
+    REQUIRE, EXPECT, UNMARKED, SWITCH, TEXT, TRUE, FALSE, BODY, JOINT,
+    BODY_STATE, JOINT_STATE, VECTOR, LOAD, REAL_TIME, GATHER,
+    COPY, ADD, SUBTRACT, MULTIPLY, DIVIDE, NEGATE, ABSOLUTE, LEAST, MOST, LESS, AT_MOST, EQUAL, AND, OR, SELECT,
+    SQRT, COS, SIN, TAN, ASIN, ATAN, ATAN2, HYPOT, FMOD, FLOOR,
+    STORE, SEEN, SET, EFFORT, EFFORTS
 };
 
+/* What is done with arrays of `count` doubles; an operand with the stride 0 is a single number. Operations on bodies and
+ * joints have the handle in `one` and the row in `two`; those on an interface an offset in `two`. */
 typedef struct {
-    int64_t operation;
-    void *one, *two, *result;
+    int32_t code, count;
+    int32_t strides[3]; /* [double]; of LOAD and STORE the second is that in the interface [byte] */
+    int32_t type;       /* of numbers in an interface, as numpy's letters: d f i I H B */
+    void *one, *two, *three, *result;
 } operation;
 
 typedef struct {
+    link_record *link; /* NULL: without an interface */
     const operation *operations;
     int64_t count;
-} formula;
-
-typedef void add_effort(void *joint, double);
-typedef void add_efforts(void *body, double, double, double);
-
-static int compute(const tables *t, const formula *f)
-{
-    int64_t i;
-    for (i = 0; i < f->count; i++) {
-        const operation *o = f->operations + i;
-        const double *a = o->one, *b = o->two;
-        double *result = o->result;
-        switch (o->operation) {
-        case NEED:
-            if (!*(const int64_t *)o->one)
-                return 0;
-            break;
-        case AT_LEAST:
-            if (!(*a >= *b))
-                return 0;
-            break;
-        case FINITE:
-            if (!isfinite(*a))
-                return 0;
-            break;
-        case BODY: /* one that may sleep has to be woken, too */
-            if (!o->one || t->bodies[(intptr_t)o->two] != o->one || gz_may_sleep(o->one))
-                return 0;
-            break;
-        case JOINT:
-            if (!o->one || t->joints[(intptr_t)o->two] != o->one)
-                return 0;
-            break;
-        case ADD:
-            *result = *a + *b;
-            break;
-        case SUBTRACT:
-            *result = *a - *b;
-            break;
-        case MULTIPLY:
-            *result = *a * *b;
-            break;
-        case DIVIDE:
-            *result = *a / *b;
-            break;
-        case NEGATE:
-            *result = -*a;
-            break;
-        case LEAST:
-            *result = *b < *a ? *b : *a;
-            break;
-        case MOST:
-            *result = *b > *a ? *b : *a;
-            break;
-        case COPY:
-            *result = *a;
-            break;
-        case EFFORT:
-            gz_disturb(t->context);
-            (*(add_effort **)&o->two)(o->result, *a);
-            break;
-        case EFFORTS:
-            gz_disturb(t->context);
-            (*(add_efforts **)&o->two)(o->result, a[0], a[1], a[2]);
-            break;
-        }
-    }
-    return 1;
-}
-
-/* A motor that turns an axis to an angle. */
-typedef struct {
-    axis axis;
-    void (*set)(void *joint, int parameter, double value);
-    int64_t parameter;
-    const double *target;
-    double sign, gain, damping, most; /* [1], [1/s], [1], [rad/s] */
-} servo;
-
-static int turn(const tables *t, const servo *s)
-{
-    double velocity;
-    if (!is_fresh(t, &s->axis))
-        return 0;
-    velocity = s->gain * (s->sign * *s->target - angle_of(t, &s->axis));
-    if (s->damping != 0.0)
-        velocity -= s->damping * rate_of(t, &s->axis);
-    if (!(velocity >= -s->most && velocity <= s->most))
-        return 0;
-    s->set(s->axis.handle, (int)s->parameter, velocity);
-    return 1;
-}
-
-typedef struct {
-    axis axis;
-    void (*add)(void *joint, double effort);
-    double stiffness; /* negative */
-} spring;
-
-static int push_back(const tables *t, const spring *s)
-{
-    double effort;
-    if (!is_fresh(t, &s->axis))
-        return 0;
-    effort = s->stiffness * angle_of(t, &s->axis);
-    if (!isfinite(effort))
-        return 0;
-    s->add(s->axis.handle, effort);
-    gz_disturb(t->context);
-    return 1;
-}
-
-/* Rays from a body. */
-typedef struct {
-    int64_t body; /* row */
-    void *handle;
-    double *frame;
-    const double *rays;
-    int64_t count, owner;
-    double *ranges;
-    int64_t *rows;
-} cast;
-
-static int cast_rays(const tables *t, const cast *c)
-{
-    if (t->bodies[c->body] != c->handle || !t->body_fresh[c->body])
-        return 0;
-    memcpy(c->frame, t->body_state + 16 * c->body, 7 * sizeof(double));
-    gz_scan(t->context, c->frame, c->rays, c->count, c->owner, c->ranges, c->rows);
-    return 1;
-}
-
-/* Readings of a scanner, each interpolated between two rays, or that of the nearer hit. */
-typedef struct {
-    const cast *cast;
-    const int64_t *first, *second;
-    const double *share;
-    double far, near, offset, smooth; /* [m] */
-} scanner;
-
-static double distance(const scanner *s, int64_t ray)
-{
-    double range = s->cast->ranges[ray];
-    return (range < s->far ? range : s->far) + s->near;
-}
-
-static double reading(const scanner *s, int64_t i)
-{
-    double a = distance(s, s->first[i]), b = distance(s, s->second[i]);
-    double between = (1.0 - s->share[i]) * a + s->share[i] * b;
-    return (fabs(a - b) < s->smooth ? between : a < b ? a : b) + s->offset;
-}
-
-static int hits_marked(const tables *t, const cast *c)
-{
-    int64_t i;
-    for (i = 0; i < c->count; i++)
-        if (c->rows[i] >= 0 && t->marks[c->rows[i]])
-            return 1;
-    return 0;
-}
-
-/* What is exchanged with an interface. First come the conditions: where one is not met, Python does the row. */
-/* What in records.py. */
-enum {
-    REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS, STORE, FETCH, ANGLE, RATE, VECTOR,
-    SWITCH, TEXT
-};
-
-typedef struct {
-    int64_t what;
-    int64_t offset; /* in the interface's memory */
-    int64_t count;
-    int64_t stride; /* in the interface's memory [byte] */
-    void *source;
-    double limit;
-    int64_t type; /* of what is stored or fetched, as numpy's letters: d f i I H B */
-} transfer;
-
-/* A vector of a joint. */
-typedef struct {
-    int64_t joint; /* row */
-    void *handle;
-    void (*get)(void *joint, double *vector);
-    double scale;
-} vector;
-
-static void write_vector(const vector *v, char *to)
-{
-    double found[4];
-    int k;
-    v->get(v->handle, found);
-    for (k = 0; k < 3; k++)
-        found[k] = v->scale * found[k];
-    memcpy(to, found, 3 * sizeof(double));
-}
+} law;
 
 /* How often other numbers than 0 and 1 were ignored here since Python counted them; more are for Python to report. */
 typedef struct {
@@ -566,6 +222,31 @@ typedef struct {
     int64_t size, time; /* where in the interface to write when it was found */
 } text_record;
 
+/* Rays from a body. */
+typedef struct {
+    int64_t body; /* row */
+    void *handle;
+    double *frame;
+    const double *rays;
+    int64_t count, owner;
+    double *ranges;
+    int64_t *rows;
+} cast;
+
+typedef void get_vector(void *joint, double *vector);
+typedef void set_parameter(void *joint, int parameter, double value);
+typedef void add_effort(void *joint, double);
+typedef void add_efforts(void *body, double, double, double);
+
+static int hits_marked(const tables *t, const cast *c)
+{
+    int64_t i;
+    for (i = 0; i < c->count; i++)
+        if (c->rows[i] >= 0 && t->marks[c->rows[i]])
+            return 1;
+    return 0;
+}
+
 /* Whether there is no text, or one that has changed since the last exchange: clients may still be writing it. */
 static int is_unsettled(const text_record *r, const char *text)
 {
@@ -575,122 +256,207 @@ static int is_unsettled(const text_record *r, const char *text)
     return !r->found[0] || memcmp(r->found, r->seen, (size_t)r->size);
 }
 
-typedef struct {
-    link_record *link;
-    const transfer *transfers;
-    int64_t count;
-} share;
+static int is_switched(const operation *o, const char *memory)
+{
+    int32_t number;
+    memcpy(&number, memory + (intptr_t)o->two, sizeof number);
+    return number != 0;
+}
 
 /* Numbers of any type as doubles. */
 #define TYPES(X) X('d', double) X('f', float) X('i', int32_t) X('I', uint32_t) X('H', uint16_t) X('B', uint8_t)
 
-static void store(int64_t type, char *to, double value)
+static void store(const operation *o, char *memory)
 {
-#define STORE_AS(letter, kind) case letter: { kind number = (kind)value; memcpy(to, &number, sizeof number); break; }
-    switch (type) {
+    char *to = memory + (intptr_t)o->two;
+    const double *from = o->one;
+    int32_t i;
+#define STORE_AS(letter, kind) \
+    case letter: \
+        for (i = 0; i < o->count; i++) { \
+            kind number = (kind)from[i * o->strides[0]]; \
+            memcpy(to + i * o->strides[1], &number, sizeof number); \
+        } \
+        break;
+    switch (o->type) {
         TYPES(STORE_AS)
     }
 }
 
-static double fetch(int64_t type, const char *from)
+static void load(const operation *o, const char *memory)
 {
-#define FETCH_AS(letter, kind) case letter: { kind number; memcpy(&number, from, sizeof number); return (double)number; }
-    switch (type) {
-        TYPES(FETCH_AS)
+    const char *from = memory + (intptr_t)o->two;
+    double *to = o->result;
+    int32_t i;
+#define LOAD_AS(letter, kind) \
+    case letter: \
+        for (i = 0; i < o->count; i++) { \
+            kind number; \
+            memcpy(&number, from + i * o->strides[1], sizeof number); \
+            to[i] = (double)number; \
+        } \
+        break;
+    switch (o->type) {
+        TYPES(LOAD_AS)
     }
-    return 0.0;
 }
 
-static int is_met(const tables *t, const transfer *x, const char *memory)
+/* Arithmetic for each number of the arrays; what Python refuses, such as a division by zero, is left to Python. */
+#define EACH(expression) \
+    for (i = 0; i < o->count; i++) { \
+        const double x = one[i * o->strides[0]]; \
+        r[i] = (expression); \
+    } \
+    break
+#define EACH_PAIR(expression) \
+    for (i = 0; i < o->count; i++) { \
+        const double x = one[i * o->strides[0]], y = two[i * o->strides[1]]; \
+        r[i] = (expression); \
+    } \
+    break
+#define UNLESS(refused) \
+    for (i = 0; i < o->count; i++) { \
+        const double x = one[i * o->strides[0]]; \
+        if (refused) \
+            return 0; \
+    }
+#define UNLESS_PAIR(refused) \
+    for (i = 0; i < o->count; i++) { \
+        const double x = one[i * o->strides[0]], y = two[i * o->strides[1]]; \
+        (void)x; \
+        if (refused) \
+            return 0; \
+    }
+
+/* Do an operation; 0 if Python has to do the law. */
+static int operate(const tables *t, const clock_record *clock, const operation *o, char *memory)
 {
-    int32_t number;
-    double value, expected;
-    switch (x->what) {
+    const double *one = o->one, *two = o->two, *three = o->three;
+    const intptr_t row = (intptr_t)o->two;
+    double *r = o->result;
+    int32_t i;
+    switch (o->code) {
     case REQUIRE:
-        return *(const int64_t *)x->source != 0;
-    case EXPECT_INT:
-        memcpy(&number, memory + x->offset, sizeof number);
-        return number == *(const int64_t *)x->source;
-    case EXPECT_DOUBLE:
-        memcpy(&value, memory + x->offset, sizeof value);
-        expected = *(const double *)x->source;
-        return value == expected || (value != value && expected != expected); /* NaN that was refused stays refused */
+    case TRUE:
+        return *one != 0.0;
+    case FALSE:
+        return *one == 0.0;
+    case EXPECT: /* NaN that was refused stays refused */
+        load(o, memory);
+        return *r == *one || (*r != *r && *one != *one);
     case UNMARKED:
-        return !hits_marked(t, x->source);
+        return !hits_marked(t, o->one);
     case SWITCH:
-        memcpy(&number, memory + x->offset, sizeof number);
-        return number == 0;
+        return !is_switched(o, memory);
     case TEXT:
-        return is_unsettled(x->source, memory + x->offset);
-    case ANGLE:
-    case RATE:
-        return is_fresh(t, x->source);
+        return is_unsettled(o->one, memory + row);
+    case BODY: /* one that may sleep has to be woken, too */
+        return o->one && t->bodies[row] == o->one && !gz_may_sleep(o->one);
+    case JOINT:
+        return o->one && t->joints[row] == o->one;
+    case BODY_STATE:
+        if (!o->one || t->bodies[row] != o->one || !t->body_fresh[row])
+            return 0;
+        memcpy(r, t->body_state + 16 * row, 16 * sizeof(double));
+        break;
+    case JOINT_STATE:
+        if (!o->one || t->joints[row] != o->one || !t->joint_fresh[row])
+            return 0;
+        memcpy(r, t->joint_state + 4 * row, 4 * sizeof(double));
+        break;
     case VECTOR:
-        return t->joints[((const vector *)x->source)->joint] == ((const vector *)x->source)->handle;
+        if (!o->one || t->joints[row] != o->one)
+            return 0;
+        (*(get_vector **)&o->three)(o->one, r);
+        break;
+    case LOAD:
+        load(o, memory);
+        break;
+    case REAL_TIME:
+        *r = now_monotonic() - clock->start;
+        break;
+    case GATHER:
+        for (i = 0; i < o->count; i++)
+            r[i] = one[((const int64_t *)o->two)[i]];
+        break;
+    case COPY: EACH(x);
+    case ADD: EACH_PAIR(x + y);
+    case SUBTRACT: EACH_PAIR(x - y);
+    case MULTIPLY: EACH_PAIR(x * y);
+    case DIVIDE:
+        UNLESS_PAIR(y == 0.0)
+        EACH_PAIR(x / y);
+    case NEGATE: EACH(-x);
+    case ABSOLUTE: EACH(fabs(x));
+    case LEAST: EACH_PAIR(y < x ? y : x);
+    case MOST: EACH_PAIR(y > x ? y : x);
+    case LESS: EACH_PAIR(x < y);
+    case AT_MOST: EACH_PAIR(x <= y);
+    case EQUAL: EACH_PAIR(x == y);
+    case AND: EACH_PAIR(x != 0.0 && y != 0.0);
+    case OR: EACH_PAIR(x != 0.0 || y != 0.0);
+    case SELECT:
+        for (i = 0; i < o->count; i++)
+            r[i] = one[i * o->strides[0]] != 0.0 ? two[i * o->strides[1]] : three[i * o->strides[2]];
+        break;
+    case SQRT:
+        UNLESS(x < 0.0)
+        EACH(sqrt(x));
+    case COS:
+        UNLESS(isinf(x))
+        EACH(cos(x));
+    case SIN:
+        UNLESS(isinf(x))
+        EACH(sin(x));
+    case TAN:
+        UNLESS(isinf(x))
+        EACH(tan(x));
+    case ASIN:
+        UNLESS(x < -1.0 || x > 1.0)
+        EACH(asin(x));
+    case ATAN: EACH(atan(x));
+    case ATAN2: EACH_PAIR(atan2(x, y));
+    case HYPOT: EACH_PAIR(hypot(x, y));
+    case FMOD:
+        UNLESS_PAIR(y == 0.0 || isinf(x))
+        EACH_PAIR(fmod(x, y));
+    case FLOOR: /* an int in Python */
+        UNLESS(!isfinite(x))
+        EACH(floor(x));
+    case STORE:
+        store(o, memory);
+        break;
+    case SEEN: {
+        const text_record *text = o->one;
+        if (text->found[0]) {
+            memcpy(text->seen, text->found, (size_t)text->size);
+            memcpy(memory + text->time, &clock->sim_time, sizeof(double));
+        }
+        break;
+    }
+    case SET:
+        (*(set_parameter **)&o->two)(o->result, o->type, *one);
+        break;
+    case EFFORT:
+        gz_disturb(t->context);
+        (*(add_effort **)&o->two)(o->result, *one);
+        break;
+    case EFFORTS:
+        gz_disturb(t->context);
+        (*(add_efforts **)&o->two)(o->result, one[0], one[1], one[2]);
+        break;
     }
     return 1;
 }
 
-static void move(const tables *t, const clock_record *clock, const transfer *x, char *memory)
+/* The operation for which Python has to do the law, or NULL. Those that have effects come last: none has been done then. */
+static const operation *compute(const tables *t, const clock_record *clock, const law *l, char *memory)
 {
-    char *to = memory + x->offset;
-    double value;
-    int64_t i;
-    switch (x->what) {
-    case NOW:
-        memcpy(to, &clock->sim_time, sizeof(double));
-        break;
-    case REAL_TIME: {
-        double passed = now_monotonic() - clock->start;
-        memcpy(to, &passed, sizeof passed);
-        break;
-    }
-    case INTS:
-        for (i = 0; i < x->count; i++)
-            memcpy(to + x->stride * i, x->source, sizeof(int32_t));
-        break;
-    case DOUBLES:
-        for (i = 0; i < x->count; i++)
-            memcpy(to + x->stride * i, (const double *)x->source + i, sizeof(double));
-        break;
-    case NEAREST:
-        for (i = 0; i < x->count; i++) {
-            double range = ((const double *)x->source)[i];
-            range = range < x->limit ? range : x->limit;
-            memcpy(to + x->stride * i, &range, sizeof range);
-        }
-        break;
-    case STORE:
-        for (i = 0; i < x->count; i++)
-            store(x->type, to + x->stride * i, ((const double *)x->source)[i]);
-        break;
-    case FETCH:
-        for (i = 0; i < x->count; i++)
-            ((double *)x->source)[i] = fetch(x->type, to + x->stride * i);
-        break;
-    case ANGLE:
-    case RATE:
-        value = x->what == ANGLE ? angle_of(t, x->source) : rate_of(t, x->source);
-        memcpy(to, &value, sizeof value);
-        break;
-    case VECTOR:
-        write_vector(x->source, to);
-        break;
-    case TEXT: {
-        const text_record *r = x->source;
-        if (r->found[0]) {
-            memcpy(r->seen, r->found, (size_t)r->size);
-            memcpy(memory + r->time, &clock->sim_time, sizeof(double));
-        }
-        break;
-    }
-    case READINGS:
-        for (i = 0; i < x->count; i++) {
-            double range = reading(x->source, i);
-            memcpy(to + x->stride * i, &range, sizeof range);
-        }
-        break;
-    }
+    const operation *o = l->operations, *end = o + l->count;
+    for (; o < end; o++)
+        if (!operate(t, clock, o, memory))
+            return o;
+    return NULL;
 }
 
 /* Whether a client still holds a lock that Python has waited for in vain; each time it is tried half as often. */
@@ -705,67 +471,89 @@ static int is_still_blocked(link_record *l)
 }
 
 /* Whether the exchange is left out, for as long as a client holds the lock. */
-static int is_left_out(const share *s)
+static int is_left_out(const law *l)
 {
     int64_t i;
-    for (i = 0; i < s->count; i++)
-        if (s->transfers[i].what == REQUIRE && !*(const int64_t *)s->transfers[i].source)
+    for (i = 0; i < l->count; i++)
+        if (l->operations[i].code == REQUIRE && *(const double *)l->operations[i].one == 0.0)
             return 0;
-    return is_still_blocked(s->link);
-}
-
-/* The first condition that is not met, or NULL. */
-static const transfer *unmet(const tables *t, const share *s)
-{
-    int64_t i;
-    for (i = 0; i < s->count; i++)
-        if (!is_met(t, s->transfers + i, s->link->memory))
-            return s->transfers + i;
-    return NULL;
+    return is_still_blocked(l->link);
 }
 
 /* Clear a switch that is neither 0 nor 1, and those after it that mean nothing then; 0 if Python has to look: it is a
  * command, or the log is due. */
-static int ignore(const transfer *x, char *memory)
+static int ignore(const operation *o, char *memory)
 {
-    switch_record *r = x->source;
+    switch_record *r = o->one;
     int32_t number;
-    if (x->what != SWITCH || r->ignored >= r->most_ignored)
+    if (o->code != SWITCH || r->ignored >= r->most_ignored)
         return 0;
-    memcpy(&number, memory + x->offset, sizeof number);
+    memcpy(&number, memory + (intptr_t)o->two, sizeof number);
     if (number == 0 || number == 1)
         return 0;
     r->ignored++;
-    memset(memory + x->offset, 0, (size_t)x->count * sizeof number);
+    memset(memory + (intptr_t)o->two, 0, (size_t)o->count * sizeof number);
     return 1;
 }
 
 static const int RESTORATIONS = 8; /* in one exchange: a client may overwrite commands while they are compared */
 
-static int exchange(const tables *t, const clock_record *clock, const share *s)
+/* Do a law, under the lock of its interface if it has one. */
+static int obey(const tables *t, const clock_record *clock, const law *l)
 {
-    link_record *l = s->link;
-    const transfer *x;
-    int64_t i;
+    link_record *link = l->link;
+    const operation *unmet;
     int left = RESTORATIONS;
-    if (is_left_out(s))
+    if (!link)
+        return !compute(t, clock, l, NULL);
+    if (is_left_out(l))
         return 1;
-    if (!take(l))
+    if (!take(link))
         return 0;
-    while ((x = unmet(t, s))) {
-        int overwritten = l->descriptor >= 0 && !is_intact(l);
-        if (!left-- || !(overwritten ? restore(l) : ignore(x, l->memory))) {
-            release(l); /* Python clears the request and then keeps the commands: a request acts once */
+    while ((unmet = compute(t, clock, l, link->memory))) {
+        int overwritten = link->descriptor >= 0 && !is_intact(link);
+        if (!left-- || !(overwritten ? restore(link) : ignore(unmet, link->memory))) {
+            release(link); /* Python clears the request and then keeps the commands: a request acts once */
             return 0;
         }
     }
-    for (i = 0; i < s->count; i++)
-        move(t, clock, s->transfers + i, l->memory);
-    give_back(l);
+    give_back(link);
     return 1;
 }
 
-/* The whole step ---------------------------------------------------------------------------------------------- */
+/* Rows -------------------------------------------------------------------------------------------------------- */
+
+/* Kind in records.py. */
+enum { PYTHON, BEGIN, DUE, LAW, CAST, ADVANCE, PUBLISH, POST };
+
+typedef struct {
+    int64_t kind;
+    int64_t jump; /* where to continue if a rate is not due */
+    void *part;
+} row;
+
+typedef struct {
+    double period, last, slack; /* [s] */
+    int64_t beyond;             /* 1: the period has to be exceeded */
+} rate_record;
+
+static int is_due(rate_record *r, double now)
+{
+    double elapsed = now - r->last;
+    if ((elapsed >= 0.0 && elapsed < r->period - r->slack) || (r->beyond && elapsed == r->period))
+        return 0;
+    r->last = now;
+    return 1;
+}
+
+static int cast_rays(const tables *t, const cast *c)
+{
+    if (t->bodies[c->body] != c->handle || !t->body_fresh[c->body])
+        return 0;
+    memcpy(c->frame, t->body_state + 16 * c->body, 7 * sizeof(double));
+    gz_scan(t->context, c->frame, c->rays, c->count, c->owner, c->ranges, c->rows);
+    return 1;
+}
 
 /* Steps at which Python looks for bodies that fell out of the world. */
 typedef struct {
@@ -858,34 +646,14 @@ int64_t gz_updates_run(const updates *u, int64_t i, int64_t end)
                 continue;
             }
             break;
-        case DIFFERENTIAL:
-            done = measure_differential(t, r->part);
-            break;
-        case BICYCLE:
-            done = measure_bicycle(t, r->part);
-            break;
-        case SERVO:
-            done = turn(t, r->part);
-            break;
-        case SPRING:
-            done = push_back(t, r->part);
-            break;
-        case MOTION:
-            done = find_motion(t, r->part);
-            break;
-        case FORMULA:
-            done = compute(t, r->part);
+        case LAW:
+            done = obey(t, u->clock, r->part);
             break;
         case CAST:
             done = cast_rays(t, r->part);
             break;
-        case SHARE:
-            done = exchange(t, u->clock, r->part);
-            break;
-        case ADVANCE:
+        case ADVANCE: /* where the step went wrong, Python recovers from it */
             advance(t, u->clock, r->part);
-            break;
-        case SETTLE:
             done = t->done == 1;
             break;
         case PUBLISH:
@@ -923,11 +691,8 @@ int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, doubl
 const int64_t *gz_updates_sizes(void)
 {
     static const int64_t sizes[] = {
-        sizeof(tables),       sizeof(clock_record), sizeof(span),     sizeof(link_record), sizeof(row),
-        sizeof(rate_record),  sizeof(axis),         sizeof(odometry_record), sizeof(battery_record),
-        sizeof(differential), sizeof(bicycle),      sizeof(servo),    sizeof(spring),      sizeof(cast),
-        sizeof(scanner),      sizeof(transfer),     sizeof(share),    sizeof(beginning),   sizeof(publishing),  sizeof(posting),
-        sizeof(updates),      sizeof(motion),       sizeof(operation), sizeof(formula),
-        sizeof(vector),       sizeof(switch_record), sizeof(text_record), 0};
+        sizeof(tables),    sizeof(clock_record), sizeof(span),       sizeof(link_record), sizeof(row),
+        sizeof(rate_record), sizeof(cast),       sizeof(operation),  sizeof(law),         sizeof(beginning),
+        sizeof(publishing), sizeof(posting),     sizeof(updates),    sizeof(switch_record), sizeof(text_record), 0};
     return sizes;
 }

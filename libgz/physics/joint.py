@@ -17,6 +17,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import GzVector, VectorLike
+from libgz.base.law import constant
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import clear_joint
 from libgz.ode.types import (
@@ -335,6 +336,7 @@ class Joint:
         with one.engine.lock:
             return bool(one.id and two.id and ode().dAreConnected(one.id, two.id))
 
+    @constant
     def GetType(self) -> int:
         """ODE's number of the joint's kind."""
         return int(self.kind)

@@ -118,6 +118,11 @@ class RayProximity:
         find = self.engine.geoms.get
         return [(i, j, find(row)) for i, j, row in zip(starts, [*ends, len(rows)], rows[starts].tolist(), strict=True)]
 
+    def unmarked(self) -> bool:
+        """Whether no ray hit a geom that reflects laser beams or has a fiducial number in the last `Update`."""
+        hit = self.rows[self.rows >= 0]
+        return not self.engine.tables.geoms.marks[hit].any()
+
     def GetRetro(self, index: int) -> float:
         """How much the geom that was hit reflects back; 0 if nothing was hit, or the geom was destroyed since."""
         geom = self.engine.geoms.get(int(self.rows[index]))

@@ -25,8 +25,8 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.state import decode, encode
-from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
@@ -420,11 +420,11 @@ class SdfModel(Entity):
         """Destroy a joint; false if there is none of this name."""
         return self.sdf_joints.remove(name)
 
-    def MasterRows(self, rows: UpdateRows) -> None:
-        """A row in Python for joints that act or follow others, grippers, and what a subclass does."""
+    def MasterPlan(self, plan: Plan) -> None:
+        """A line for joints that act or follow others, grippers, and what a subclass does."""
         acting = any(joint.acts for joint in self.sdf_joints.values())
-        if acting or self.mimics or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
-            rows.python(self.MasterUpdate)
+        if acting or self.mimics or self.grippers or overrides(self, SdfModel, "MasterUpdate"):
+            plan.do(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints; let joints follow others, and grippers hold."""

@@ -15,8 +15,8 @@ from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.joint_table import JointTable
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
+from libgz.simulation.plan import Plan
 from libgz.simulation.state import decode, encode
-from libgz.simulation.updates import UpdateRows
 from libgz.simulation.world import World
 
 __all__ = ["WorldJoints"]
@@ -62,10 +62,10 @@ class WorldJoints(Entity):
             self.sdf_joints.load(decode(joints))
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
 
-    def MasterRows(self, rows: UpdateRows) -> None:
+    def MasterPlan(self, plan: Plan) -> None:
         """Updated in Python while a joint acts by itself."""
         if any(joint.acts for joint in self.sdf_joints.values()):
-            rows.python(self.MasterUpdate)
+            plan.do(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""

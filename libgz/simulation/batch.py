@@ -16,7 +16,8 @@ from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.physics.engine import Engine
 from libgz.physics.lock import WorldLock
 from libgz.simulation.clock import Clock
-from libgz.simulation.updates import Exchange, UpdateRows, run_shares
+from libgz.simulation.exchange import Exchange
+from libgz.simulation.updates import UpdateRows, run_exchanges
 from libgz.transport.interface import Interface
 from libgz.transport.layout import SERVER, fields_of
 from libgz.transport.server import LocalServer
@@ -130,7 +131,7 @@ class Batch:
         twin: Callable[[_Part], None],
     ) -> Callable[[], None]:
         """A function that does all exchanges."""
-        return run_shares(self.world, [(exchange(part), partial(twin, part)) for part in parts])
+        return run_exchanges(self.world, [(exchange(part), partial(twin, part)) for part in parts])
 
     def _exchange_of_commands(self, part: _Part) -> Exchange:
         exchange = Exchange(part.interface)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzVector, place_of
+from libgz.base.law import constant, law
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
-from libgz.simulation.updates import UpdateRows, replaced
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -116,14 +117,14 @@ class Entity:
     def MasterUpdate(self, step: float) -> None:
         """Act. Called once per step with the step's length [s], and with 0 while the world is paused."""
 
-    def MasterRows(self, rows: UpdateRows) -> None:
-        """Describe `MasterUpdate` as rows, which native code does where it can; an entity without rows is not updated.
+    def MasterPlan(self, plan: Plan) -> None:
+        """Describe `MasterUpdate` line by line, for native code; an entity without lines is not updated.
 
-        By default one row, which calls `MasterUpdate`, if a subclass has it. Rows are not used while the world is
+        By default one line, which calls `MasterUpdate`, if a subclass has it. Plans are not used while the world is
         paused. Whoever changes later what they depend on calls `World.update_rows_changed`.
         """
-        if replaced(self, Entity, "MasterUpdate"):
-            rows.python(self.MasterUpdate)
+        if overrides(self, Entity, "MasterUpdate"):
+            plan.do(self.MasterUpdate)
 
     def Fini(self) -> int | None:
         """Release what Initialize made."""
@@ -218,6 +219,7 @@ class Entity:
         self.bodies.append(body)
         body.model = self
 
+    @constant
     def GetBody(self, name: str | None = None) -> Body:
         """A body by name; without one, the canonical body. On robots, `chassis` is another name for that.
 
@@ -320,6 +322,7 @@ class Entity:
 
     # Pose ------------------------------------------------------------------------------------------------------------
 
+    @law
     def GetPose(self) -> GzPose:
         """Global pose of the canonical body [m]."""
         return self.GetBody().GetPose()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import itertools
 import logging
 import struct
@@ -27,6 +26,7 @@ from libgz.base.errors import (
     pass_interrupt,
 )
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
+from libgz.base.law import Number, law
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
@@ -42,6 +42,7 @@ from libgz.simulation.companion import Companion
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
+from libgz.simulation.exchange import Exchange
 from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
@@ -52,7 +53,7 @@ from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
 from libgz.simulation.state import undeclared
-from libgz.simulation.updates import Exchange, UpdateRows
+from libgz.simulation.updates import UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
@@ -139,6 +140,8 @@ class World(Closing):
     starts_paused: bool
     _numbers: int  # of entities, that were given
 
+    _going = Number(1.0)  # 0: paused; for native code
+
     def __init__(
         self,
         server_id: int | None = None,
@@ -189,7 +192,6 @@ class World(Closing):
         self.snapshots = Snapshots(self)
         self._checked: list[Entity] = []  # whose classes declare state, or were named in a warning
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
-        self._going = ctypes.c_int64(1)  # 0: paused; for native code
         self._closed = False
         self._inside = False  # whether Step runs
         self._publication: Publication | None = None  # while a server runs
@@ -570,6 +572,7 @@ class World(Closing):
 
     # Time ------------------------------------------------------------------------------------------------------------
 
+    @law
     def GetSimTime(self) -> float:
         """Simulated time [s], pauses excluded."""
         return self.clock.sim_time
@@ -797,12 +800,12 @@ class World(Closing):
         """Describe a step as rows, and find out which entities have something to do in it."""
         buttons, times = Exchange(self.sim), Exchange(self.sim)
         if self.sim.link.memory:
-            buttons.require(self._going)  # a paused world stays so while a client keeps the lock
+            buttons.need(self, "_going")  # a paused world stays so while a client keeps the lock
             switches = ("pause", "reset", "save")
             for i, name in enumerate(switches):  # beside an invalid pause, the others mean nothing
                 buttons.switch(name, self._guard.switch_record(name), 1 if i else len(switches))
-            times.doubles("sim_time", (self.clock, "sim_time"))
-            times.doubles("pause_time", (self.clock, "pause_time"))
+            for name in ("sim_time", "pause_time"):
+                times.assign(times.field(name), times.number(self.clock, name))
             times.real_time("real_time")
         with self.rows.building() as rows:
             rows.share(lambda _: None, buttons)
@@ -989,7 +992,7 @@ class World(Closing):
                 interface.unlock()
 
     def update_rows_changed(self) -> None:
-        """Build the rows again before the next step; called after a change of what `MasterRows` depends on."""
+        """Build the rows again before the next step; called after a change of what `plan_update` depends on."""
         self.rows.valid = False
 
     # State -----------------------------------------------------------------------------------------------------------
@@ -1289,11 +1292,11 @@ class World(Closing):
 
     @property
     def _paused(self) -> bool:
-        return not self._going.value
+        return not self._going
 
     @_paused.setter
     def _paused(self, value: bool) -> None:
-        self._going.value = not value
+        self._going = float(not value)
 
     @property
     def paused(self) -> bool:

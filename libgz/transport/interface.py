@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, InterfaceError
+from libgz.base.law import constant
 from libgz.ode.records import LinkRecord, SpanRecord
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE,
@@ -181,6 +182,7 @@ class Interface(Generic[D]):
         return self.older.get(version, self.data_class)
 
     @property
+    @constant
     def data(self) -> D:
         """The struct on the shared memory.
 

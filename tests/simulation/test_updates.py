@@ -15,11 +15,8 @@ import libgz
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.bandit import JointServo
-from libgz.models.motion import Motion
 from libgz.models.pioneer2at import Pioneer2AT
 from libgz.ode.records import Kind, numbers
-from libgz.simulation.formula import clamp
-from libgz.simulation.updates import Exchange
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 SICK = "<model:SickLMS200><id>{}</id><xyz>0.1 0 {}</xyz><rangeCount>{}</rangeCount></model:SickLMS200>"
@@ -279,27 +276,28 @@ def test_a_gripper_takes_and_publishes_natively(quirks, later, wire):
             together(worlds, lambda world: world.step())
             compare(worlds)
         found = kinds(worlds[0])
-        assert (found[Kind.PYTHON], found[Kind.SHARE]) == (2, 2 + 3 + 3 + 1 + 2)  # what it measures; a follower
+        assert found[Kind.PYTHON] == 2, "what it measures; a follower"
 
 
 def test_the_rows_of_a_robot_are_native():
     with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[0]}</gz:world>") as world:
         found = kinds(world)
-        assert found[Kind.DIFFERENTIAL] == 1
-        assert found[Kind.CAST] == 2
-        assert found[Kind.SHARE] == 2 + 3 + 3  # of sim; position, power, sonar; requests, scan, fiducials
+        assert (found[Kind.CAST], found[Kind.PYTHON]) == (2, 1), "only the receiver's fix is Python"
+        assert (
+            found[Kind.LAW] == 2 + 2 + 3 + 3
+        )  # of sim; measure, drive; position, power, sonar; requests, scan, fiducials
         assert [world.model("at"), world.model("l1"), world.model("gps")] == world.rows.updating, "not the ground"
     with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[11]}</gz:world>") as world:
         found = kinds(world)
-        assert (found[Kind.BICYCLE], found[Kind.SERVO], found[Kind.PYTHON]) == (1, 2, 0)
+        assert found[Kind.PYTHON] == 0
     with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[9]}</gz:world>") as world:
         found = kinds(world)
-        assert (found[Kind.SERVO], found[Kind.SPRING], found[Kind.PYTHON]) == (2, 1, 0)
+        assert found[Kind.PYTHON] == 0
 
 
 @pytest.mark.parametrize(
     ("name", "height", "in_python"),
-    [("SegwayRMP", 0, 0), ("Bandit", 0.8, 0), ("Blimp", 10, 1)],  # the Blimp publishes in Python, at its rate
+    [("SegwayRMP", 0, 0), ("Bandit", 0.8, 0), ("Blimp", 10, 0)],
 )
 def test_controllers_and_joints_need_no_python_in_a_step(name, height, in_python):
     text = f"{HEAD}<model:GroundPlane/><model:{name}><id>r</id><xyz>0 0 {height}</xyz></model:{name}></gz:world>"
@@ -602,16 +600,13 @@ def test_a_plugin_can_use_the_rows():
             self.power = Power()
             self.power.create(self.world.gz_server, self.GetId())
 
-        def MasterRows(self, rows):
-            exchange = Exchange(self.power)
-            exchange.now()
-            exchange.doubles("levels", self.level)
-            with rows.due(self.rate):
-                rows.share(self.publish, exchange)
+        def plan_update(self, plan):
+            with plan.due(self.rate):
+                plan.exchange(self.power, self.publish)
 
-        def publish(self, step):
-            with self.power.locked() as data:
-                data.time, data.levels[0] = self.world.GetSimTime(), self.level[0]
+        @libgz.law
+        def publish(self, data):
+            data.time, data.levels[0] = self.world.GetSimTime(), self.level[0]
 
     world = made("<model:Own><id>own</id></model:Own>", Own=Own)
     world.Initialize()
@@ -619,98 +614,125 @@ def test_a_plugin_can_use_the_rows():
         world.step(6)
         assert world.interface("power", "own").data.time == pytest.approx(0.1)
         assert world.interface("power", "own").level == 3.5
+        assert kinds(world)[Kind.PYTHON] == 0
+
+
+class Hover(Model):
+    """Holds a height by a law of its own."""
+
+    STATE = ("wanted", "noted", "gain")
+    wanted, noted, gain = libgz.Number(1.0), libgz.Number(), libgz.Number(20.0)
+
+    def Load(self, file, node):
+        body = libgz.Body(self.world)
+        self.AddBody(body, True)
+        libgz.BoxGeom(body, self.modelSpaceId, 0.2, 0.3, 0.1).SetMass(2.0)
+
+    def plan_update(self, plan):
+        plan.do(self.control)
+
+    @libgz.law
+    def control(self, step):
+        if not libgz.usually(self.gain >= 0.5):
+            return
+        body = self.GetBody()
+        speed = (body.GetPose().pos.z - self.noted) / step
+        self.noted = body.GetPose().pos.z
+        effort = libgz.clamp(self.gain * (self.wanted - self.noted) / 0.5 - 3.0 * speed, 40.0)
+        body.AddRelForce(0.0, 0.0, libgz.where(self.wanted > 0.0, effort, 0.0))
 
 
 def test_a_plugin_can_have_a_control_law_of_its_own():
     """The law is one function; computed in Python and natively it gives the same bits, also where it cannot act."""
-
-    def law(wanted, height, speed, gain):
-        effort = clamp(gain * (wanted - height) / 0.5 - 3.0 * speed, 40.0)
-        return effort, 1.0 - -effort * 2.0
-
-    class Hover(Model):
-        STATE = ("motion",)
-
-        def Load(self, file, node):
-            body = libgz.Body(self.world)
-            self.AddBody(body, True)
-            libgz.BoxGeom(body, self.modelSpaceId, 0.2, 0.3, 0.1).SetMass(2.0)
-            self.motion, self.numbers = Motion(), numbers(3)(1.0, 20.0, 0.0)
-
-        def Update(self, step):
-            if step:
-                self.motion.measure(self.GetBody())
-                self.control(step)
-
-        def control(self, step):
-            wanted, gain, _ = self.numbers
-            effort, self.numbers[2] = law(wanted, self.motion.position[2], self.motion.velocity[2], gain)
-            self.GetBody().AddRelForce(0.0 * effort, 0.0 * effort, effort)
-
-        def MasterRowsOfUpdate(self, rows):
-            self.motion.add_row(rows, self.GetBody())
-            formula = libgz.Formula()
-            height, speed = formula.read((self.motion, "position", 2)), formula.read((self.motion, "velocity", 2))
-            effort, noted = law(formula.read((self.numbers, 0)), height, speed, formula.read((self.numbers, 1)))
-            formula.set((self.numbers, 2), noted)
-            formula.force(self.GetBody(), 0.0 * effort, 0.0 * effort, effort)
-            formula.at_least((self.numbers, 1), 0.5)
-            rows.formula(self.control, formula)
-            return True
-
     worlds = [made("<model:Hover><id>h</id><xyz>0 0 1</xyz></model:Hover>", Hover=Hover) for _ in range(2)]
     native, twin = worlds
     twin.rows.enabled = False
     for world in worlds:
         world.Initialize()
     with native, twin:
+        assert kinds(native)[Kind.PYTHON] == 0
+        together([twin], lambda world: world.step())
         for number in range(90):
             if number == 30:
-                together(worlds, lambda world: world.model("h").numbers.__setitem__(1, 0.1))  # below what is native
+                together(worlds, lambda world: setattr(world.model("h"), "gain", 0.1))  # below what is native
             if number == 45:
-                together(worlds, lambda world: world.model("h").numbers.__setitem__(1, 30.0))
+                together(worlds, lambda world: setattr(world.model("h"), "gain", 30.0))
             if number == 60:
                 together(worlds, lambda world: world.model("h").GetBody().set_auto_disable(True))
             together(worlds, lambda world: world.step())
             compare(worlds)
-            assert list(native.model("h").numbers) == list(twin.model("h").numbers)
-        assert native.model("h").numbers[2] != 0.0
+            assert native.model("h").noted == twin.model("h").noted
+        assert native.model("h").noted != 0.0
+        assert native.get_state() == twin.get_state()
 
 
-@pytest.mark.parametrize(
-    ("add", "message"),
-    [
-        (lambda exchange: exchange.doubles("levels[3].angle", numbers(1)()), r"power.p has no field 'levels\[3\]"),
-        (
-            lambda exchange: exchange.doubles("level", numbers(1)()),
-            "power.p has no field 'level'.*did you mean 'levels'",
-        ),
-        (lambda exchange: exchange.doubles("levels", numbers(11)(), 11), "11 numbers from 0 on do not fit"),
-        (lambda exchange: exchange.doubles("levels", numbers(3)(), 3, stride=5), "3 numbers from 0 on do not fit"),
-        (lambda exchange: exchange.doubles("levels", numbers(1)(), index=10), "1 numbers from 10 on do not fit"),
-    ],
-)
-def test_rows_that_cannot_be_stop_their_model_only(add, message):
+def test_a_constant_of_a_law_may_be_set_while_the_world_runs():
+    class Heavy(Hover):
+        STATE = ("push",)
+
+        def Load(self, file, node):
+            super().Load(file, node)
+            self.push = 1.0
+
+        @libgz.law
+        def control(self, step):
+            self.GetBody().AddRelForce(0.0, 0.0, self.push * step)
+            self.noted = self.push
+
+    world = made("<model:Heavy><id>h</id></model:Heavy>", Heavy=Heavy)
+    world.Initialize()
+    with world:
+        world.step(2)
+        world.model("h").push = 7.0
+        world.step()
+        assert world.model("h").noted == 7.0
+
+
+@pytest.mark.parametrize("part", ["due", "Update"])
+def test_parts_of_models_that_are_replaced_are_called(part):
+    """Rates, and parts of a robot that are no models, are asked where something replaces their methods."""
+    calls = []
+
+    class Rate(libgz.UpdateRate):
+        def due(self, now):
+            calls.append("due")
+            return super().due(now)
+
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[2]}</gz:world>") as world:
+        robot = world.model("people")
+        if part == "due":
+            robot.rate = Rate(1000.0)
+        else:
+            own = robot.battery.Update
+            robot.battery.Update = lambda now: calls.append("Update") or own(now)
+            world.update_rows_changed()
+        world.step(10)
+        assert len(calls) == (10 if part == "due" else 2)
+        assert world.interface("power", "people").data.time > 0.0
+
+
+def test_a_plan_that_cannot_be_stops_its_model_only():
     class Wrong(Model):
         STATE = ()
 
         def Load(self, file, node):
             self.AddBody(libgz.Body(self.world, dummy=True), True)
+            self.level = numbers(1)()
 
         def Init(self, file, node):
             self.power = Power()
             self.power.create(self.world.gz_server, "p")
 
-        def MasterRowsOfUpdate(self, rows):
-            rows.python(lambda step: None)
-            exchange = Exchange(self.power)
-            add(exchange)
-            rows.share(lambda step: None, exchange)
-            return True
+        def plan_update(self, plan):
+            plan.exchange(self.power, None, unless=self.expect)
+
+        def expect(self, exchange):
+            exchange.expect("level", 0, self.level)
 
     with made(f"<model:Wrong><id>wrong</id></model:Wrong>{ROBOTS[2]}", Wrong=Wrong) as world:
         world.Initialize()
         world.step(7)
+        message = "power.p has no field 'level'.*did you mean 'levels'"
         assert isinstance(world.model("wrong").failed, libgz.GazeboError)
         assert re.search(message, str(world.model("wrong").failed))
         assert world.interface("position", "people").data.time == pytest.approx(0.1)

@@ -10,7 +10,7 @@ from libgz.base.geometry import QuaternLike
 from libgz.classic import msgs
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.read import choice, custom_topic, first, known_children, replaced
+from libgz.classic.sensors.read import choice, custom_topic, first, known_children, substituted
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 from libgz.sdf.element import Element
 
@@ -100,7 +100,7 @@ class ImuSensor(LinkSensor):
         z = Vector3d(*self.world.Gravity()) * (-1.0 if up else 1.0)
         x = ahead - z * (ahead.Dot(z) / z.Dot(z)) if z.Length() > 0.0 else Vector3d()
         if x.Length() < 1e-9:
-            replaced(frame, "grav_dir_x", "has no direction across gravity, or there is no gravity: ENU is used")
+            substituted(frame, "grav_dir_x", "has no direction across gravity, or there is no gravity: ENU is used")
             return Quaterniond(*FRAMES["ENU"])
         x, z = x.Normalized(), z.Normalized()
         y = z.Cross(x)

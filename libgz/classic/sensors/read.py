@@ -1,4 +1,4 @@
-"""Reading a `<sensor>`: values with their bounds; what is beyond them is replaced, with a warning that has the line."""
+"""Reading a `<sensor>`: values with their bounds; others are substituted, with a warning that has the line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,18 @@ from collections.abc import Collection, Iterable
 from libgz.base.errors import Diagnostic, ParameterError, nearest
 from libgz.sdf.element import Element
 
-__all__ = ["UNSET", "choice", "clip", "count", "custom_topic", "first", "known_children", "number", "replaced", "wrong"]
+__all__ = [
+    "UNSET",
+    "choice",
+    "clip",
+    "count",
+    "custom_topic",
+    "first",
+    "known_children",
+    "number",
+    "substituted",
+    "wrong",
+]
 
 log = logging.getLogger("libgz.classic")
 
@@ -33,13 +44,13 @@ def wrong(element: Element, key: str, message: str) -> ParameterError:
     return ParameterError(str(Diagnostic(place.file or "<string>", place.line, key, message, "error")))
 
 
-def replaced(element: Element, key: str, message: str) -> None:
+def substituted(element: Element, key: str, message: str) -> None:
     """Report a value that is not allowed, and what is used instead, as a warning: ``file:line: <key>: message``."""
     log.warning("%s", wrong(element, key, message))
 
 
 def number(element: Element, key: str, least: float = -math.inf, most: float = math.inf, unit: str = "") -> float:
-    """A finite number within bounds; one beyond them is replaced by the nearest bound, with a warning."""
+    """A finite number within bounds; one beyond them is substituted by the nearest bound, with a warning."""
     value = element.Get(float, key)
     if least <= value <= most and math.isfinite(value):
         return value
@@ -48,7 +59,7 @@ def number(element: Element, key: str, least: float = -math.inf, most: float = m
         usable = float(_default(element, key) or 0.0)
     words = [f"{word} {bound:g}" for word, bound in (("at least", least), ("at most", most)) if math.isfinite(bound)]
     allowed, unit = " and ".join(words) or "finite", unit and f" {unit}"
-    replaced(element, key, f"is {value:g}{unit}; it must be {allowed}{unit}: {usable:g} is used")
+    substituted(element, key, f"is {value:g}{unit}; it must be {allowed}{unit}: {usable:g} is used")
     return usable
 
 
@@ -61,20 +72,20 @@ def _default(element: Element, key: str) -> str:
 def clip(element: Element, low: str, high: str, nearest_low: float = 0.0) -> tuple[float, float]:
     """Two distances [m], the second beyond the first, and no more than `FARTHEST`: ``inf`` means no limit.
 
-    What is not so is replaced, with a warning; the first one is at least `nearest_low`.
+    What is not so is substituted, with a warning; the first one is at least `nearest_low`.
     """
     near, far = max(number(element, low, 0.0, FARTHEST / 2.0, unit="m"), nearest_low), element.Get(float, high)
     far = min(far, FARTHEST) if far > 0.0 else number(element, high, 0.0, unit="m")
     if not far > near:
         usable = (nearest_low, far) if far > nearest_low else (near, FARTHEST)
         must = f"is {far:g} m; it must be beyond <{low}>, {near:g} m"
-        replaced(element, high, f"{must}: {usable[0]:g} m to {usable[1]:g} m are used")
+        substituted(element, high, f"{must}: {usable[0]:g} m to {usable[1]:g} m are used")
         return usable
     return near, far
 
 
 def count(element: Element, key: str, least: int = 1, most: int | None = None) -> int:
-    """A whole number of at least so much; a smaller one is replaced, with a warning.
+    """A whole number of at least so much; a smaller one is substituted, with a warning.
 
     Raises:
         ParameterError: there are more than libgz holds.
@@ -83,18 +94,18 @@ def count(element: Element, key: str, least: int = 1, most: int | None = None) -
     if most is not None and value > most:
         raise wrong(element, key, f"is {value}; it must be at most {most}")
     if value < least:
-        replaced(element, key, f"is {value}; it must be at least {least}: {least} is used")
+        substituted(element, key, f"is {value}; it must be at least {least}: {least} is used")
     return max(value, least)
 
 
 def choice(element: Element, key: str, allowed: Iterable[str], otherwise: str) -> str:
-    """One of several words; another one is replaced by `otherwise`, with a warning."""
+    """One of several words; another one is substituted by `otherwise`, with a warning."""
     known = list(allowed)
     value = element.Get(str, key)
     if value in known:
         return value
     words = f"is {value!r}; allowed are {', '.join(known)}{nearest(value, known)}"
-    replaced(element, key, f"{words}: {otherwise!r} is used")
+    substituted(element, key, f"{words}: {otherwise!r} is used")
     return otherwise
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.classic import msgs
 from libgz.classic.sensors.noise import GaussianNoiseModel, Noise
-from libgz.classic.sensors.read import number, replaced
+from libgz.classic.sensors.read import number, substituted
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class WirelessTransceiver(LinkSensor):
         """A frequency of its file [MHz]."""
         value = number(self._antenna, key, 0.0, unit="MHz")
         if not value:
-            replaced(self._antenna, key, f"is 0 MHz; it must be above 0: {FREQUENCY:g} is used")
+            substituted(self._antenna, key, f"is 0 MHz; it must be above 0: {FREQUENCY:g} is used")
         return value or FREQUENCY
 
 

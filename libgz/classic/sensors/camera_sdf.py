@@ -16,7 +16,7 @@ from libgz.classic.common import Image
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.image_format import check_format
 from libgz.classic.sensors.noise import Noise
-from libgz.classic.sensors.read import UNSET, clip, count, first, known_children, number, replaced, wrong
+from libgz.classic.sensors.read import UNSET, clip, count, first, known_children, number, substituted, wrong
 from libgz.rendering.camera import LONGEST_SIDE, MOST_PIXELS
 from libgz.rendering.lens import Distortion, Intrinsics, Lens
 
@@ -83,7 +83,7 @@ class CameraPlan:
         try:
             return Lens(self.width, self.height, self.hfov, intrinsics, distortion)
         except ParameterError as error:
-            replaced(pinhole or self.element, "intrinsics", f"{error}: the lens is not used")
+            substituted(pinhole or self.element, "intrinsics", f"{error}: the lens is not used")
             return None
 
     def make(self, world: World, name: str, kind: type[C]) -> C:

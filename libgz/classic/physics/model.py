@@ -124,8 +124,8 @@ class Model(Entity):
     def _canonical(self) -> Link:
         """The one canonical link of a tree of models: the first of the outermost one that has a link."""
         tree: list[Model] = [self]
-        while isinstance(tree[0].GetParent(), Model):
-            tree.insert(0, tree[0].GetParent())
+        while isinstance(parent := tree[0].GetParent(), Model):
+            tree.insert(0, parent)
         return next((m.link(m.core.bodies[0]) for m in tree if m.core.bodies), None) or next(self.family_links())
 
     def SetLinearVel(self, vel: VectorLike) -> None:

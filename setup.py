@@ -9,7 +9,15 @@ from setuptools.errors import BaseError, CCompilerError
 
 
 class BuildLibraries(build_ext):
-    """Names libraries without Python's suffix."""
+    """Names libraries without Python's suffix, and sources by patterns."""
+
+    def finalize_options(self) -> None:
+        """Find the sources, and the headers beside them, on which they depend."""
+        super().finalize_options()
+        for ext in self.extensions:
+            ext.sources = sorted(str(path) for pattern in ext.sources for path in Path().glob(pattern))
+            folders = {Path(source).parent for source in ext.sources}
+            ext.depends = sorted(str(path) for folder in folders for path in folder.glob("*.h"))
 
     def get_ext_filename(self, fullname: str) -> str:
         """`libgz/ode/_step.so` for `libgz.ode._step`."""

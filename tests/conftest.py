@@ -1,6 +1,7 @@
 """Fixtures for several test modules."""
 
 import logging
+import os
 import signal
 
 import pytest
@@ -12,6 +13,17 @@ from libgz.transport.server import Server
 # A shell starts jobs in the background with an ignored SIGINT, which programs under test would inherit.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def own_data(tmp_path_factory):
+    """What installations note for the user is noted elsewhere."""
+    before = os.environ.get("XDG_DATA_HOME")
+    os.environ["XDG_DATA_HOME"] = str(tmp_path_factory.mktemp("data"))
+    yield
+    os.environ.pop("XDG_DATA_HOME")
+    if before is not None:
+        os.environ["XDG_DATA_HOME"] = before
 
 
 @pytest.fixture(autouse=True)

@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -81,3 +82,20 @@ def test_an_installation_that_failed_is_repeated(tree):
     (tree.path / "libgz/new.py").unlink()
     (tree.path / "broken").unlink()
     assert tree.setup("view") == (0, [".[view]"] * 3)
+
+
+@pytest.mark.parametrize("compiler", ["/no/compiler", "false"])
+def test_a_build_without_a_compiler_ends_with_what_to_install(compiler, tmp_path):
+    places = ["--build-lib", str(tmp_path / "lib"), "--build-temp", str(tmp_path / "temp")]
+    done = subprocess.run(
+        [sys.executable, "setup.py", "-q", "build_ext", *places],
+        cwd=SCRIPT.parent.parent,
+        env={**os.environ, "CC": compiler},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("libgz needs a C compiler: apt-get install gcc libc6-dev")
+    assert "Traceback" not in done.stderr

@@ -4,26 +4,15 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import logging
 import os
-import secrets
-import subprocess
-import threading
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from libgz.apps.console import port_number
-from libgz.base.closing import Closing
-from libgz.base.python import run_module
 
-__all__ = ["TOKEN", "ViewerProcess", "add_view_options", "view_process"]
-
-log = logging.getLogger("libgz.view")
+__all__ = ["TOKEN", "add_view_options", "view_process"]
 
 HOST, PORT = "127.0.0.1", 8080
-PATIENCE = 0.5  # [s] for the viewer of --view to end
-WELL = 5.0  # [s] a viewer that ran for so long is started again if it dies
 TOKEN = "LIBGZ_VIEW_TOKEN"  # in the viewer's environment: pages stay connected to one that is started again
 
 
@@ -47,45 +36,11 @@ def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator
     if not options.view or server_id is None:
         yield
         return
+    from libgz.apps.viewer_process import ViewerProcess  # servers without a viewer do without it
+
     words = ["-s", str(server_id), "--view-port", str(options.view_port), "--view-host", options.view_host]
     process = ViewerProcess([*words, "--parent", str(os.getpid())])
     try:
         yield
     finally:
         process.close()
-
-
-class ViewerProcess(Closing):
-    """The process of a viewer, which is started again, with the same address, when it dies.
-
-    Args:
-        words: options of `libgz view`.
-    """
-
-    def __init__(self, words: Sequence[str]) -> None:
-        self._words = words
-        self._environment = {**os.environ, TOKEN: secrets.token_urlsafe(18)}
-        self._ended = threading.Event()
-        self._process = self._start()
-        self._watch = threading.Thread(target=self._keep, name="viewer", daemon=True)
-        self._watch.start()
-
-    def _start(self) -> subprocess.Popen[bytes]:
-        command = run_module("libgz", "view", *self._words)
-        return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, env=self._environment)
-
-    def _keep(self) -> None:
-        """Start the viewer again as often as it dies after a while; one that dies at once would do so again."""
-        begin = time.monotonic()
-        while self._process.wait() != 0 and not self._ended.is_set():
-            if time.monotonic() < begin + WELL:
-                return
-            log.warning("the viewer ended with code %d and is started again", self._process.returncode)
-            begin = time.monotonic()
-            self._process = self._start()
-
-    def close(self) -> None:
-        """End the viewer; it may end a little later than this process."""
-        self._ended.set()
-        self._process.terminate()
-        self._watch.join(PATIENCE)

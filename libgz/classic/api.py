@@ -1,8 +1,9 @@
 """The public API of Gazebo classic as a table, and what of it libgz has.
 
 `api.tsv` has a row for each method, field, function and constant of the headers of Gazebo 11 and its libraries that
-plugins can use, and of older names: class, name, state, note. A state is `present`; `old`, present under a name of
-Gazebo 7 and before; `absent`, with the reason or what serves instead; or `added`, libgz's own, with the reason.
+plugins can use, and of older names: class, name, state, note. A state is `present`; `differs`, present with values
+that are not Gazebo's on purpose, with the reason; `old`, present under a name of Gazebo 7 and before; `absent`, with
+the reason or what serves instead; or `added`, libgz's own, with the reason.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class ApiName:
     Attributes:
         holder: ``module.Class``; ``module.(functions)`` and the like for what is in no class.
         name: of the method, field, function or constant.
-        state: present, old, absent or added.
+        state: present, differs, old, absent or added.
         note: the reason, or what serves instead.
     """
 

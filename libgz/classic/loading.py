@@ -97,7 +97,7 @@ class LoadedPlugin:
     def _make(self) -> PluginT:
         """A new instance. Its constructor may use handle and filename in messages."""
         plugin = self.plugin = self.plugin_class.__new__(self.plugin_class)
-        plugin._handle, plugin._filename = self.name, self.filename
+        plugin.handleName, plugin.filename = self.name, self.filename
         plugin.__init__()  # type: ignore[misc]
         return plugin
 

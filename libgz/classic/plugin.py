@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from libgz.base.errors import ParameterError
-from libgz.classic.plugin_base import PluginT
+from libgz.classic.plugin_base import PluginT, PluginType
 from libgz.simulation.plugins import collect
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ __all__ = [
     "GUIPlugin",
     "ModelPlugin",
     "PluginT",
+    "PluginType",
     "SensorPlugin",
     "SystemPlugin",
     "VisualPlugin",

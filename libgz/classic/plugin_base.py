@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from enum import IntEnum
 from typing import ClassVar, TypeVar
 
 from libgz.base.encoding import register
@@ -22,7 +23,7 @@ from libgz.classic.math import (
 from libgz.classic.names import takes_names
 from libgz.sdf.element import Element
 
-__all__ = ["PluginT"]
+__all__ = ["PluginT", "PluginType"]
 
 # What the state of a plugin may hold as a value, beside plain data and messages.
 _VALUES: tuple[type, ...] = (Angle, AxisAlignedBox, Color, Inertiald, MassMatrix3d, Matrix3d, NumericKeyFrame, Pose3d)
@@ -32,6 +33,17 @@ for _value in (*_VALUES, PoseKeyFrame, Quaterniond, Time, Vector2d, Vector2i, Ve
 console = logging.getLogger("libgz.classic.console")
 
 T = TypeVar("T")
+
+
+class PluginType(IntEnum):
+    """The kinds of plugins, with Gazebo's numbers."""
+
+    WORLD_PLUGIN = 0
+    MODEL_PLUGIN = 1
+    SENSOR_PLUGIN = 2
+    SYSTEM_PLUGIN = 3
+    VISUAL_PLUGIN = 4
+    GUI_PLUGIN = 5
 
 
 @takes_names
@@ -45,19 +57,22 @@ class PluginT:
 
         class Patrol(ModelPlugin):
             STATE = ("goal", "since")
+
+    Attributes:
+        filename: The file name, as the world gives it; set after the constructor.
+        handleName: The name of the plugin in the world, likewise.
     """
 
     kind: ClassVar[str] = ""
-    _handle = ""
-    _filename = ""
+    filename = handleName = ""
 
     def GetFilename(self) -> str:
         """The file name, as the world gives it."""
-        return self._filename
+        return self.filename
 
     def GetHandle(self) -> str:
         """The name of the plugin in the world."""
-        return self._handle
+        return self.handleName
 
     def GetType(self) -> str:
         """The kind: World, Model, Sensor, System, Visual or GUI."""
@@ -66,7 +81,7 @@ class PluginT:
     def LoadParam(self, sdf: Element, name: str, default: T) -> T:
         """The value of a child of the plugin's element, or `default`; either is logged to the console."""
         value, found = sdf.Get(type(default), name, default)
-        handle = self._handle
+        handle = self.handleName
         if found:
             console.info("%s Plugin <%s> set to <%s>", handle, name, value)
         else:

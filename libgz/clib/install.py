@@ -10,6 +10,7 @@ from libgz.base.files import write_whole
 from libgz.clib import FOLDER
 from libgz.clib.header import version_macro
 from libgz.clib.library import ARCHIVE, FOR_I386, SHARED, library_folder
+from libgz.clib.prefixes import note_prefix
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
 __all__ = ["install"]
@@ -41,6 +42,8 @@ def install(
     i386: bool = False,
 ) -> list[Path]:
     """Write gazebo.h, libgazebo.a, libgazebo.so.0 with its link, and gazebo.pc below a directory; returns their paths.
+
+    The directory is remembered: plugins that worldfiles name are searched for below it, too.
 
     Args:
         prefix: such as `/usr/local`; missing directories are created.
@@ -77,4 +80,5 @@ def install(
         link.symlink_to(SHARED)
     except OSError as error:
         raise LibraryError(f"the C library cannot be installed in {prefix}: {error.strerror}") from None
+    note_prefix(prefix)
     return sorted([*contents, link])

@@ -91,10 +91,9 @@ class WorldData:
 
     def _number(self, low: int) -> int | None:
         """The number of the model whose C++ object has an address with these low 32 bits."""
-        if low:
-            for model in self.session.models:
-                if model.pointer & 0xFFFFFFFF == low:
-                    return model.GetIntId()
+        for pointer, model in self.session.model_objects() if low else ():
+            if pointer & 0xFFFFFFFF == low:
+                return model.GetIntId()
         return None
 
     def to_plugin(self) -> None:
@@ -313,9 +312,10 @@ class CxxModel(Model):
             plugin.check(status, "Update", 0, plugin.text, f"model {self._id!r}")
 
     def show(self, name: str, value: Any) -> None:
-        """Let the C++ object point to an object."""
+        """Let the C++ object point to an object, for which the plugin may have to make one of its own."""
         if self.fields is not None:
-            setattr(self.fields, name, self.session.pointer(value, self))
+            with self._runs():
+                setattr(self.fields, name, self.session.pointer(value, self))
 
     def Attach(self) -> None:
         """Weld the canonical body to the parent body."""

@@ -7,6 +7,7 @@ import itertools
 import shutil
 import tempfile
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -202,6 +203,14 @@ class Session:
         _pointers[id(thing)] = pointer, handle
         self._wrappers[handle] = pointer, model
         return pointer
+
+    def model_objects(self) -> Iterator[tuple[int, Maker | Model]]:
+        """(C++ object, model) of all models that plugins can see: those of plugins, and others that they were shown."""
+        yield from ((model.pointer, model) for model in self.models)
+        for handle, (pointer, _) in self._wrappers.items():
+            thing = OBJECTS.get(handle)
+            if isinstance(thing, Model):
+                yield pointer, thing
 
     def space(self, address: int | None) -> Space | None:
         """The space of an address of ODE's, which may be one that the plugin made itself; None for None.

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from libgz.base.errors import PluginError
+from libgz.clib.prefixes import installed_prefixes
 from libgz.legacy.factory import builtin_folder
 from libgz.simulation.plugins import Plugin, load_plugin, reload_plugin, search
 
@@ -55,7 +55,7 @@ def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:
     return [
         *named,
         ("the worldfile's directory", home),
-        ("the installed plugins", Path(sys.prefix) / "lib" / "gazebo" / "plugins"),
+        *(("the installed plugins", prefix / "lib" / "gazebo" / "plugins") for prefix in installed_prefixes()),
         ("the installed models", builtin_folder()),
     ]
 
@@ -64,7 +64,8 @@ def find_plugin(name: str, worldfile: str | None) -> Path:
     """The file of a plugin that a legacy worldfile names: a shared object of libgz's C++ adapter, or a Python file.
 
     An absolute name (or one that begins with `~`) means that file only; others are searched for in each directory of
-    GAZEBOPATH, the worldfile's directory, the installed plugins, and the installed models.
+    GAZEBOPATH, the worldfile's directory, the installed plugins (those of `libgz config --install` first, /usr/local
+    last), and the installed models.
 
     Raises:
         PluginError: it was not found; the message lists every path tried, and why it was rejected.

@@ -3,7 +3,7 @@
  * ODE's own queue is shared by all worlds of the process. Calls of a step that was abandoned stay in it for ever, and
  * every later step of any world walks past them: after 20,000 such steps, that of a single box takes 300 times as long.
  * This queue can be emptied. It does the calls in the order in which ODE's own does them without threads: the last one
- * that is ready comes first. The caller holds the lock of step.c.
+ * that is ready comes first. The caller holds the lock of locking.c.
  */
 #include "calls.h"
 

@@ -31,7 +31,7 @@ extern char gz_calls; /* its address is the queue for ODE */
 /* Forget the calls of a step that was abandoned. */
 void gz_drop_calls(void);
 
-/* step.c: abandon the step in which this happens. */
+/* locking.c: abandon the step in which this happens. */
 void gz_abandon_step(void);
 
 #endif

@@ -43,7 +43,7 @@ CONTACT = np.dtype(
 
 
 class StepContext(ctypes.Structure):
-    """What the step works on; mirrors `context` in step.c, where the fields are explained."""
+    """What the step works on; mirrors `context` in step.h, where the fields are explained."""
 
     _fields_ = [
         ("world", c_void_p),
@@ -109,7 +109,7 @@ class StepContext(ctypes.Structure):
 
 
 class Publication(ctypes.Structure):
-    """Where states are published for other processes; mirrors `publication` in step.c, which explains the fields."""
+    """Where states are published for other processes; mirrors `publication` in motion.c, which explains the fields."""
 
     _fields_ = [
         ("target", c_void_p),

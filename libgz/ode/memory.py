@@ -34,7 +34,7 @@ _WORLD_SIZE = 4096  # [byte] more than ODE's worlds have
 
 
 class Layout(ctypes.Structure):
-    """Offsets in ODE's objects [bytes]; mirrors `layout` in step.c.
+    """Offsets in ODE's objects [bytes]; mirrors `layout` in states.c.
 
     Attributes:
         body_flags: of the switches of a body.

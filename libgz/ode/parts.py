@@ -14,7 +14,7 @@ __all__ = ["Parts"]
 
 
 class Parts(ctypes.Structure):
-    """What a state is of; mirrors `parts` in step.c.
+    """What a state is of; mirrors `parts` in states.c.
 
     Args:
         where: the layout of ODE's objects.

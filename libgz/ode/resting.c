@@ -17,7 +17,7 @@ enum { SELECTIONS = 12, MOST_SELECTIONS = 100, PASSES = 8 };
 enum { UNCHANGED, TAKEN, LEFT_OUT }; /* what became of points in a selection, in this order of weight */
 #define SETTLED 1e-8 /* [m/s] */
 
-/* All are guarded by ode_lock of step.c, and kept from one step to the next. */
+/* All are guarded by the lock of locking.c, and kept from one step to the next. */
 static double *factor, *solution;
 static int64_t factor_capacity, solution_capacity, *starts, starts_capacity;
 

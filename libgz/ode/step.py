@@ -1,4 +1,4 @@
-"""One physics step and one ray scan: step.c and what it is linked with, by ctypes."""
+"""One physics step and one ray scan: the functions of the C files beside, by ctypes."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Step:
         library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         sizes = library.gz_step_context_size(), library.gz_parts_size()
         if sizes != (ctypes.sizeof(StepContext), ctypes.sizeof(Parts)):
-            raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
+            raise LibraryError(f"{path} was built from other versions of its sources; install libgz again")
         check_sizes(library)
         names = []
         for name in library.gz_step_needs():
@@ -173,7 +173,7 @@ class Step:
         return run, prepare
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
-        """A prepared scan that can be run again and again, see gz_scan in step.c; it keeps the arrays alive."""
+        """A prepared scan that can be run again and again, see gz_scan in rays.c; it keeps the arrays alive."""
         frame, rays, ranges, rows = (
             array.ctypes.data_as(c_void_p) for array in (scan.frame, scan.rays, scan.ranges, scan.rows)
         )

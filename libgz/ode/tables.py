@@ -1,7 +1,7 @@
 """The state tables: arrays with one row for each body, joint and geom, which the step reads and fills.
 
-Setters mark rows as stale, getters read a stale row from ODE first. step.c gets the addresses of the arrays and
-describes their columns. After a step all rows are fresh.
+Setters mark rows as stale, getters read a stale row from ODE first. The step gets the addresses of the arrays;
+step.h describes their columns. After a step all rows are fresh.
 """
 
 from __future__ import annotations
@@ -304,7 +304,7 @@ _TURN = 6.2831853071795862  # 2 pi
 
 
 def unwound(before: float, angle: float) -> float:
-    """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
+    """The angle that is nearest to the one before; unwind in motion.c. Python rounds halves to even, as rint does."""
     turns = (before - angle) / _TURN
     return angle + _TURN * round(turns) if math.isfinite(turns) else angle
 

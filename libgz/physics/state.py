@@ -17,8 +17,7 @@ A state is not trusted: what it says is checked before it reaches ODE (`bounds`)
 - SAVED attributes, and how geoms look. A class that gets a new attribute that may change later adds it there, and
   replaces its value instead of changing it in place.
 - Settings of the engine, its counters and random state, recorded contacts, feedback of joints, gears and threads.
-
-What was made since a state is closed, newest first; what is missing is named, and nothing has changed (`matching`).
+- What was made since is closed, newest first; what is missing is named, and nothing has changed (`matching`).
 """
 
 from __future__ import annotations
@@ -291,7 +290,7 @@ class EngineState:
             couplings = [(present[place], values) for place, values in state["couplings"]]
             for coupling, values in couplings:
                 for name, value, present in zip(_saved(_type(coupling)), values, _values(coupling), strict=True):
-                    if not _fits(value, present):
+                    if value is not None and not _fits(value, present):
                         raise StateError("the state is damaged: a screw or gear has numbers that none has")
                     setattr(coupling, name, value)
             engine.couplings = [coupling for coupling, _ in couplings]
@@ -426,6 +425,7 @@ def _check_objects(saved: Any) -> None:
             and all(any(body is not None and body >= 0 for body in joints[joint][1]) for joint in attached)
             and all(0 <= parent <= len(spaces) for parent in spaces)
             and all(place is None or 0 <= place <= len(spaces) for place in inside)
+            and all(isinstance(row[-1][0], (str, type(None))) for row in (*bodies, *dummies, *joints))
         )
     except (TypeError, ValueError, KeyError, IndexError) as error:
         raise StateError(f"the state is damaged: its list of objects is incomplete ({error})") from error
@@ -502,8 +502,9 @@ def _fits(value: Any, present: Any) -> bool:
         return not math.isnan(value) and (present is None or isinstance(present, (int, float)))
     if isinstance(value, GzPose):
         return isinstance(present, GzPose) and all(_is_finite(number) for number in _place_of(value))
-    if isinstance(value, (GzVector, GzQuatern, GzColor)):
-        return type(present) in (type(value), type(None)) and all(_is_finite(number) for number in value)
+    for kind in (GzVector, GzQuatern, GzColor):  # a layer above has vectors of its own
+        if isinstance(value, kind):
+            return isinstance(present, (kind, type(None))) and all(_is_finite(number) for number in value)
     optional = (str, Mass, Mesh, type(None))
     return (
         isinstance(value, optional)

@@ -97,7 +97,8 @@ def describe(name: str) -> str:
 def _front(classes: dict[str, list[_Class]]) -> str:
     about = {module.__name__.rpartition(".")[2]: text for module, text in PAGES.items()}
     states = Counter(row.state for row in classic_api())
-    have, whole = states["present"], states["present"] + states["absent"]
+    have = states["present"] + states["differs"]
+    whole = have + states["absent"]
     rows = [
         f"| [{name}]({name}/README.md) | {about[name]} | {', '.join(_link(one) for one in found)} |"
         for name, found in classes.items()
@@ -125,7 +126,7 @@ def _index(every: dict[type, _Class]) -> str:
     """The page of all names of methods."""
     places: dict[str, list[_Class]] = {}
     for one in every.values():
-        for name in {*(row.name for row in one.rows("present", "old", "added")), *_own_methods(one.kind)}:
+        for name in {*(row.name for row in one.rows("present", "differs", "old", "added")), *_own_methods(one.kind)}:
             places.setdefault(name, []).append(one)
     rows = [
         f"| `{name}` | {', '.join(_link(one) for one in sorted(found, key=lambda one: one.holder))} |"
@@ -201,7 +202,7 @@ def _class_page(one: _Class, every: dict[type, _Class]) -> str:
     methods = list(_methods(kind))
     parts.append(_table("method", methods))
     shown = set(_own_methods(kind))
-    others = [row.name for row in one.rows("present", "old") if row.name not in shown]
+    others = [row.name for row in one.rows("present", "differs", "old") if row.name not in shown]
     above = [every[base] for base in kind.__mro__[1:] if base in every]
     inherited = {name for base in above for name in _own_methods(base.kind)}
     others = [name for name in others if name not in inherited]
@@ -212,6 +213,12 @@ def _class_page(one: _Class, every: dict[type, _Class]) -> str:
         shown |= set(own)
         if own:
             parts.append(f"From {_link(base, '../')}: {_names(own)}.\n")
+    other: dict[str, list[str]] = {}
+    for row in one.rows("differs"):
+        other.setdefault(row.note, []).append(row.name)
+    if other:
+        rows = [f"| {_names(names)} | {_cell(note)} |" for note, names in other.items()]
+        parts.append("\n".join(["| not as in Gazebo 11.1 | how |", "|---|---|", *rows, ""]))
     added: dict[str, list[str]] = {}
     for row in one.rows("added"):
         added.setdefault(row.note, []).append(row.name)

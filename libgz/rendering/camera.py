@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from libgz.base.closing import Closing
 from libgz.base.errors import LibraryError, ParameterError
 from libgz.base.geometry import GzPose, GzPoseOf
+from libgz.rendering.lens import Lens
 from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, Shot, View
 
@@ -29,6 +30,9 @@ class Camera(Closing):
             camera.SetPose(GzPose(GzVector(0, 0, 1)))
             camera.Update()
             camera.image, camera.depth, camera.segmentation
+
+    Attributes:
+        lens: what its lens does to images; None for a plain pinhole.
 
     Args:
         world: the World; the first camera of a world opens an OpenGL context, the last one's `close` releases it.
@@ -66,6 +70,8 @@ class Camera(Closing):
         self.options = RenderOptions()
         self.image: NDArray[np.uint8] = np.zeros((height, width, 3), dtype=np.uint8)
         self.pose = GzPose()
+        self.lens: Lens | None = None
+        self._plain: NDArray[np.uint8] = np.zeros((0, 0, 3), dtype=np.uint8)  # what the lens turns into the image
         self.SetFOV(hfov)
         self._shot: Shot | None = None  # of the last image
         self._pending: Future[None] | None = None  # the image that `Start` began
@@ -120,18 +126,37 @@ class Camera(Closing):
         Returns:
             `image`: shape (height, width, 3), red, green, blue, top row first; the next Update overwrites it.
         """
-        self._shot = self._scene.render(self.view, self.image, depth)
+        view, lens = self.view, self.lens
+        plain = depth if depth is None or lens is None else np.empty((view.height, view.width), dtype=np.float32)
+        self._shot = self._scene.render(view, self._target(), plain)
+        self._apply_lens()
+        if depth is not None and lens is not None and plain is not None:
+            depth[:] = lens.nearest(plain, math.inf)
         return self.image
+
+    def _target(self) -> NDArray[np.uint8]:
+        """The array that is rendered into."""
+        if self.lens is None:
+            return self.image
+        size = (self.lens.height, self.lens.width, 3)
+        if self._plain.shape != size:
+            self._plain = np.zeros(size, dtype=np.uint8)
+        return self._plain
+
+    def _apply_lens(self) -> None:
+        if self.lens is not None:
+            self.lens.image(self._plain, self.image)
 
     def Start(self) -> None:
         """Begin to render an image of the world as it is now. Do not read `image` before `Finish` returns it."""
-        self._shot, self._pending = self._scene.start(self.view, self.image)
+        self._shot, self._pending = self._scene.start(self.view, self._target())
 
     def Finish(self) -> NDArray[np.uint8]:
         """The image that `Start` began; wait until it is complete."""
         if self._pending is not None:
             self._pending.result()
             self._pending = None
+            self._apply_lens()
         return self.image
 
     @property
@@ -146,7 +171,10 @@ class Camera(Closing):
 
     @property
     def view(self) -> View:
-        """The current pose and optics."""
+        """The current pose and optics; with a lens those of the plain image that it turns into the camera's."""
+        lens = self.lens
+        if lens is not None:
+            return View(self.pose, lens.width, lens.height, lens.hfov, self.near, self.far, self.options)
         return View(self.pose, self.width, self.height, self.hfov, self.near, self.far, self.options)
 
     def shaded(self) -> NDArray[np.uint8]:
@@ -155,7 +183,12 @@ class Camera(Closing):
         Raises:
             LibraryError: there is no image yet.
         """
-        return self._scene.shade(self._last_shot())
+        found = self._scene.shade(self._last_shot())
+        if self.lens is None:
+            return found
+        image = np.zeros_like(self.image)
+        self.lens.image(found, image)
+        return image
 
     @property
     def depth(self) -> NDArray[np.float32]:
@@ -164,7 +197,8 @@ class Camera(Closing):
         Raises:
             LibraryError: there is no image yet.
         """
-        return self._scene.depth(self._last_shot())
+        found = self._scene.depth(self._last_shot())
+        return found if self.lens is None else self.lens.nearest(found, math.inf).astype(np.float32)
 
     @property
     def segmentation(self) -> NDArray[np.int32]:
@@ -173,7 +207,8 @@ class Camera(Closing):
         Raises:
             LibraryError: there is no image yet.
         """
-        return self._scene.segment(self._last_shot())
+        found = self._scene.segment(self._last_shot())
+        return found if self.lens is None else self.lens.nearest(found, 0).astype(np.int32)
 
     def _last_shot(self) -> Shot:
         if self.blind:

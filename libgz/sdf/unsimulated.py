@@ -18,10 +18,7 @@ PARTS = {
     "projector": "projectors are not simulated: nothing is projected",
     "particle_emitter": "particles are not simulated",
     "pbr": "its textures and reflections are not rendered; the plain colours of the material are",
-    "distortion": "images are rendered without it",
-    "lens": "images are rendered without it",
 }
-COEFFICIENTS = ("k1", "k2", "k3", "p1", "p2")
 
 
 def warn_of_unsimulated(root: Element, diagnostics: Diagnostics) -> None:
@@ -41,7 +38,7 @@ def _found(element: Element) -> Iterator[tuple[Element, str]]:
         kind = child.Get(str, "type") if child.name == "sensor" else ""
         if kind in ABSENT_SENSORS:
             yield child, f"type {kind!r} is not simulated; the sensor is left out"
-        elif child.name in PARTS and _acts(child):
+        elif child.name in PARTS:
             yield child, PARTS[child.name]
         elif child.name == "joint" and (soft := _softness(child)) is not None:
             yield soft, "softens the joint's motor and stops only, not what holds its links together as in Gazebo"
@@ -60,8 +57,3 @@ def _softness(joint: Element) -> Element | None:
                 if cfm.Get(float):
                     return cfm
     return None
-
-
-def _acts(element: Element) -> bool:
-    """Whether an element would change anything."""
-    return element.name != "distortion" or any(element.Get(float, key) for key in COEFFICIENTS)

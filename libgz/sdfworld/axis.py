@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from libgz.base.errors import NotFoundError, ParameterError
-from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuaternInverse, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 
@@ -17,6 +17,7 @@ UNLIMITED = 1e16  # limits of this size and above mean none
 HALF_TURN = 3.0  # [rad], a little less than pi: stops yield
 
 NEEDED_AXES = {"revolute": 1, "prismatic": 1, "revolute2": 2, "universal": 2}  # for which ODE has defaults
+IN_MODEL = ("revolute2", "screw")  # Gazebo takes their axes, given in the joint's frame, as those of the parent's model
 
 Note = Callable[[Element, str], None]  # reports a warning about an element
 FindLink = Callable[[str], Body]  # a link by its name in a file
@@ -30,6 +31,7 @@ class Axis:
     """
 
     direction: GzVector  # global, when the joint was made
+    given: bool = True  # False: ODE's default, fixed to the links and not to the joint's frame
     lower: float = -UNLIMITED
     upper: float = UNLIMITED
     effort: float = -1.0  # negative: no limit
@@ -38,6 +40,8 @@ class Axis:
     friction: float = 0.0
     stiffness: float = 0.0
     reference: float = 0.0
+    stop_stiffness: float = 1e8  # kept, as in Gazebo, and not used by ODE
+    stop_dissipation: float = 1.0  # the same
 
     @property
     def springs(self) -> bool:
@@ -145,24 +149,26 @@ def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:
 
 
 def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note) -> list[Axis]:
-    """The axes in global terms: in SDF 1.4 they are in the model's frame, later in the joint's by default.
-
-    Missing ones are those of ODE: x of the joint, and y.
-    """
+    """The axes in global terms: in SDF 1.4 they are in the model's frame, later in the joint's by default."""
     axes: list[Axis] = []
+    kind = element.Get(str, "type")
+    frame = model_pose if kind in IN_MODEL else anchor
     for name, default in (("axis", GzVector(1.0, 0.0, 0.0)), ("axis2", GzVector(0.0, 1.0, 0.0))):
         if not element.HasElement(name):
-            if len(axes) < NEEDED_AXES.get(element.Get(str, "type"), 0):
-                note(element, f"<{name}> is missing; it is {' '.join(f'{v:g}' for v in default)} of the joint")
-                axes.append(Axis(rotate(anchor.rot, default)))
+            if len(axes) < NEEDED_AXES.get(kind, 0):
+                note(element, f"<{name}> is missing; ODE's default is used, an axis of each link")
+                axes.append(Axis(rotate(anchor.rot, default), given=False))
             continue
         axis = element.child(name)
         described = axis.description.children if axis.description is not None else {}
         in_model = "use_parent_model_frame" not in described or axis.Get(bool, "use_parent_model_frame")
-        direction = rotate((model_pose if in_model else anchor).rot, axis.Get(GzVector, "xyz"))
+        local = axis.Get(GzVector, "xyz")
+        if in_model:
+            local = rotate(GzQuaternInverse(anchor.rot), rotate(model_pose.rot, local))
+        direction = rotate(frame.rot, local)
         if math.sqrt(sum(v * v for v in direction)) < 1e-12:
             direction = GzVector(1.0, 0.0, 0.0)  # as ODE's in Gazebo
-            if element.Get(str, "type") not in ("fixed", "ball"):
+            if kind not in ("fixed", "ball"):
                 note(element, f"<{name}> is zero; 1 0 0 in the world is used instead")
         if axis.HasElement("initial_position") and axis.Get(float, "initial_position") != 0.0:
             note(
@@ -173,6 +179,7 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note)
         axes.append(
             Axis(
                 direction,
+                True,
                 lower,
                 upper,
                 effort,
@@ -181,6 +188,8 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note)
                 _number(dynamics, "friction"),
                 _number(dynamics, "spring_stiffness"),
                 _number(dynamics, "spring_reference"),
+                _number(limit, "stiffness"),
+                _number(limit, "dissipation"),
             )
         )
     return axes

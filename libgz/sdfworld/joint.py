@@ -50,7 +50,10 @@ TURN = 2.0 * math.pi
 # h^2 k / m and h d / m up to which an implicit spring and damper are applied as efforts, which is stable up to 4 and 2.
 GENTLE = 0.05
 # What an axis has beside its direction.
-NUMBERS = ("lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference")
+NUMBERS = (
+    *("given", "lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference"),
+    *("stop_stiffness", "stop_dissipation"),
+)
 # What makes sense to ODE; values outside are replaced by the nearest bound.
 RANGES = {
     **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
@@ -81,8 +84,9 @@ _description = attrgetter(
 class SdfJoint:
     """A joint between two links, or a link and the world.
 
-    Positive motion is that of the child against the parent, about or along the axis. A screw has two positions: the
-    angle, and the way along the axis; a gearbox has the angles of parent and child against its reference body.
+    Positive motion is that of the child against the parent, about or along the axis; of a `revolute2`, as in Gazebo,
+    that of the parent against the child. A screw has two positions: the angle, and the way along the axis; a gearbox
+    has the angles of parent and child against its reference body.
 
     While it holds links together it has a `Mechanism` of its kind.
 
@@ -167,6 +171,8 @@ class SdfJoint:
             return
         try:
             self._mechanism = mechanism_class(self.plan, self.links)(self.engine, self.plan, self.links, anchor.pos)
+            if not all(axis.given for axis in self.axes):
+                self._place(anchor)  # ODE's axes are known now
             if self.joint is not None:
                 self._set_parameters()
                 self.provide_feedback(self.plan.feedback)
@@ -327,7 +333,7 @@ class SdfJoint:
     # Motion ----------------------------------------------------------------------------------------------------------
 
     def position(self, index: int = 0) -> float:
-        """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint."""
+        """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint, as in Gazebo."""
         self.release_deleted()
         if not self.axes:
             return math.nan
@@ -337,10 +343,10 @@ class SdfJoint:
         return self._mechanism.position(index)
 
     def velocity(self, index: int = 0) -> float:
-        """Rate of an axis [rad/s] or [m/s]; NaN for a ball or fixed joint."""
+        """Rate of an axis [rad/s] or [m/s]; 0 for a ball or fixed joint."""
         self.release_deleted()
         if not self.axes:
-            return math.nan
+            return 0.0
         if self._mechanism is None:
             return 0.0
         self._check_index(index)
@@ -384,7 +390,7 @@ class SdfJoint:
     def set_position(self, position: float, index: int = 0, *, preserve_world_velocity: bool = False) -> None:
         """Move all links behind the joint so that an axis is at a position [rad] or [m], within its limits.
 
-        Their velocities turn with them unless they are to be preserved.
+        They stop there, unless their velocities in the world frame are to be preserved.
         """
         target = finite(position, "position [rad or m]")
         self._check_index(index)
@@ -764,7 +770,7 @@ class SdfJoint:
         for index, effort in enumerate(efforts[: self.dof]):
             if effort == 0.0:
                 continue
-            applied = GzVectorMul(effort, self.axis(min(index, len(self.axes) - 1)))
+            applied = GzVectorMul(mechanism.sense * effort, self.axis(min(index, len(self.axes) - 1)))
             if not mechanism.is_force(index):
                 torque = GzVectorAdd(torque, applied)
                 continue

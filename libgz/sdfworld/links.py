@@ -46,16 +46,15 @@ def links_behind(child: Body | None, parent: Body | None) -> list[Body]:
 
 
 def move_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector, keep_velocities: bool) -> None:
-    """Turn links about an anchor [m] by a rotation vector [rad], and slide them [m]; velocities turn with them."""
+    """Turn links about an anchor [m] by a rotation vector [rad], slide them [m], and stop them if asked to."""
     rotation = GzQuaternFromAxis(turn.x, turn.y, turn.z, GzVectorMag(turn))
     for link in links:
         pose = link.GetPose()
-        linear, angular = link.GetLinearVel(), link.GetAngularRate()
         arm = rotate(rotation, GzVectorSub(pose.pos, anchor))
         link.SetPose(GzPose(GzVectorAdd(GzVectorAdd(anchor, arm), slide), GzQuaternMul(rotation, pose.rot)))
         if not keep_velocities:
-            link.SetLinearVel(rotate(rotation, linear))
-            link.SetAngularVel(rotate(rotation, angular))
+            link.SetLinearVel(GzVector())
+            link.SetAngularVel(GzVector())
 
 
 def accelerate_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector) -> None:

@@ -2,9 +2,8 @@
 
 A new kind of joint is a class here and a row in `MECHANISMS`.
 
-- In classic worlds angles count their turns (`Engine.count_turns`, `unwind` in `step.c`); ODE's are between -pi and pi.
-  A joint with a stop
-  beyond that gives ODE the stop that is near, before each step.
+- In classic worlds angles count their turns (`Engine.count_turns`, `unwind` in `motion.c`); ODE's are between -pi and
+  pi. A joint with a stop beyond that gives ODE the stop that is near, before each step.
 - ODE has neither screws nor gears. Both are made of a *line joint*, one row of the solver that keeps two bodies from
   moving along one line, placed along a thread's flank or a tooth before each step. A gearbox has a *rack*: a body
   without shape that both gears mesh with.
@@ -106,7 +105,8 @@ def cosine(axes: list[Axis]) -> float:
 class Mechanism:
     """Base of all kinds, and all that a kind with one ODE joint needs.
 
-    Positive motion is that of the child against the parent, about or along the axis.
+    Positive motion is that of the child against the parent, about or along the axis; if `sense` is -1, as in Gazebo for
+    `revolute2`, that of the parent against the child.
 
     Args:
         engine: where.
@@ -117,6 +117,7 @@ class Mechanism:
 
     needed_axes: ClassVar[int] = 1
     ode_class: ClassVar[type[Joint]]
+    sense: ClassVar[float] = 1.0
     engine_springs: ClassVar[bool] = False  # whether the engine applies springs of its own to this kind
 
     joint: Joint | None
@@ -125,13 +126,16 @@ class Mechanism:
         self.plan, self.links = plan, links
         self.joint = joint = self.ode_class(engine, name=plan.name)
         try:
-            self.join(joint, anchor, [axis.direction for axis in plan.axes])
+            self.join(joint, anchor, [axis.direction if axis.given else None for axis in plan.axes])
+            for index, axis in enumerate(plan.axes):
+                if not axis.given:
+                    axis.direction = self.axis(index) or axis.direction
         except BaseException:  # a joint that holds nothing must not stay: ODE crashes on it
             joint.close()
             raise
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
-        """Attach ODE's joint, and set its anchor and axes."""
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
+        """Attach ODE's joint, and set its anchor and axes; None is an axis that keeps ODE's default."""
         joint.Attach(self.links.child, self.links.parent)
         joint.SetAnchor(anchor)
 
@@ -212,7 +216,7 @@ class Mechanism:
 
     def motion(self, change: float, index: int, axis: GzVector) -> tuple[GzVector, GzVector]:
         """(rotation vector, translation), global, of a change of a position."""
-        return GzVectorMul(change, axis), GzVector()
+        return GzVectorMul(self.sense * change, axis), GzVector()
 
     def number(self, key: str, index: int) -> int | None:
         """ODE's number of a parameter, by classic's key; None where this kind has no such parameter."""
@@ -249,9 +253,10 @@ class HingeMechanism(Mechanism):
     engine_springs = True
     joint: HingeJoint
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         super().join(joint, anchor, axes)
-        self.joint.SetAxis(axes[0])
+        if axes[0] is not None:
+            self.joint.SetAxis(axes[0])
 
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetTorque(effort)
@@ -267,9 +272,10 @@ class SliderMechanism(Mechanism):
     engine_springs = True
     joint: SliderJoint
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         super().join(joint, anchor, axes)
-        self.joint.SetAxis(*axes[0])
+        if axes[0] is not None:
+            self.joint.SetAxis(*axes[0])
 
     @staticmethod
     def turns(index: int) -> bool:
@@ -312,7 +318,7 @@ class FixedMechanism(Mechanism):
     def number(self, key: str, index: int) -> int | None:
         return None
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         super().join(joint, anchor, axes)
         self.joint.SetFixed()
 
@@ -325,20 +331,22 @@ class _TwoAxes(Mechanism):
         super().check(plan)
         if len(plan.axes) == 1:
             raise ParameterError(f"joint {plan.name!r}: a {plan.kind} joint needs an <axis2>")
-        if cosine(plan.axes) > PARALLEL:
+        if all(axis.given for axis in plan.axes) and cosine(plan.axes) > PARALLEL:
             raise ParameterError(f"joint {plan.name!r}: the axes of a {plan.kind} joint must not be parallel")
 
 
 class UniversalMechanism(_TwoAxes):
-    """`universal`, and `revolute2` where that is the same: the first axis is fixed to the parent, ODE's second body."""
+    """`universal`: the first axis is fixed to the parent, ODE's second body."""
 
     ode_class = UniversalJoint
     joint: UniversalJoint
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         super().join(joint, anchor, axes)
-        self.joint.SetAxis2(axes[0])
-        self.joint.SetAxis1(axes[1])
+        if axes[0] is not None:
+            self.joint.SetAxis2(axes[0])
+        if axes[1] is not None:
+            self.joint.SetAxis1(axes[1])
 
     def column(self, index: int) -> int:
         return 1 - index
@@ -356,20 +364,38 @@ class UniversalMechanism(_TwoAxes):
         return _two_numbers(key, index, first_group=1)
 
 
+class SteeredMechanism(UniversalMechanism):
+    """`revolute2` where a universal joint is the same, with the sense of Gazebo's `revolute2`."""
+
+    sense = -1.0
+
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
+        super().join(joint, anchor, [GzVectorMul(-1.0, axis) if axis is not None else None for axis in axes])
+
+    def axis(self, index: int) -> GzVector:
+        return GzVectorMul(-1.0, super().axis(index))
+
+
 class Hinge2Mechanism(_TwoAxes):
     """`revolute2` with a suspension, or with axes that meet at any angle.
 
-    ODE ties its first axis to the first body, and measures the other way round; the second angle it measures against
-    its own rate.
+    ODE ties its first axis to the first body; the second angle it measures against its own rate.
     """
 
+    sense = -1.0
     ode_class = Hinge2Joint
     joint: Hinge2Joint
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         joint.Attach(self.links.parent, self.links.child)
         joint.SetAnchor(anchor)
-        self.joint.SetAxes(GzVectorMul(-1.0, axes[0]), GzVectorMul(-1.0, axes[1]))
+        first, second = axes
+        if first is not None and second is not None:
+            self.joint.SetAxes(first, second)
+        elif first is not None:
+            self.joint.SetAxis1(first)
+        elif second is not None:
+            self.joint.SetAxis2(second)
 
     def position(self, index: int) -> float:
         angle = super().position(index)
@@ -385,7 +411,7 @@ class Hinge2Mechanism(_TwoAxes):
             self.joint.SetTorque(0.0, effort)
 
     def axis(self, index: int) -> GzVector:
-        return GzVectorMul(-1.0, self.joint.GetAxis1() if index == 0 else self.joint.GetAxis2())
+        return self.joint.GetAxis1() if index == 0 else self.joint.GetAxis2()
 
     def second_anchor(self) -> GzVector:
         return self.joint.GetAnchor2()
@@ -408,9 +434,10 @@ class ScrewMechanism(Mechanism):
         super().__init__(engine, plan, links, anchor)
         self.thread = Thread(self.joint, plan.pitch)
 
-    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector]) -> None:
+    def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         super().join(joint, anchor, axes)
-        self.joint.SetAxis(axes[0])
+        if axes[0] is not None:
+            self.joint.SetAxis(axes[0])
 
     @classmethod
     def check(cls, plan: JointPlan) -> None:
@@ -526,7 +553,7 @@ MECHANISMS: dict[str, type[Mechanism]] = {
     "prismatic": SliderMechanism,
     "ball": BallMechanism,
     "universal": UniversalMechanism,
-    "revolute2": UniversalMechanism,  # or Hinge2Mechanism: `mechanism_class`
+    "revolute2": SteeredMechanism,  # or Hinge2Mechanism: `mechanism_class`
     "fixed": FixedMechanism,
     "screw": ScrewMechanism,
     "gearbox": GearboxMechanism,
@@ -550,7 +577,10 @@ def mechanism_class(plan: JointPlan, links: Links) -> type[Mechanism]:
         )
     if plan.kind == "revolute2" and len(links.movable) == 2 and len(plan.axes) == 2:
         sprung = any(key.startswith("suspension") for key in plan.parameters)
-        if sprung or cosine(plan.axes) > SKEW:
+        default = not all(
+            axis.given for axis in plan.axes
+        )  # ODE's of a Hinge2 are others than those of a universal joint
+        if sprung or default or cosine(plan.axes) > SKEW:
             return Hinge2Mechanism
     return MECHANISMS[plan.kind]
 

@@ -67,7 +67,7 @@ def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
             yield folder / name
     wanted = {name.lower() for name in names if "/" not in name}
     with_other_case = sorted(folder.iterdir()) if is_folder(folder) else []
-    yield from (path for path in with_other_case if path.name.lower() in wanted)
+    yield from (path for path in with_other_case if path.name.lower() in wanted and is_file(path))
 
 
 def search(
@@ -97,7 +97,10 @@ def search(
             return library.resolve()
         if found is not None:
             return found.resolve()
-        if not exists(folder):
+        link = next((folder / one for one in (name, *shared, *names) if _dangles(folder / one)), None)
+        if link is not None:
+            tried.append(f"  {link} ({why}): this link leads to {link.readlink()}, where there is no file")
+        elif not exists(folder):
             tried.append(f"  {folder}/ ({why}): there is no such directory")
         elif name.endswith(".so") and is_file(folder / Path(name).name):
             what = "this file is no C++ plugin of libgz, so build its source with `libgz cxx build`, or"
@@ -106,6 +109,14 @@ def search(
         else:
             tried.append(f"  {folder}/ ({why}): {_absent(folder, names, compiled is not None)}")
     return None
+
+
+def _dangles(path: Path) -> bool:
+    """Whether a path is a symbolic link that leads to nothing."""
+    try:
+        return path.is_symlink() and not exists(path)
+    except (OSError, ValueError):
+        return False
 
 
 def _absent(folder: Path, names: list[str], builds: bool) -> str:

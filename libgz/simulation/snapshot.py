@@ -19,17 +19,17 @@ A state is read when it is asked for: nothing notices what is assigned, nothing 
 6. The engine: it overwrites whatever the phases before did, and closes bodies, geoms and joints that came since.
 7. Interface bytes. So commands of clients that were waiting act again.
 
-If the companions had to load or drop plugins, all phases run once more, since `Load` can change anything. What a plugin
-added to the world ends with it, not when Python collects it (`AtEnd` in `event.py`).
+If the companions had to load or drop plugins, all phases run once more, since `Load` can change anything. What a
+plugin added to the world ends with it, not when Python collects it (`AtEnd` in `event.py`).
 
 If a phase fails, the state is damaged, and the state that was taken before the first phase is set in the same way.
 `tests/trials/test_damaged_states.py` replaces values within states, `tests/simulation/test_state_attacks.py` attacks.
 
 A reset is `set_state` of the state that `Initialize` kept at its end. Classic's plugins are not in that one: their
 `Reset()` is called. `SdfWorld.start` sorts geoms once before it, since a fresh world's order depends on how it was
-built. After it, callbacks are in the order of the start again, also of plugins that were loaded anew since. Plugins of
-a state that do not run are loaded before its joints and links return. Where code made some, models are built again from
-the first of these on, because a `Load` that makes a joint fails if it is there.
+built. After it, callbacks are in the order of the start again, also of plugins that were loaded anew since. Plugins
+of a state that do not run are loaded before its joints and links return. Where code made some, models are built again
+from the first of these on, because a `Load` that makes a joint fails if it is there.
 
 A clone has a name of its own for topics, `World.topic_space`: topics belong to the process and not to the world, so
 that equal names would be equal topics. `Node.Init` translates the name of the world for the clone's plugins.

@@ -14,8 +14,6 @@ A name with a dot, such as "clock.sim_time", is that of an attribute of a part t
 An attribute holds plain data (numbers, strings, bytes, None, vectors, poses, numpy and ctypes arrays, and tuples,
 lists, dicts, sets and deques of them), a random generator, or an object that declares its own state, alone or in one
 of these. What a class inherits is added. `STATE = ()` says that there is nothing to keep.
-
-A state is read when it is asked for: nothing notices what is assigned, and nothing is kept from one state to the next.
 """
 
 from __future__ import annotations
@@ -54,9 +52,7 @@ __all__ = [
     "set_values",
     "undeclared",
 ]
-
 E = TypeVar("E", bound=GazeboError)
-
 _EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values are the same in every respect
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import libgz
 from libgz.base.errors import PluginError, WorldFileError
+from libgz.clib.prefixes import installed_prefixes, note_prefix
 from libgz.legacy.plugin_search import find_plugin
 
 WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>
@@ -477,3 +478,40 @@ def test_models_come_and_go_in_init(tmp_path):
         assert [model.GetId() for model in world.models] == ["Spawner", "after", "new"]
         assert {("truth", "after"), ("position", "new")} < set(world.gz_server.interfaces)
         assert ("position", "old") not in world.gz_server.interfaces
+
+
+def test_plugins_below_an_installed_prefix_are_found(tmp_path, monkeypatch):
+    """Prefixes of `libgz config --install` are searched, the latest first; /usr/local is the last place."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.delenv("GAZEBOPATH", raising=False)
+    older, newer = tmp_path / "older", tmp_path / "newer"
+    for prefix in (older, newer, older, newer):
+        note_prefix(prefix)
+    for prefix, names in ((older, ("Both", "Old")), (newer, ("Both",))):
+        folder = prefix / "lib" / "gazebo" / "plugins"
+        folder.mkdir(parents=True)
+        for name in names:
+            write(folder, name)
+    world = str(tmp_path / "w.world")
+    assert find_plugin("Both.so", world).is_relative_to(newer)
+    assert find_plugin("Old.so", world).is_relative_to(older)
+    with pytest.raises(PluginError, match=r"/usr/local/lib/gazebo/plugins"):
+        find_plugin("None.so", world)
+
+
+def test_a_damaged_list_of_prefixes_is_no_error(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    record = tmp_path / "libgz" / "prefixes"
+    record.parent.mkdir()
+    record.write_bytes(b"\xff\x00relative\n/\xfe\n" + b"/x\n" * 1000)
+    assert len(installed_prefixes()) < 25
+
+
+@pytest.mark.parametrize("name", ["Gone.so", "Gone.py"])
+def test_a_link_that_leads_nowhere_is_named(tmp_path, monkeypatch, name):
+    monkeypatch.delenv("GAZEBOPATH", raising=False)
+    (tmp_path / name).symlink_to("/builds/of/yesterday/Gone")
+    with pytest.raises(
+        PluginError, match=rf"{name} .*: this link leads to /builds/of/yesterday/Gone, where there is no"
+    ):
+        find_plugin(name, str(tmp_path / "w.world"))

@@ -147,6 +147,25 @@ class PoseAnimation(Animation[PoseKeyFrame]):
     to the neighbour, unless the last key frame equals the first: then the curve is closed.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = (*Animation.STATE, "tension")
+
+    def __init__(self, name: str, length: float, repeat: bool, tension: float = 0.0) -> None:
+        """An animation without key frames, at time 0.
+
+        Args:
+            name: any.
+            length: duration [s].
+            repeat: restart at the end, instead of stopping there.
+            tension: of the curve of positions; 0: as said above, 1: straight lines, with stops at the key frames.
+
+        Raises:
+            ParameterError: the length is not a positive finite number, or the tension is not between 0 and 1.
+        """
+        super().__init__(name, length, repeat)
+        if not 0.0 <= tension <= 1.0:
+            raise ParameterError(f"animation {name!r}: tension is {tension!r}; it must be 0 to 1")
+        self.tension = float(tension)
+
     def CreateKeyFrame(self, time: float) -> PoseKeyFrame:
         """Create a key frame with the zero pose at a time [s]; an existing one is replaced."""
         return self._insert(PoseKeyFrame(time))
@@ -182,7 +201,7 @@ class PoseAnimation(Animation[PoseKeyFrame]):
 
     def _velocity(self, index: int) -> Vector3d:
         before, after, duration = self._neighbours(index)
-        return (after.translation - before.translation) / duration
+        return (after.translation - before.translation) * ((1.0 - self.tension) / duration)
 
     def _turn_rate(self, index: int) -> Quaterniond:
         """Return the logarithm of the rotation per second at a key frame, in its own frame."""

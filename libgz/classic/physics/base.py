@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Base", "Entity", "find_named", "view_of"]
 
 V = TypeVar("V")
+BELOW = 1e-5  # [m] below an entity where a ray down begins
 
 
 def view_of(core: Any, make: Callable[[], V]) -> V:
@@ -153,6 +154,22 @@ class Base:
             return parts[which] if 0 <= which < len(parts) else None
         return next((part for part in parts if which in (part.GetName(), part.GetScopedName())), None)
 
+    def RemoveChild(self, which: int | str | Base) -> None:
+        """Remove a child by index, name or view: a model, a light or a joint; nothing for what is no child.
+
+        Raises:
+            ParameterError: it is a link or a collision, which end with their model.
+        """
+        child = which if isinstance(which, Base) else self.GetChild(which)
+        if child is None or not any(part is child for part in self.children()):
+            return
+        remove = getattr(child, "remove", None)
+        if remove is None:
+            raise ParameterError(
+                f"{child.GetScopedName()} is a {type(child).__name__}; models, lights and joints can be removed"
+            )
+        remove()
+
     def GetByName(self, name: str) -> Base | Any:
         """The object itself or a descendant, by name or scoped name; None if there is none."""
         return find_named(self.tree(), name)
@@ -197,6 +214,7 @@ class Entity(Base):
     """An object with a pose."""
 
     entity_type = Base.ENTITY
+    _initial: Pose3d | None = None  # as SetInitialRelativePose set it, where no reset restores it
     visual: Any = None  # set by libgz.classic.rendering
 
     # Pose: subclasses read and write the engine's pose in these two methods.
@@ -235,7 +253,11 @@ class Entity(Base):
 
     def InitialRelativePose(self) -> Pose3d:
         """The pose relative to the parent that a reset restores [m]."""
-        return self.RelativePose()
+        return Pose3d(self._initial) if self._initial is not None else self.RelativePose()
+
+    def SetInitialRelativePose(self, pose: GzPose) -> None:
+        """Set the pose that InitialRelativePose returns [m]; a reset restores it of models and links."""
+        self._initial = Pose3d(pose)
 
     def IsCanonicalLink(self) -> bool:
         """Whether it is the link that the model's frame is fixed to."""
@@ -326,7 +348,17 @@ class Entity(Base):
         """The old name of BoundingBox."""
         return self.BoundingBox()
 
-    CollisionBoundingBox = GetCollisionBoundingBox = GetBoundingBox
+    def CollisionBoundingBox(self) -> AxisAlignedBox:
+        """The axis-aligned bounding box of all collisions below it [m], in the world frame."""
+        if self.HasType(Base.COLLISION):
+            return self.BoundingBox()
+        box = AxisAlignedBox()
+        for part in self.tree():
+            if part.HasType(Base.COLLISION) and isinstance(part, Entity):
+                box.Merge(part.BoundingBox())
+        return box
+
+    GetCollisionBoundingBox = CollisionBoundingBox
 
     def GetChildLink(self, name: str) -> Link | Any:
         """A link below it by name or scoped name; None if there is none."""
@@ -341,14 +373,14 @@ class Entity(Base):
         box = self.BoundingBox()
         bottom = min(self.pose().pos.z, box.Min().z) if self.children() else self.pose().pos.z
         where = self.pose().pos
-        return self._world.ray_down(Vector3d(where.x, where.y, bottom - 1e-5), self)
+        return self._world.ray_down(Vector3d(where.x, where.y, bottom - BELOW), self)
 
     def PlaceOnNearestEntityBelow(self) -> None:
         """Lower it onto the nearest entity below."""
         distance, name = self.GetNearestEntityBelow()
         if name:
             pose = self.pose()
-            pose.pos.z -= distance
+            pose.pos.z -= distance + BELOW
             self.move(pose)
 
     def PlaceOnEntity(self, name: str) -> None:

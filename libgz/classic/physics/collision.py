@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import ParameterError
-from libgz.base.geometry import GzCoordPoseSub, GzPose, VectorLike
+from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector, VectorLike, rotate
 from libgz.classic.math import AxisAlignedBox, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity
@@ -14,6 +14,7 @@ from libgz.classic.physics.shape import Shape, shape_of
 from libgz.ode.types import Surface
 from libgz.physics.check import finite_tuple, not_negative
 from libgz.physics.geom import Geom
+from libgz.physics.geoms import CylinderGeom
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import Link, Model
@@ -176,9 +177,30 @@ class Collision(Entity):
         """Whether its model is static."""
         return self.link.IsStatic()
 
+    # Velocities and accelerations are those of the link, as in Gazebo, not of the collision's own origin and frame.
+
     def WorldLinearVel(self, offset: VectorLike | None = None) -> Vector3d:
-        """Linear velocity of its origin [m/s], in the world frame."""
-        return self.link.WorldLinearVel(GzCoordPoseSub(self.pose(), self.link.pose()).pos)
+        """Linear velocity of its link's origin [m/s], in the world frame."""
+        return self.link.WorldLinearVel()
+
+    def RelativeLinearVel(self) -> Vector3d:
+        """Linear velocity of its link's origin [m/s], in the link frame."""
+        return self.link.RelativeLinearVel()
+
+    def RelativeAngularVel(self) -> Vector3d:
+        """Angular velocity of its link [rad/s], in the link frame."""
+        return self.link.RelativeAngularVel()
+
+    def RelativeLinearAccel(self) -> Vector3d:
+        """Linear acceleration of its link in the last step [m/s^2], in the link frame."""
+        return self.link.RelativeLinearAccel()
+
+    def RelativeAngularAccel(self) -> Vector3d:
+        """Angular acceleration of its link in the last step [rad/s^2], in the link frame."""
+        return self.link.RelativeAngularAccel()
+
+    GetRelativeLinearVel, GetRelativeAngularVel = RelativeLinearVel, RelativeAngularVel
+    GetRelativeLinearAccel, GetRelativeAngularAccel = RelativeLinearAccel, RelativeAngularAccel
 
     def WorldAngularVel(self) -> Vector3d:
         """Angular velocity [rad/s], in the world frame."""
@@ -213,9 +235,19 @@ class Collision(Entity):
         return SurfaceParams(self.geom)
 
     def BoundingBox(self) -> AxisAlignedBox:
-        """Its axis-aligned bounding box [m], in the world frame."""
+        """Its axis-aligned bounding box [m], in the world frame; around the box of a cylinder, as in Gazebo."""
+        if isinstance(self.geom, CylinderGeom):
+            return self._box_of_cylinder(self.geom)
         low, high = self.geom.bounds()
         return AxisAlignedBox(Vector3d(*low), Vector3d(*high))
+
+    @staticmethod
+    def _box_of_cylinder(geom: CylinderGeom) -> AxisAlignedBox:
+        pose = geom.GetPose()
+        sides = (geom.radius, geom.radius, 0.5 * geom.length)
+        columns = [rotate(pose.rot, GzVector(*(s if i == j else 0.0 for j in range(3)))) for i, s in enumerate(sides)]
+        half = Vector3d(*(sum(abs(column[i]) for column in columns) for i in range(3)))
+        return AxisAlignedBox(Vector3d(*pose.pos) - half, Vector3d(*pose.pos) + half)
 
     def SetCategoryBits(self, bits: int) -> None:
         """Set the category bits."""

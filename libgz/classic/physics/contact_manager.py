@@ -97,6 +97,11 @@ class ContactManager:
         self.want()
         return self.read()
 
+    def ResetCount(self) -> None:
+        """Forget the contacts of the last step; those of the next one are recorded again."""
+        engine = self._world.core.engine
+        self._read_at, self._contacts = (engine.steps, engine.collisions), []
+
     def read(self) -> list[Contact]:
         """The recorded contacts of the last step; does not request recording."""
         engine = self._world.core.engine

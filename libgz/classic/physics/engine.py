@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from libgz.base.errors import ParameterError, nearest
 from libgz.base.geometry import GzPose, GzVector, VectorLike
@@ -13,7 +13,7 @@ from libgz.classic.names import takes_names
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.joint import Joint, first_axes
-from libgz.classic.physics.ray_shape import RayShape
+from libgz.classic.physics.ray_shape import MultiRayShape, RayShape
 from libgz.physics.check import finite, not_negative
 from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint
@@ -37,15 +37,21 @@ _numbers = itertools.count(1)
 PARAMETERS = ("type", "gravity", "magnetic_field", *PHYSICS)
 # Parameters of Gazebo's without effect here: the path of their element in <physics>, and their defaults.
 WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
+    "contact_residual_smoothing": ((), 0.01),
+    "contact_sor_scale": ((), 0.25),
     "island_threads": (("ode", "solver"), 0),
     "min_step_size": (("ode", "solver"), 0.0001),
     "precon_iters": (("ode", "solver"), 0),
     "real_time_factor": ((), 1.0),
+    "sor_lcp_tolerance": ((), -1.0),
     "thread_position_correction": (("ode", "solver"), False),
     "use_dynamic_moi_rescaling": (("ode", "solver"), False),
     "world_step_solver": (("ode", "solver"), "ODE_DANTZIG"),
 }
-ALIASES = {"inertia_ratio_reduction": "use_dynamic_moi_rescaling"}  # other names of parameters
+ALIASES = {
+    "inertia_ratio_reduction": "use_dynamic_moi_rescaling",
+    "rms_error_tolerance": "sor_lcp_tolerance",
+}  # other names of parameters
 
 
 @takes_names
@@ -179,7 +185,7 @@ class PhysicsEngine:
         kind = type(WITHOUT_EFFECT[key][1]) if key in WITHOUT_EFFECT else object
         if kind in (int, float):
             value = _converted(key, kind, value)
-            finite(not_negative(value, key), key)
+            finite(value if value == WITHOUT_EFFECT[key][1] else not_negative(value, key), key)
         if value != self._value_without_effect(key):
             log.warning("physics parameter %s is kept, and has no effect", key)
         self._without_effect[key] = value
@@ -283,14 +289,24 @@ class PhysicsEngine:
             joint.SetModel(parent)
         return joint
 
-    def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape:
-        """A new ray; with a collision, fixed to its link.
+    @overload
+    def CreateShape(self, type: Literal["ray"], collision: Collision | None = None) -> RayShape: ...
+    @overload
+    def CreateShape(self, type: Literal["multiray"], collision: Collision) -> MultiRayShape: ...
+    @overload
+    def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape | MultiRayShape: ...
+    def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape | MultiRayShape:
+        """A new ray, ``ray``, with a collision fixed to its link; or ``multiray``, fixed to a link, for AddRay.
 
         Raises:
-            ParameterError: the type is not ``ray``.
+            ParameterError: the type is neither, or a ``multiray`` has no collision.
         """
+        if type == "multiray":
+            if collision is None:
+                raise ParameterError('CreateShape("multiray", collision) takes a collision, to whose link it is fixed')
+            return MultiRayShape(collision.link.body, GzPose())
         if type != "ray":
-            raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray")
+            raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray and multiray")
         return RayShape(self._world, collision.link if collision is not None else None)
 
 

@@ -206,14 +206,8 @@ class Inertial:
         self._change().Moi(moi)
 
     def PrincipalMoments(self) -> Vector3d:
-        """The moments about the principal axes [kg m^2]; ixx, iyy, izz if those are the axes of Pose().
-
-        If they are not, the smallest comes first.
-        """
-        matrix = self._values()
-        if any(matrix.OffDiagonalMoments()):
-            return matrix.PrincipalMoments()
-        return matrix.DiagonalMoments()
+        """The moments on the diagonal [kg m^2]: ixx, iyy, izz, whatever the products are, as in Gazebo."""
+        return self._values().DiagonalMoments()
 
     GetPrincipalMoments = PrincipalMoments
 

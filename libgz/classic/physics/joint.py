@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,8 @@ from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
+from libgz.physics.check import finite
+from libgz.sdfworld.axis import Axis
 from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
@@ -73,6 +76,20 @@ class Joint(Base):
 
     GetAngleCount = DOF
 
+    def _number(self, index: int) -> int:
+        """The number of an axis in the engine's joint: a screw has one for both motions."""
+        return 0 if index == 1 and self.core.kind == "screw" else index
+
+    def _axis(self, index: int) -> Axis:
+        """An axis; a screw's second motion has the first one's, a ball or fixed joint one without any value.
+
+        Raises:
+            ParameterError: there is none of this index.
+        """
+        if not self.core.axes:
+            return Axis(GzVector(), True, math.nan, math.nan, 0.0, 0.0, stop_stiffness=0.0, stop_dissipation=0.0)
+        return self.core.axis_at(self._number(index))
+
     # Motion ------------------------------------------------------------------------------------------------------
 
     def Position(self, index: int = 0) -> float:
@@ -82,7 +99,10 @@ class Joint(Base):
     GetAngle = Position
 
     def SetPosition(self, index: int, position: float, preserveWorldVelocity: bool = False) -> bool:
-        """Move the child, and the links connected to it, to a position at once; returns False for an invalid axis."""
+        """Move the child, and the links connected to it, to a position at once; returns False for an invalid axis.
+
+        They are stopped, unless their velocities in the world frame are to be preserved.
+        """
         if not 0 <= index < self.core.dof or not self.core.attached:
             return False
         self.core.set_position(position, index, preserve_world_velocity=preserveWorldVelocity)
@@ -105,8 +125,8 @@ class Joint(Base):
         self.core.add_force(effort, index)
 
     def GetForce(self, index: int) -> float:
-        """The effort accumulated for the next step."""
-        return self.core.force(index)
+        """The effort accumulated for the next step; 0 for a ball or fixed joint."""
+        return self.core.force(index) if self.core.axes else 0.0
 
     def GetForceTorque(self, index: int = 0) -> JointWrench:
         """Forces and torques of the links on the joint in the last step: 1 the parent, 2 the child, in the link frames.
@@ -154,11 +174,11 @@ class Joint(Base):
 
     def LowerLimit(self, index: int = 0) -> float:
         """The lower limit; -1e16: none."""
-        return self.core.axis_at(index).lower
+        return self._axis(index).lower
 
     def UpperLimit(self, index: int = 0) -> float:
         """The upper limit; 1e16: none."""
-        return self.core.axis_at(index).upper
+        return self._axis(index).upper
 
     def SetLowerLimit(self, index: int, limit: float) -> None:
         """Set the lower limit."""
@@ -174,7 +194,7 @@ class Joint(Base):
 
     def GetEffortLimit(self, index: int) -> float:
         """The effort limit of SetForce; negative: none."""
-        return self.core.axis_at(index).effort
+        return self._axis(index).effort
 
     def SetEffortLimit(self, index: int, effort: float) -> None:
         """Set the effort limit of SetForce; negative: none."""
@@ -182,32 +202,48 @@ class Joint(Base):
 
     def GetVelocityLimit(self, index: int) -> float:
         """The velocity above which SetForce has no effect; negative: none."""
-        return self.core.axis_at(index).velocity
+        return self._axis(index).velocity
 
     def SetVelocityLimit(self, index: int, velocity: float) -> None:
         """Set the velocity above which SetForce has no effect; negative: none."""
         self.core.set_limits(index, velocity=float(velocity))
 
+    def GetStopStiffness(self, index: int) -> float:
+        """The `<stiffness>` of a limit [N m/rad] or [N/m]; it is kept, and has no effect with ODE."""
+        return self._axis(index).stop_stiffness
+
+    def SetStopStiffness(self, index: int, stiffness: float) -> None:
+        """Set the stiffness of a limit [N m/rad] or [N/m]; it is kept, and has no effect with ODE."""
+        self._axis(index).stop_stiffness = finite(stiffness, "stop stiffness")
+
+    def GetStopDissipation(self, index: int) -> float:
+        """The `<dissipation>` of a limit; it is kept, and has no effect with ODE."""
+        return self._axis(index).stop_dissipation
+
+    def SetStopDissipation(self, index: int, dissipation: float) -> None:
+        """Set the dissipation of a limit; it is kept, and has no effect with ODE."""
+        self._axis(index).stop_dissipation = finite(dissipation, "stop dissipation")
+
     # Damping and springs -----------------------------------------------------------------------------------------
 
     def GetDamping(self, index: int) -> float:
         """The damping [N m s/rad] or [N s/m]."""
-        return self.core.axis_at(index).damping
+        return self._axis(index).damping
 
     GetDampingCoefficient = GetDamping
 
     def SetDamping(self, index: int, damping: float) -> None:
         """Set the damping [N m s/rad] or [N s/m]."""
-        axis = self.core.axis_at(index)
+        axis = self._axis(index)
         self.core.set_spring(index, axis.stiffness, damping, axis.reference)
 
     def GetStiffness(self, index: int) -> float:
         """The stiffness of the spring [N m/rad] or [N/m]."""
-        return self.core.axis_at(index).stiffness
+        return self._axis(index).stiffness
 
     def SetStiffness(self, index: int, stiffness: float) -> None:
         """Set the stiffness of the spring [N m/rad] or [N/m]."""
-        axis = self.core.axis_at(index)
+        axis = self._axis(index)
         self.core.set_spring(index, stiffness, axis.damping, axis.reference)
 
     def SetStiffnessDamping(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
@@ -216,12 +252,12 @@ class Joint(Base):
 
     def GetSpringReferencePosition(self, index: int) -> float:
         """The rest position of the spring."""
-        return self.core.axis_at(index).reference
+        return self._axis(index).reference
 
     def GetWorldEnergyPotentialSpring(self, index: int) -> float:
         """The energy in the spring of an axis [J]."""
-        axis = self.core.axis_at(index)
-        return 0.5 * axis.stiffness * (self.core.position(index) - axis.reference) ** 2
+        axis = self._axis(index)
+        return 0.5 * axis.stiffness * (self.core.position(index) - axis.reference) ** 2 if axis.stiffness else 0.0
 
     # Parameters --------------------------------------------------------------------------------------------------
 
@@ -264,11 +300,11 @@ class Joint(Base):
 
     def GlobalAxis(self, index: int) -> Vector3d:
         """An axis, in the world frame."""
-        return Vector3d(*self.core.axis(index))
+        return Vector3d(*(self.core.axis(self._number(index)) if self.core.axes else GzVector()))
 
     def LocalAxis(self, index: int) -> Vector3d:
         """An axis, in the joint frame."""
-        return Vector3d(*self.core.local_axis(index))
+        return Vector3d(*(self.core.local_axis(self._number(index)) if self.core.axes else GzVector()))
 
     def SetAxis(self, index: int, axis: VectorLike) -> None:
         """Set an axis, in the world frame."""
@@ -293,33 +329,38 @@ class Joint(Base):
         return Pose3d(self.core.frame_in_child)
 
     def AxisFrame(self, index: int) -> Quaterniond:
-        """Global rotation of the frame of LocalAxis: that of the joint."""
-        self.core.axis_at(index)
+        """Global rotation of the frame of LocalAxis: that of the joint; none for a ball or fixed joint."""
+        if self._axis(index) and not self.core.axes:
+            return Quaterniond()
         return self.WorldPose().Rot()
 
     def AxisFrameOffset(self, index: int) -> Quaterniond:
         """Rotation of the frame of LocalAxis in the joint's frame: none."""
-        self.core.axis_at(index)
+        self._axis(index)
         return Quaterniond()
 
     GetWorldPose, GetParentWorldPose, GetInitialAnchorPose = WorldPose, ParentWorldPose, InitialAnchorPose
     GetAnchorErrorPose, GetAxisFrame, GetAxisFrameOffset = AnchorErrorPose, AxisFrame, AxisFrameOffset
 
     def InertiaRatio(self, axis: VectorLike | int) -> float:
-        """The parent's over the child's moment of inertia about an axis by index, or a vector in the world frame."""
+        """The child's over the parent's moment of inertia about an axis by index, or a vector in the world frame."""
         direction = self.GlobalAxis(axis) if isinstance(axis, int) else axis
+        if not self.core.axes:
+            return 0.0
         moments = []
         for link in (self.GetParent(), self.GetChild()):
             rows = link.WorldInertiaMatrix().m if link is not None else []
             moments.append(sum(a * GzVectorDot(row, direction) for a, row in zip(direction, rows, strict=False)))
-        return moments[0] / moments[1] if moments[1] else 0.0
+        return moments[1] / moments[0] if moments[0] else 0.0
 
     GetInertiaRatio = InertiaRatio
 
     # Links -------------------------------------------------------------------------------------------------------
 
     def GetJointLink(self, index: int) -> Link | Any:
-        """The child link (0) or the parent link (1), in the engine's order; None for the world."""
+        """The child link (0) or the parent link (1), of a `revolute2` the other way round; None for the world."""
+        if self.core.kind == "revolute2":
+            return {0: self.GetParent, 1: self.GetChild}.get(index, lambda: None)()
         return {0: self.GetChild, 1: self.GetParent}.get(index, lambda: None)()
 
     def GetParent(self) -> Link | Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.base.geometry import GzColor, GzPose, GzVector, VectorLike
-from libgz.classic.math import AxisAlignedBox, Color, Vector3d
+from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity
 
 if TYPE_CHECKING:
@@ -31,6 +31,18 @@ class Light(Entity):
     def move(self, pose: GzPose) -> None:
         """Set the global pose [m]."""
         self.core.GetBody().SetPose(pose)
+
+    def InitialRelativePose(self) -> Pose3d:
+        """The pose that a reset restores [m]: that of the file, unless SetInitialRelativePose set another."""
+        return Pose3d(self.core.initPose)
+
+    def SetInitialRelativePose(self, pose: GzPose) -> None:
+        """Set the pose that a reset restores [m]."""
+        self.core.initPose = GzPose(GzVector(*pose.pos), pose.rot)
+
+    def IsStatic(self) -> bool:
+        """Always: nothing moves it but SetWorldPose."""
+        return True
 
     def LightType(self) -> str:
         """point, spot or directional."""

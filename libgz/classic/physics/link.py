@@ -210,15 +210,22 @@ class Link(Entity):
         self.body.SetTorque(*torque)
 
     def WorldForce(self) -> Vector3d:
-        """The force at the centre of mass in the last step [N]: applied forces and gravity, without contacts.
+        """The whole force at the centre of mass in the last step [N]: applied, gravity, joints and contacts.
 
         Forces that were added since act in the next step.
         """
-        return Vector3d(*self.body.GetAppliedForce()) + Vector3d(*self.body.GetWeight())
+        if self.body.kinematic:
+            return Vector3d(*self.body.GetAppliedForce()) + Vector3d(*self.body.GetWeight())
+        return Vector3d(*self.body.GetLinearAccel()) * self.body.mass
 
     def WorldTorque(self) -> Vector3d:
-        """The torque applied in the last step [N m]; torques that were added since act in the next one."""
-        return Vector3d(*self.body.GetAppliedTorque())
+        """The whole torque about the centre of mass in the last step [N m]: applied, gyroscopic, joints and contacts.
+
+        Torques that were added since act in the next step.
+        """
+        if self.body.kinematic:
+            return Vector3d(*self.body.GetAppliedTorque())
+        return self.WorldInertiaMatrix() * Vector3d(*self.body.GetAngularAccel())
 
     def RelativeForce(self) -> Vector3d:
         """WorldForce in the link frame [N]."""
@@ -471,6 +478,12 @@ class Link(Entity):
     def visuals(self) -> list[Geom]:
         """The geoms that are rendered and have no contacts."""
         return [geom for geom in self.body.geoms if geom.space is None]
+
+    def Visuals(self) -> dict[int, Any]:
+        """The messages of type Visual that describe its `<visual>` elements, by the ids of these."""
+        message = self._world.server.described(self)
+        own = f"{self.GetScopedName()}::"
+        return {visual.id: visual for visual in message.visual if visual.name.startswith(own)}
 
     def GetParentJoints(self) -> list[Joint]:
         """The joints that have it as child."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ClosedError
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
-from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.gripper import Gripper
@@ -70,11 +70,19 @@ class Model(Entity):
 
     def InitialRelativePose(self) -> Pose3d:
         """The pose relative to the parent that a reset restores [m]."""
-        return Pose3d(GzCoordPoseSub(self.core.initPose, self._frame()))
+        return Pose3d(GzCoordPoseSub(self.core.initPose, self._first_frame()))
+
+    def _first_frame(self) -> GzPose:
+        """Where a reset puts the parent [m]."""
+        return self._parent.core.initPose if isinstance(self._parent, Model) else GzPose()
+
+    def remove(self) -> None:
+        """Remove it from the world, with all nested models; in a callback, at the end of the iteration."""
+        self._world.RemoveModel(self)
 
     def SetInitialRelativePose(self, pose: GzPose) -> None:
         """Set the pose that a reset restores, relative to the parent [m]; nested models keep their relative poses."""
-        before, now = self.core.initPose, GzCoordPoseAdd(pose, self._frame())
+        before, now = self.core.initPose, GzCoordPoseAdd(pose, self._first_frame())
         for model in self.family():
             model.core.initPose = GzCoordPoseAdd(GzCoordPoseSub(model.core.initPose, before), now)
 
@@ -94,17 +102,40 @@ class Model(Entity):
         """Angular acceleration of the canonical link in the last step [rad/s^2], in the world frame."""
         return self._canonical().WorldAngularAccel()
 
+    def RelativeLinearVel(self) -> Vector3d:
+        """Linear velocity of the canonical link's origin [m/s], in that link's frame."""
+        return self._canonical().RelativeLinearVel()
+
+    def RelativeAngularVel(self) -> Vector3d:
+        """Angular velocity of the canonical link [rad/s], in its frame."""
+        return self._canonical().RelativeAngularVel()
+
+    def RelativeLinearAccel(self) -> Vector3d:
+        """Linear acceleration of the canonical link in the last step [m/s^2], in its frame."""
+        return self._canonical().RelativeLinearAccel()
+
+    def RelativeAngularAccel(self) -> Vector3d:
+        """Angular acceleration of the canonical link in the last step [rad/s^2], in its frame."""
+        return self._canonical().RelativeAngularAccel()
+
+    GetRelativeLinearVel, GetRelativeAngularVel = RelativeLinearVel, RelativeAngularVel
+    GetRelativeLinearAccel, GetRelativeAngularAccel = RelativeLinearAccel, RelativeAngularAccel
+
     def _canonical(self) -> Link:
-        return self.GetLinks()[0] if self.core.bodies else next(self.family_links())
+        """The one canonical link of a tree of models: the first of the outermost one that has a link."""
+        tree: list[Model] = [self]
+        while isinstance(parent := tree[0].GetParent(), Model):
+            tree.insert(0, parent)
+        return next((m.link(m.core.bodies[0]) for m in tree if m.core.bodies), None) or next(self.family_links())
 
     def SetLinearVel(self, vel: VectorLike) -> None:
-        """Set the linear velocity of all links [m/s], in the world frame."""
-        for link in self.family_links():
+        """Set the linear velocity of its own links [m/s], in the world frame; those of nested models keep theirs."""
+        for link in self.GetLinks():
             link.SetLinearVel(vel)
 
     def SetAngularVel(self, vel: VectorLike) -> None:
-        """Set the angular velocity of all links [rad/s], in the world frame."""
-        for link in self.family_links():
+        """Set the angular velocity of its own links [rad/s], in the world frame; those of nested models keep theirs."""
+        for link in self.GetLinks():
             link.SetAngularVel(vel)
 
     def SetWorldTwist(self, linear: VectorLike, angular: VectorLike, updateChildren: bool = True) -> None:
@@ -137,15 +168,16 @@ class Model(Entity):
         self._world.server.reset_plugins(self)
 
     def GetWorldEnergyPotential(self) -> float:
-        """Potential energy of all links [J]."""
-        return sum(link.GetWorldEnergyPotential() for link in self.family_links())
+        """Potential energy of its own links and of the springs of its own joints [J]."""
+        springs = sum(joint.GetWorldEnergyPotentialSpring(i) for joint in self.GetJoints() for i in range(joint.DOF()))
+        return springs + sum(link.GetWorldEnergyPotential() for link in self.GetLinks())
 
     def GetWorldEnergyKinetic(self) -> float:
-        """Kinetic energy of all links [J]."""
-        return sum(link.GetWorldEnergyKinetic() for link in self.family_links())
+        """Kinetic energy of its own links [J]."""
+        return sum(link.GetWorldEnergyKinetic() for link in self.GetLinks())
 
     def GetWorldEnergy(self) -> float:
-        """The sum of potential and kinetic energy of all links [J]."""
+        """The sum of potential and kinetic energy [J]."""
         return self.GetWorldEnergyPotential() + self.GetWorldEnergyKinetic()
 
     # Links -------------------------------------------------------------------------------------------------------
@@ -167,7 +199,10 @@ class Model(Entity):
         return body.bodyName or f"link_{self.core.bodies.index(body)}"
 
     def GetLink(self, name: str = "canonical") -> Link | Any:
-        """A link by name or ``nested::link``; ``canonical`` is the first one; None if there is none."""
+        """A link by name or ``nested::link``; None if there is none.
+
+        ``canonical`` is the first link of the outermost model around it that has links.
+        """
         links = self.GetLinks()
         if name == "canonical":
             return self._canonical()
@@ -328,13 +363,13 @@ class Model(Entity):
             link.SetCollideMode(mode)
 
     def SetGravityMode(self, value: bool) -> None:
-        """Enable or disable gravity for all its links."""
-        for link in self.family_links():
+        """Enable or disable gravity for its own links."""
+        for link in self.GetLinks():
             link.SetGravityMode(value)
 
     def SetEnabled(self, enabled: bool) -> None:
-        """Wake all its links, or put them to sleep (auto-disabled)."""
-        for link in self.family_links():
+        """Wake its own links, or put them to sleep (auto-disabled)."""
+        for link in self.GetLinks():
             link.SetEnabled(enabled)
 
     def SetAutoDisable(self, disable: bool) -> None:
@@ -351,6 +386,13 @@ class Model(Entity):
     def GetAutoDisable(self) -> bool:
         """Whether one of its links sleeps at rest."""
         return any(link.body.auto_disable for link in self._sleepers())
+
+    def BoundingBox(self) -> AxisAlignedBox:
+        """The axis-aligned bounding box of its own links [m], in the world frame; CollisionBoundingBox has all."""
+        box = AxisAlignedBox()
+        for link in self.GetLinks():
+            box.Merge(link.BoundingBox())
+        return box
 
     def SetSelfCollide(self, self_collide: bool) -> None:
         """Enable or disable contacts between its links."""
@@ -385,13 +427,13 @@ class Model(Entity):
         return Vector3d(*next((geom.scale for geom in geoms), (1.0, 1.0, 1.0)))
 
     def SetWindMode(self, mode: bool) -> None:
-        """Put all its links into the wind, or out of it."""
-        for link in self.family_links():
+        """Put its own links into the wind, or out of it."""
+        for link in self.GetLinks():
             link.SetWindMode(mode)
 
     def WindMode(self) -> bool:
-        """Whether all its links are in the wind."""
-        links = list(self.family_links())
+        """Whether all its own links are in the wind."""
+        links = self.GetLinks()
         return bool(links) and all(link.WindMode() for link in links)
 
     # Grippers ----------------------------------------------------------------------------------------------------

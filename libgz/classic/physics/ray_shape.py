@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MultiRayShape", "RayShape", "ScanGrid"]
 
+MOST_RAYS = 1_000_000  # of a MultiRayShape to which rays are added
 NO_HIT = 1000.0  # [m] the distance that a ray without a hit returns, as in Gazebo
 
 
@@ -168,7 +169,7 @@ class MultiRayShape:
     Args:
         body: the link.
         offset: pose of the laser in the link frame [m].
-        grid: the directions of the rays.
+        grid: the directions of the rays; None for none, until AddRay.
     """
 
     STATE = (
@@ -176,12 +177,16 @@ class MultiRayShape:
         "_reached",
     )
 
-    def __init__(self, body: Body, offset: GzPose, grid: ScanGrid) -> None:
+    def __init__(self, body: Body, offset: GzPose, grid: ScanGrid | None = None) -> None:
         self.body = body
         self._engine: Engine = body.engine
-        self.grid = grid
         self._scans = Event("NewLaserScans")
-        self.place(offset)
+        if grid is None:
+            self.grid = ScanGrid((0, 1), ((0.0, 0.0), (0.0, 0.0)), (0.0, sys.float_info.max))
+            self._rays = np.empty((0, 7))
+        else:
+            self.grid = grid
+            self.place(offset)
         self._rows: NDArray[np.int64] = np.full(self.RayCount(), -1, dtype=np.int64)
         self._reached: NDArray[np.float64] = np.full(self.RayCount(), sys.float_info.max)
 
@@ -192,6 +197,22 @@ class MultiRayShape:
     def GetType(self) -> str:
         """``multiray``."""
         return "multiray"
+
+    def AddRay(self, start: VectorLike, end: VectorLike) -> None:
+        """Add a ray between two points in the link frame [m].
+
+        Raises:
+            ParameterError: both are the same point, or not finite, or out of range; or there are too many rays.
+        """
+        first, last = (np.array(finite_tuple(point, 3, "end of a ray [m]", LARGEST)) for point in (start, end))
+        length = float(np.linalg.norm(last - first))
+        if length < 1e-9:
+            raise ParameterError(f"a ray has no length: it starts and ends at {tuple(first.tolist())}")
+        if len(self._rays) >= MOST_RAYS:
+            raise ParameterError(f"a MultiRayShape has at most {MOST_RAYS} rays")
+        self._rays = np.vstack([self._rays, np.array([*first, *((last - first) / length), length])])
+        self._rows = np.append(self._rows, -1)
+        self._reached = np.append(self._reached, sys.float_info.max)
 
     def Update(self) -> None:
         """Cast all rays, from the present pose of the link."""
@@ -289,7 +310,7 @@ class MultiRayShape:
 
     def RayCount(self) -> int:
         """The number of rays."""
-        return self.grid.samples[0] * self.grid.samples[1]
+        return len(self._rays)
 
     def SampleCount(self) -> int:
         """The number of rays in a row."""

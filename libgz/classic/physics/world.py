@@ -194,10 +194,13 @@ class World(Base):
         self.core.events["TimeReset"]()
 
     def ResetEntities(self, type: int = Base.BASE) -> None:
-        """Reset the entities of a type: Base.MODEL, Base.ENTITY or Base.BASE; other types are not reset."""
+        """Reset the entities of a type: Base.MODEL, Base.LIGHT, Base.ENTITY or Base.BASE; other types are not reset."""
         if type in (Base.BASE, Base.ENTITY, Base.MODEL):
             for model in self.Models():
                 model.Reset()
+        if type in (Base.BASE, Base.ENTITY, Base.LIGHT):
+            for light in self.Lights():
+                light.SetWorldPose(light.InitialRelativePose())
 
     def ResetPhysicsStates(self) -> None:
         """Set velocities, forces and torques of all links to zero."""

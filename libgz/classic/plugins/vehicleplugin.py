@@ -10,6 +10,7 @@ from libgz.classic import transport
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.msgs import ConvertIgn
+from libgz.classic.physics import Joint
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
 from libgz.classic.plugins._wheels import radius_of
@@ -108,11 +109,11 @@ class VehiclePlugin(ModelPlugin):
             spin = joint.DOF() - 1
             effort = (gas + brake) * (self.front_power if i < 2 else self.rear_power)
             joint.SetParam("fmax", spin, effort)
-            joint.SetParam("vel", spin, rate)
+            joint.SetParam("vel", spin, _sense(joint) * rate)
         angle = self.steering.Position(0) * self.ratio
         for joint in self.wheels[:2]:
-            joint.SetLowerLimit(0, angle)
-            joint.SetUpperLimit(0, angle)
+            joint.SetLowerLimit(0, _sense(joint) * angle)
+            joint.SetUpperLimit(0, _sense(joint) * angle)
         speed = self.chassis.WorldLinearVel().SquaredLength()
         self.chassis.AddForce(Vector3d(0.0, 0.0, -self.aero_load * speed))
         self._sway()
@@ -136,6 +137,11 @@ class VehiclePlugin(ModelPlugin):
                     child = wheel.GetChild()
                     if child is not None:
                         child.AddForce(Vector3d(0.0, 0.0, sign * force))
+
+
+def _sense(joint: Joint) -> float:
+    """-1 for a joint whose positive motion is that of the parent against the child."""
+    return -1.0 if joint.HasType(Joint.HINGE2_JOINT) else 1.0
 
 
 GZ_REGISTER_MODEL_PLUGIN(VehiclePlugin)

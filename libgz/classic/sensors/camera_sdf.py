@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
-from libgz.base.geometry import GzPose
+from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import msgs
 from libgz.classic.common import Image
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.image_format import check_format
 from libgz.classic.sensors.noise import Noise
-from libgz.classic.sensors.read import UNSET, clip, count, first, known_children, number, wrong
+from libgz.classic.sensors.read import UNSET, clip, count, first, known_children, number, substituted, wrong
 from libgz.rendering.camera import LONGEST_SIDE, MOST_PIXELS
+from libgz.rendering.lens import Distortion, Intrinsics, Lens
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World
@@ -60,14 +61,35 @@ class CameraPlan:
         except ParameterError as error:
             log.warning("%s; the camera uses %s", wrong(image, "format", str(error)), DEFAULT_FORMAT)
             self.format = DEFAULT_FORMAT
+        self.lens = self._lens()
         distances = element.child("clip")
         if depth and "depth_camera" in known_children(element) and element.HasElement("depth_camera"):
             distances = first(element.child("depth_camera"), "clip") or distances
         self.near, self.far = clip(distances, "near", "far", NEAREST)
 
+    def _lens(self) -> Lens | None:
+        """What `<lens><intrinsics>` and `<distortion>` do to images; None without them."""
+        lens, bent = first(self.element, "lens"), first(self.element, "distortion")
+        pinhole = first(lens, "intrinsics")
+        intrinsics, distortion = None, None
+        if pinhole is not None:
+            intrinsics = Intrinsics(*(pinhole.Get(float, key) for key in ("fx", "fy", "cx", "cy", "s")))
+        if bent is not None:
+            center = bent.Get(GzVector, "center")
+            numbers = {key: bent.Get(float, key) for key in ("k1", "k2", "k3", "p1", "p2")}
+            distortion = Distortion(**numbers, center=(center.x, center.y))
+        if intrinsics is None and not distortion:
+            return None
+        try:
+            return Lens(self.width, self.height, self.hfov, intrinsics, distortion)
+        except ParameterError as error:
+            substituted(pinhole or self.element, "intrinsics", f"{error}: the lens is not used")
+            return None
+
     def make(self, world: World, name: str, kind: type[C]) -> C:
         """A camera of the given class."""
         camera = kind(world, name, self.width, self.height, self.hfov, self.near, self.far, self.format)
+        camera.core.lens = self.lens
         save, noise = first(self.element, "save"), self.noise
         if save is not None and save.Get(bool, "enabled"):
             path = save.Get(str, "path")

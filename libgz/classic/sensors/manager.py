@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
+from libgz.base.errors import Diagnostics, GazeboError, LibraryError, StateError, nearest
 from libgz.classic import msgs
 from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
@@ -73,12 +73,11 @@ class WorldSensors:
             hint = f"type {kind!r} stands in a <joint>, not in a <link>; the sensor is left out"
             log.warning("%s: <sensor>: %s", element.where, hint)
             return None
+        if not in_link and kind not in ON_JOINTS:
+            hint = f"type {kind!r} stands in a <link>, not in a <joint>; the sensor is left out"
+            log.warning("%s: <sensor>: %s", element.where, hint)
+            return None
         try:
-            if not in_link and kind not in ON_JOINTS:
-                raise ParameterError(
-                    f"{element.where}: <sensor>: type is {kind!r}, which stands in a <link>; in a <joint>, "
-                    f"{' and '.join(ON_JOINTS)} is allowed"
-                )
             sensor = sensor_class(kind)(self, parent, element)
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             self._diagnostics.failure(element, error)

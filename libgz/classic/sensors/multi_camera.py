@@ -11,7 +11,7 @@ from libgz.classic import msgs
 from libgz.classic.rendering.camera import Camera as CameraView, render_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
 from libgz.classic.sensors.noise import Noise as NoiseModel, new_noise
-from libgz.classic.sensors.read import first, wrong
+from libgz.classic.sensors.read import first
 from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
 
 if TYPE_CHECKING:
@@ -33,9 +33,7 @@ class MultiCameraSensor(LinkSensor):
 
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        elements = list(sdf.named("camera"))
-        if not elements:
-            raise wrong(sdf, "sensor", "a multicamera needs at least one <camera>")
+        elements = list(sdf.named("camera")) or [sdf.child("camera")]  # as in Gazebo, a default one
         self._plans = [CameraPlan(element, self._noise(element, i)) for i, element in enumerate(elements)]
         self._cameras: list[CameraView] = []
 

@@ -17,7 +17,7 @@ from libgz.classic.transport.topic import log
 
 __all__ = ["Master"]
 
-VERSION = "gazebo 11.10.2"  # that clients compare with their own; another one makes them warn
+VERSION = "gazebo 11.1"  # major and minor only: clients compare it with their own, and some read it as a number
 LARGEST = 1 << 16  # [bytes] of a packet
 CONTENT = 1 << 12  # [bytes] of what it announces
 MOST, MOST_OF_ALL = 1000, 10_000  # publishers, subscribers and namespaces of one client, and of all

@@ -125,7 +125,7 @@ def test_moments_are_set_in_any_order(link, order):
     for name in order:
         getattr(inertial, f"Set{name}")(values[name])
     link.UpdateMass()
-    assert tuple(inertial.PrincipalMoments()) == pytest.approx((1.0, 1.5, 4.5))
+    assert tuple(inertial.PrincipalMoments()) == (3.0, 3.0, 1.0)  # the diagonal, as in Gazebo
     held = link.body.GetMass().I
     assert (held[0], held[1], held[5], held[10]) == (3.0, 1.5, 3.0, 1.0)
 
@@ -163,7 +163,7 @@ def test_moments_are_along_the_axes_of_the_inertial_frame(run):
     link.GetInertial().SetCoG(Pose3d(1, 0, 0, 0, 0, 0))
     link.GetInertial().SetInertiaMatrix(2, 2, 2, 0, 0.5, 0)
     link.UpdateMass()
-    assert tuple(link.GetInertial().PrincipalMoments()) == pytest.approx((1.5, 2, 2.5))
+    assert tuple(link.GetInertial().PrincipalMoments()) == (2, 2, 2)
 
 
 def test_a_kinematic_link_is_not_moved_by_forces(link):

@@ -7,7 +7,6 @@ import pytest
 from PIL import Image
 
 import libgz
-from libgz.base.errors import WorldFileError
 from libgz.classic import physics, sensors
 from libgz.classic.math import Pose3d
 
@@ -213,14 +212,20 @@ def test_a_camera_goes_with_its_link():
         (camera(size=(0, 10)), "<width>: is 0; it must be at least 1"),
         (camera(clip=(2, 1)), "<far>: is 1 m; it must be beyond <near>, 2 m"),
         (camera().replace(">1.0<", ">4<"), "<horizontal_fov>: is 4 rad"),
-        ("<sensor name='eye' type='multicamera'/>", "at least one <camera>"),
     ],
 )
-def test_wrong_values_are_told_with_file_and_line(text, message):
-    with pytest.raises(WorldFileError, match=message):
-        world_of(text)
+def test_wrong_values_are_replaced_with_a_warning(text, message, caplog):
+    with world_of(text) as world:
+        world.step(2)
+        assert sensors.get_sensor("eye") is not None
+    assert message in caplog.text
 
 
-def test_a_lens_that_is_not_drawn_is_told(caplog):
-    with world_of(camera(size=(8, 6), content="<distortion><k1>-0.2</k1></distortion>")):
-        assert "<distortion>: images are rendered without it" in caplog.text
+def test_the_distortion_of_a_file_bends_images(caplog):
+    shown = []
+    for content in ("", "<distortion><k1>0.5</k1></distortion>"):
+        with world_of(camera(size=(64, 48), content=content)) as world:
+            world.step(2)
+            shown.append(pixels(get()).copy())
+    assert (shown[0] != shown[1]).any()
+    assert "distortion" not in caplog.text

@@ -529,3 +529,17 @@ def test_later_names_of_sensors_are_those_of_classic():
         world.step(1)
         assert get("s").Type() == "ray"
         assert len(get("s").Ranges()) == 3
+
+
+def test_a_camera_has_the_pinhole_of_its_file(caplog):
+    pinhole = "<intrinsics><fx>100</fx><fy>80</fy><cx>30</cx><cy>50</cy><s>0</s></intrinsics>"
+    content = f"<camera><image><width>120</width><height>90</height></image><lens>{pinhole}</lens></camera>"
+    red = "<material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse></material>"
+    shape = f"<visual name='v'><geometry><box><size>0.2 0.2 0.2</size></box></geometry>{red}</visual>"
+    with world_of(model("m", sensor("camera", content)) + model("b", shape, "1.1 0 0 0 0 0")) as world:
+        world.step(2)
+        image = np.frombuffer(get("s").ImageData(), np.uint8).reshape(90, 120, 3).astype(int)
+    rows, columns = np.nonzero(image[..., 0] > image[..., 1] + 40)
+    assert (columns.mean() + 0.5, rows.mean() + 0.5) == (pytest.approx(30, abs=0.6), pytest.approx(50, abs=0.6))
+    assert (np.ptp(columns) + 1, np.ptp(rows) + 1) == (pytest.approx(20, abs=1.1), pytest.approx(16, abs=1.1))
+    assert "intrinsics" not in caplog.text

@@ -1,0 +1,139 @@
+/* Islands: bodies that joints and contacts connect. Those that are small and calm are solved exactly, for they rest in
+ * no other way, by resting.c where there are no joints and nothing slides; those that are fast only if they have no
+ * contacts, for the exact solver does not let wheels slip as they should; and if they are so small that it is the quicker
+ * way.
+ *
+ * dWorldStep() solves an island exactly, by Dantzig's algorithm, at the cost of the cube of its rows; dWorldQuickStep()
+ * by projected Gauss-Seidel. Islands are found by union and find. */
+#include "memory.h"
+#include "step.h"
+
+member *members;
+static int64_t member_capacity;
+
+enum { FAST_ROWS = 60, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
+enum { ALL_EXACT, ALL_QUICK, MIXED };
+
+member alone(int64_t row, int fast)
+{
+    return (member){.root = row, .fast = fast, .next = -1, .first = -1, .last = -1, .touch = -1, .last_touch = -1};
+}
+
+int have_members(int64_t count)
+{
+    member *grown = enlarged(members, &member_capacity, count, sizeof *grown);
+    if (grown)
+        members = grown;
+    return grown != NULL;
+}
+
+/* Take two bodies, one of which may be the world (-1), for one island. */
+void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touching)
+{
+    if (one < 0 || !c->bodies[one])
+        one = two;
+    if (one < 0 || !c->bodies[one])
+        return;
+    one = root_of(one);
+    members[one].rows += rows;
+    members[one].touching |= touching;
+    members[one].joined |= !touching;
+    if (two < 0 || !c->bodies[two])
+        return;
+    two = root_of(two);
+    if (two == one)
+        return;
+    members[two].root = one;
+    members[one].rows += members[two].rows;
+    members[one].fast |= members[two].fast;
+    members[one].touching |= members[two].touching;
+    members[one].joined |= members[two].joined;
+}
+
+/* Find the islands, and which of them are solved exactly. */
+static int sort_islands(context *c)
+{
+    int64_t i;
+    int exact = 0, quick = 0;
+    for (i = 0; i < c->body_count; i++) {
+        if (!c->bodies[i])
+            continue;
+        members[i] = alone(i, !is_calm(c, c->bodies[i]));
+        dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+    }
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i])
+            unite(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT,
+                    0);
+    for (i = 0; i < c->touch_count; i++)
+        unite(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
+    solve_resting(c);
+    for (i = 0; i < c->body_count; i++) {
+        const member *root;
+        if (!c->bodies[i])
+            continue;
+        root = members + root_of(i);
+        members[i].quick = root->rows > (root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS);
+        if (!root->rows || root->solved || !dBodyIsEnabled(c->bodies[i]))
+            continue;
+        exact |= !members[i].quick;
+        quick |= members[i].quick;
+    }
+    return !quick ? ALL_EXACT : exact ? MIXED : ALL_QUICK;
+}
+
+/* Disable the bodies that are, or are not, solved by iteration. */
+static void set_aside(const context *c, int quick)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i] && members[i].quick == quick && dBodyIsEnabled(c->bodies[i])) {
+            members[i].aside = 1;
+            dBodyDisable(c->bodies[i]);
+        }
+}
+
+/* Enable all bodies that were set aside, without restarting the time they have been idle for. */
+void bring_back(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        int steps;
+        double time;
+        if (!body || !members[i].aside)
+            continue;
+        members[i].aside = 0;
+        if (!dBodyGetAutoDisableFlag(body)) {
+            dBodyEnable(body);
+            continue;
+        }
+        steps = dBodyGetAutoDisableSteps(body);
+        time = dBodyGetAutoDisableTime(body);
+        dBodySetAutoDisableFlag(body, 0); /* which enables the body */
+        dBodySetAutoDisableFlag(body, 1);
+        dBodySetAutoDisableSteps(body, steps);
+        dBodySetAutoDisableTime(body, time);
+    }
+}
+
+/* Move everything; 0 when ODE ran out of memory. */
+int move_bodies(context *c)
+{
+    int kind = !c->quick ? ALL_EXACT : ALL_QUICK, done;
+    if (solves_islands(c) && have_members(c->body_count))
+        kind = sort_islands(c);
+    if (kind == ALL_QUICK)
+        return dWorldQuickStep(c->world, c->step);
+    if (kind == ALL_EXACT)
+        return dWorldStep(c->world, c->step);
+    c->parted = 1;
+    set_aside(c, 1);
+    done = dWorldStep(c->world, c->step);
+    bring_back(c);
+    set_aside(c, 0);
+    done = dWorldQuickStep(c->world, c->step) && done;
+    bring_back(c);
+    c->parted = 0;
+    return done;
+}

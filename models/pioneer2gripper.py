@@ -32,6 +32,7 @@ THICKNESS = 0.025  # of a paddle [m]
 BEAMS = (0.03, -0.02)  # x of the outer and the inner beam on the paddles [m]
 AT_END = 0.002  # [m]; tolerance of being at an end
 OLD_REACH = 0.02, 0.035  # [m]; how far the old beams began and ended from the middles of the paddles
+MOST_FIELDS = 15  # that are published, in either struct
 STILL, STILL_FOR = 0.01, 0.1  # [m/s], [s]: closing paddles that are slower than this for this long hold something
 
 # command -> (direction of the paddles, of the lift): 1 close or rise, -1 open or lower, 0 stop, None unchanged
@@ -130,7 +131,7 @@ class Pioneer2Gripper(Model):
     paddle when the paddles are shut and begins inside of what they hold, and limits are never reached.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("lift", "left", "right", "beams", "commanded", "slow_for")
+    STATE: ClassVar[tuple[str, ...]] = ("lift", "left", "right", "beams", "commanded", "slow_for", "_values")
 
     _command = Number()  # that was taken in this step; 0: none
 
@@ -166,6 +167,7 @@ class Pioneer2Gripper(Model):
         self.beams = RayProximity(self.world, left, len(BEAMS))
         self._old = "gripperState" in self.world.engine.quirks
         self.commanded = (0, 0)  # last directions of paddles and lift other than stop; 0 before the first
+        self._values = numbers(MOST_FIELDS)()  # what is published, in the order of the fields
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
         self.gripper = Gripper(read(GripperAttributes, node).laterInterface)
 
@@ -186,7 +188,6 @@ class Pioneer2Gripper(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         serve(self, self.gripper)
         self._names = [name for name in (*self.state(), "state") if hasattr(self.gripper.layout, name)]
-        self._values = numbers(len(self._names))()
         self._note()
         with self.gripper.locked() as data:
             self._publish(data)
@@ -306,11 +307,12 @@ class Pioneer2Gripper(Model):
         """Note what is to be published."""
         state = self._old_state() if self._old else self.state()
         found = {**state, "state": self._code(state)}
-        self._values[:] = [found[name] for name in self._names]
+        for i, name in enumerate(self._names):
+            self._values[i] = found[name]
 
     @law
     def _publish(self, data: GripperData) -> None:
         """Write the state."""
         data.time = self.world.GetSimTime()
-        for name, value in zip(self._names, self._values, strict=True):
+        for name, value in zip(self._names, self._values, strict=False):
             setattr(data, name, whole(value))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
 
+from libgz.base.errors import ParameterError
 from libgz.base.law import is_law, law
 from libgz.physics.rays import RayProximity
 from libgz.simulation.exchange import Exchange
@@ -77,7 +78,13 @@ class Plan:
 
     @contextlib.contextmanager
     def due(self, rate: UpdateRate) -> Iterator[None]:
-        """What is added inside is done only when a rate is due."""
+        """What is added inside is done only when a rate is due.
+
+        Raises:
+            ParameterError: it is no rate.
+        """
+        if not hasattr(rate, "due"):
+            raise ParameterError(f"the rate of a plan is {rate!r}; it must be an UpdateRate")
         line = Line(_nothing, rate=rate)
         self.lines.append(line)
         yield

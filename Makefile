@@ -1,5 +1,5 @@
 # make demo: install what it needs and run a demonstration.  make test: install the rest, check and test.
-.PHONY: demo test lint types trials fuzz bench bench-more docs wheel setup clean
+.PHONY: demo test check lint types trials fuzz bench bench-more docs wheel setup clean
 
 BIN := .venv/bin
 
@@ -11,6 +11,12 @@ test: lint types
 	@./scripts/install_chromium.sh
 	@./scripts/install_compilers.sh
 	@$(BIN)/pytest -q -n 3 --dist worksteal -m "not trial"
+
+# While working: the tests of what differs from BASE only.
+BASE := main
+check: lint types
+	@tests=$$($(BIN)/python scripts/changed_tests.py --base $(BASE)); [ -z "$$tests" ] || \
+		$(BIN)/pytest -q -n 3 --dist worksteal -m "not trial" $$tests
 
 lint: setup
 	@$(BIN)/ruff check .

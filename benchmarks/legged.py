@@ -6,10 +6,10 @@ from typing import ClassVar
 
 import libgz
 from libgz.base.law import law
+from libgz.base.records import numbers
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import add_body, fit
 from libgz.models.wheels import add_hinge
-from libgz.ode.records import numbers
 from libgz.simulation.plan import Plan
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import libgz
-from libgz.ode.lib import ode
-from libgz.ode.records import (
+from libgz.base.records import (
     CastRecord,
     Kind,
     LinkRecord,
@@ -27,6 +26,7 @@ from libgz.ode.records import (
     TransferRecord,
     What,
 )
+from libgz.ode.lib import ode
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
 

@@ -10,13 +10,13 @@ from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.base.law import law
+from libgz.base.records import numbers
 from libgz.interfaces.joint import JointData, Joints, JointsData
 from libgz.legacy.model import Model
 from libgz.models.motors import Axis, Servo
 from libgz.models.parts import GREY, add_body, fit
 from libgz.models.serving import Seen, serve
 from libgz.models.wheels import add_hinge
-from libgz.ode.records import numbers
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import FixedJoint, HingeJoint

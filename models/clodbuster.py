@@ -12,13 +12,13 @@ from typing import ClassVar
 
 from libgz.base.geometry import GzColor
 from libgz.base.law import Number, clamp, floor, law
+from libgz.base.records import numbers
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motors import Servo
 from libgz.models.parts import DARK, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import Tire, add_steered_wheel
-from libgz.ode.records import numbers
 from libgz.physics.geoms import BoxGeom
 from libgz.worldfile.attributes import boolean
 

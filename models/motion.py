@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternInverse, GzQuaternToEuler, GzVector, rotate
 from libgz.base.law import law
-from libgz.ode.records import numbers
+from libgz.base.records import numbers
 from libgz.physics.body import Body
 
 __all__ = ["Motion"]

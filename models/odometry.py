@@ -6,8 +6,8 @@ import ctypes
 from typing import Any, ClassVar
 
 from libgz.base.law import cos, law, sin
+from libgz.base.records import numbers
 from libgz.interfaces.position import PositionData
-from libgz.ode.records import numbers
 
 __all__ = ["Odometry"]
 

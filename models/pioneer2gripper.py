@@ -8,12 +8,12 @@ from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzVector
 from libgz.base.law import Number, law, whole
+from libgz.base.records import numbers
 from libgz.interfaces import gripper as codes
 from libgz.interfaces.gripper import Gripper, GripperData
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
-from libgz.ode.records import numbers
 from libgz.ode.types import dParamBounce, dParamFMax, dParamHiStop, dParamLoStop, dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom

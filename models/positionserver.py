@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from libgz.base.law import Number, law
+from libgz.base.records import numbers
 from libgz.interfaces.position import Position, PositionData
 from libgz.legacy.model import Model
 from libgz.models.serving import Seen, serve
-from libgz.ode.records import numbers
 from libgz.simulation.exchange import Exchange
 from libgz.simulation.plan import Plan, handler
 from libgz.transport.guard import Guard

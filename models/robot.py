@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from libgz.base.law import law, rarely
+from libgz.base.records import numbers
 from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
 from libgz.models.device import Device
 from libgz.models.positionserver import PositionServer
-from libgz.ode.records import numbers
 from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.state import declares

@@ -11,13 +11,13 @@ from typing import ClassVar, Generic, NamedTuple
 
 from libgz.base.geometry import GzColor, GzVector
 from libgz.base.law import Value, clamp, law, unrecorded, usually
+from libgz.base.records import numbers
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
 from libgz.models.motion import Motion
 from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import HARD, Tire
-from libgz.ode.records import numbers
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint

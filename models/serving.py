@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from libgz.base.law import Number
+from libgz.base.records import numbers
 from libgz.legacy.model import Model
-from libgz.ode.records import numbers
 from libgz.simulation.exchange import Exchange
 from libgz.transport.interface import Interface
 

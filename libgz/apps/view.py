@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import number_above_zero, whole_number
-from libgz.apps.view_process import TOKEN, add_view_options
+from libgz.apps.view_process import add_view_options
+from libgz.apps.viewer_process import TOKEN
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.base.extras import install
 from libgz.transport.observer import Observer

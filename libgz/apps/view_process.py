@@ -10,10 +10,9 @@ from typing import Any
 
 from libgz.apps.console import port_number
 
-__all__ = ["TOKEN", "add_view_options", "view_process"]
+__all__ = ["add_view_options", "view_process"]
 
 HOST, PORT = "127.0.0.1", 8080
-TOKEN = "LIBGZ_VIEW_TOKEN"  # in the viewer's environment: pages stay connected to one that is started again
 
 
 def add_view_options(parser: Any, optional: bool) -> None:

@@ -10,14 +10,14 @@ import threading
 import time
 from collections.abc import Sequence
 
-from libgz.apps.view_process import TOKEN
 from libgz.base.closing import Closing
 from libgz.base.python import run_module
 
-__all__ = ["ViewerProcess"]
+__all__ = ["TOKEN", "ViewerProcess"]
 
 log = logging.getLogger("libgz.view")
 
+TOKEN = "LIBGZ_VIEW_TOKEN"  # in the viewer's environment: pages stay connected to one that is started again
 PATIENCE = 0.5  # [s] for the viewer of --view to end
 WELL = 5.0  # [s] a viewer that ran for so long is started again if it dies
 

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import LibraryError
+from libgz.base.records import check_sizes
 from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
-from libgz.ode.records import check_sizes
 
 __all__ = ["Step", "library_path"]
 
@@ -159,7 +159,7 @@ class Step:
         return float(self._shared.gz_overlap(self._address, geom1, geom2))
 
     def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[], int]]]:
-        """The function that does rows, see `libgz.ode.records`; and one that prepares a call for whole steps.
+        """The function that does rows, see `libgz.base.records`; and one that prepares a call for whole steps.
 
         Such a call makes as many steps as the number that it is prepared with says, and leaves there how many it did
         not make.

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.geometry import rotate
+from libgz.base.records import TableRecord
 from libgz.ode.context import StepContext
 from libgz.ode.lib import OdeLibrary
-from libgz.ode.records import TableRecord
 from libgz.ode.types import SURFACE_COLUMNS, JointType, Surface, dInfinity
 
 __all__ = ["BodyTable", "GeomTable", "JointTable", "Tables", "unwound"]

@@ -6,7 +6,7 @@
  * row, and calls again from the next one on. A row is done either wholly here or wholly there, with the same arithmetic
  * in the same order; a test compares the bits. Nothing here knows a struct of an interface: operations hold offsets.
  *
- * libgz/ode/records.py mirrors the structs; gz_updates_sizes() guards against drift.
+ * libgz/base/records.py mirrors the structs; gz_updates_sizes() guards against drift.
  */
 #define _GNU_SOURCE
 #include <math.h>

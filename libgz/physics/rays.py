@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzCoordPositionAdd, GzVector, VectorLike, rotate
+from libgz.base.records import CastRecord
 from libgz.ode.context import RayScan
-from libgz.ode.records import CastRecord
 from libgz.physics.body import Body
 from libgz.physics.check import finite_tuple
 from libgz.physics.engine import HasEngine

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.ode.records import LinkRecord
+from libgz.base.records import LinkRecord
 from libgz.recording.frames import END_FRAME, Kind, frame, tick_frame
 
 __all__ = ["Changes", "Piece", "apply_patches"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from libgz.ode.records import ClockRecord
+from libgz.base.records import ClockRecord
 from libgz.physics.check import finite
 
 __all__ = ["Clock"]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError, nearest
 from libgz.base.law import Number, Operation
-from libgz.ode.records import SwitchRecord, TextRecord
+from libgz.base.records import SwitchRecord, TextRecord
 from libgz.simulation.recorder import Recorder
 from libgz.transport.interface import Interface
 from libgz.transport.layout import Struct, fields_of

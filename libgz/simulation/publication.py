@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, NotFoundError
+from libgz.base.records import PublishRecord
 from libgz.ode.context import Publication as Target
-from libgz.ode.records import PublishRecord
 from libgz.physics.body import Body
 from libgz.physics.geoms import DomeGeom, FrustrumGeom
 from libgz.simulation.description import describe_body, offset_in, plain, pose_list

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from libgz.ode.records import RateRecord
+from libgz.base.records import RateRecord
 
 __all__ = ["TIME_SLACK", "OldRate", "UpdateRate"]
 

@@ -1,7 +1,7 @@
 """Recorder: calls a law once, and notes the operations that native code repeats in each step.
 
 In place of `self`, and of all objects that are reached from there, the law gets `Traced` ones: where it reads a double
-they give a `Term`, where it calls a law they go on, and where it sets something they note an effect. What is no double
+they give a `Term`, where it calls a law they record that, too, and where it sets something they note an effect. What is no double
 is taken as it is when the law is recorded. Effects are noted apart: native code does them when all else is done: a step
 that it leaves to Python has changed nothing.
 """
@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.base.law import LeftToPython, Number, Operation, Term, is_constant, is_law, wrong
+from libgz.base.records import LawRecord, OperationRecord
 from libgz.ode.lib import ode
-from libgz.ode.records import LawRecord, OperationRecord
 from libgz.ode.types import dParamVel, dParamVel2
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST
@@ -32,7 +32,7 @@ from libgz.transport.interface import Interface, View
 
 __all__ = ["Recorder"]
 
-_ROOM = 64  # doubles that are made at once
+_BLOCK = 64  # doubles that are made at once
 _STATES = {Body: 16, Joint: 4}  # numbers of a row of the tables
 _TYPES = "dfiIHB"  # of numbers in interfaces, as numpy's letters
 _PLAIN = (bool, int, float, str, bytes, frozenset, type, types.ModuleType, GzVector, GzQuatern, GzPose)
@@ -108,7 +108,7 @@ class Recorder:
         self._written: dict[int, Term] = {}  # what doubles of ours are set to
         self._states: dict[int, int] = {}  # where the numbers of a body or joint are
         self._constants: dict[bytes, int] = {}
-        self._room, self._left = 0, 0
+        self._next, self._left = 0, 0
         self._taken: list[tuple[Any, str, Any]] = []  # attributes of objects that were taken as they are
         self._found: list[tuple[types.MethodType, Any, Any]] = []  # what methods returned: method, arguments, result
         self._handles: list[tuple[Any, int, int]] = []  # bodies and joints, with handle and row
@@ -209,11 +209,11 @@ class Recorder:
     def _registers(self, count: int) -> int:
         """The address of so many doubles, mostly next to those before."""
         if count > self._left:
-            room = (ctypes.c_double * max(count, _ROOM))()
-            self.kept.append(room)
-            self._room, self._left = ctypes.addressof(room), len(room)
-        address = self._room
-        self._room, self._left = address + 8 * count, self._left - count
+            block = (ctypes.c_double * max(count, _BLOCK))()
+            self.kept.append(block)
+            self._next, self._left = ctypes.addressof(block), len(block)
+        address = self._next
+        self._next, self._left = address + 8 * count, self._left - count
         return address
 
     def _operand(self, value: Any) -> tuple[int, int | None]:

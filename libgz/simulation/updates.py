@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 
 from libgz.base.errors import USER_ERRORS, pass_interrupt
 from libgz.base.law import LeftToPython
-from libgz.ode.records import BeginRecord, Kind, LawRecord, PublishRecord, Row, UpdatesRecord
+from libgz.base.records import BeginRecord, Kind, LawRecord, PublishRecord, Row, UpdatesRecord
 from libgz.physics.engine import Engine
 from libgz.simulation.clock import Clock
 from libgz.simulation.exchange import Exchange
@@ -106,6 +106,11 @@ class UpdateRows:
         self._recorded: dict[Any, Recorder] = {}  # the laws of the rows, by what they are of
         self._recording: dict[Any, Recorder] = {}  # those of the rows that are being built
         self.clear()
+
+    def close(self) -> None:
+        """Drop the rows and what was recorded: it refers to the memory of interfaces, which is to be unmapped."""
+        self.clear()
+        self._recorded, self._recording = {}, {}
 
     def clear(self) -> None:
         """Drop all rows, and what they point to."""

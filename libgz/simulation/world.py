@@ -561,6 +561,7 @@ class World(Closing):
         self._check_idle("closed")
         self._closed = True
         self.Finalize()
+        self.rows.close()
         self.gz_server.stop()
         self.events.close()
         for entity in reversed(self.entities):

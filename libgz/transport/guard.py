@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 
-from libgz.ode.records import SwitchRecord
+from libgz.base.records import SwitchRecord
 from libgz.transport.tally import Tally
 
 __all__ = ["Guard"]

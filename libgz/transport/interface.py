@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, InterfaceError
 from libgz.base.law import constant
-from libgz.ode.records import LinkRecord, SpanRecord
+from libgz.base.records import LinkRecord, SpanRecord
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE,
     LIBGAZEBO_VERSION,

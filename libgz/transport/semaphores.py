@@ -12,8 +12,8 @@ import os
 import time
 
 from libgz.base.errors import InterfaceError, ParameterError, ServerGoneError
+from libgz.base.records import PostRecord
 from libgz.base.waiting import PERIOD
-from libgz.ode.records import PostRecord
 
 __all__ = ["CLIENTS", "GZ_SEM_KEY", "SemaphoreSet"]
 

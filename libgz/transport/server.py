@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 from libgz.base.errors import ParameterError, ServerError
-from libgz.ode.records import PostRecord
+from libgz.base.records import PostRecord
 from libgz.transport import ending
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.interface import Interface

@@ -5,7 +5,7 @@ import random
 import pytest
 
 import libgz
-from libgz.ode.records import LinkRecord
+from libgz.base.records import LinkRecord
 from libgz.recording import changes
 from libgz.recording.changes import Changes, Piece, apply_patches
 from libgz.recording.frames import Frames, Kind, tick_times

@@ -30,8 +30,8 @@ from libgz.base.law import (
     where,
     whole,
 )
+from libgz.base.records import Kind, numbers
 from libgz.legacy.model import Model
-from libgz.ode.records import Kind, numbers
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m'>"
 VALUES = (0.0, -0.0, 1.0, -1.0, 0.3, -2.7, 1e300, 5e-324, math.pi, math.inf, -math.inf, math.nan)

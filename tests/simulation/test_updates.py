@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 import libgz
+from libgz.base.records import Kind, numbers
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.bandit import JointServo
 from libgz.models.pioneer2at import Pioneer2AT
-from libgz.ode.records import Kind, numbers
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 SICK = "<model:SickLMS200><id>{}</id><xyz>0.1 0 {}</xyz><rangeCount>{}</rangeCount></model:SickLMS200>"

@@ -155,7 +155,7 @@ class Base:
         return next((part for part in parts if which in (part.GetName(), part.GetScopedName())), None)
 
     def RemoveChild(self, which: int | str | Base) -> None:
-        """Remove a child by index, name or view: a model, a light or a joint; nothing for what is no child.
+        """Remove a child by index, name or view: a model, a light or a joint; does nothing if it is not a child.
 
         Raises:
             ParameterError: it is a link or a collision, which end with their model.

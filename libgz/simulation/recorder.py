@@ -1,8 +1,8 @@
 """Recorder: calls a law once, and notes the operations that native code repeats in each step.
 
 In place of `self`, and of all objects that are reached from there, the law gets `Traced` ones: where it reads a double
-they give a `Term`, where it calls a law they record that, too, and where it sets something they note an effect. What is no double
-is taken as it is when the law is recorded. Effects are noted apart: native code does them when all else is done: a step
+they give a `Term`, where it calls a law they record that, too, and where it sets something they note an effect. What is
+no double is taken as it is when the law is recorded. Native code does the effects when all else is done: so a step
 that it leaves to Python has changed nothing.
 """
 

@@ -15,17 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import libgz
-from libgz.base.records import (
-    CastRecord,
-    Kind,
-    LinkRecord,
-    RateRecord,
-    ScannerRecord,
-    ServoRecord,
-    ShareRecord,
-    TransferRecord,
-    What,
-)
+from libgz.base.law import Operation
+from libgz.base.records import CastRecord, Kind, LawRecord, LinkRecord, OperationRecord, RateRecord
 from libgz.ode.lib import ode
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
@@ -36,7 +27,12 @@ SOURCE = Path(__file__).with_name("reference.c")
 HINGE, SLIDER = 2, 3
 SURFACE = slice(0, 4)  # columns of stiffness, damping, friction and bounce
 STOPS, MOTOR = (libgz.dParamLoStop, libgz.dParamHiStop), (libgz.dParamVel, libgz.dParamFMax)
-WRITTEN = {What.NOW: "n", What.REAL_TIME: "n", What.INTS: "i", What.DOUBLES: "d", What.NEAREST: "r", What.READINGS: "s"}
+WRITTEN = {
+    "d": "d",
+    "f": "i",
+    "i": "i",
+    "I": "i",
+}  # type of a field -> what reference.c writes there
 
 
 class Spent(NamedTuple):
@@ -126,6 +122,10 @@ def _rows(world: libgz.World, sensors: bool) -> Iterator[str]:
     handles = {body.id: place for place, body in enumerate(world.engine.bodies.values())}
     joints = {joint.id: (place, joint) for place, joint in enumerate(world.engine.attached)}
     end, inside = 0, False
+    for model in world.models:
+        for target, servo in zip(getattr(model, "targets", ()), getattr(model, "servos", ()), strict=True):
+            place, joint = joints[servo.axis.joint.id]
+            yield f"servo {place} {_numbers(target, servo.gain, servo.damping, joint.GetAngle())}"
     for place, row in enumerate(world.rows._rows):
         if inside and place >= end:
             yield "due 0"
@@ -134,41 +134,25 @@ def _rows(world: libgz.World, sensors: bool) -> Iterator[str]:
             period = RateRecord.from_address(row.part).period
             yield f"due {max(1, round(period / world.engine.step_time))}"
             end, inside = row.jump, True
-        elif row.kind == Kind.SERVO:
-            yield _servo(ServoRecord.from_address(row.part), joints)
         elif row.kind == Kind.ADVANCE:
             yield "advance"
         elif sensors and row.kind == Kind.CAST:
             cast = CastRecord.from_address(row.part)
             rays = (ctypes.c_double * (7 * cast.count)).from_address(cast.rays)
             yield f"cast {handles[cast.handle]} {cast.count} {_numbers(rays)}"
-        elif sensors and row.kind == Kind.SHARE:
-            yield _share(ShareRecord.from_address(row.part))
+        elif sensors and row.kind == Kind.LAW and (law := LawRecord.from_address(row.part)).link:
+            yield _written(law)
         elif sensors and row.kind == Kind.POST:
             yield "post"
 
 
-def _servo(servo: ServoRecord, joints: dict[int, tuple[int, Any]]) -> str:
-    place, joint = joints[servo.axis.handle]
-    target = servo.sign * ctypes.c_double.from_address(servo.target).value
-    return f"servo {place} {_numbers(target, servo.gain, servo.damping, joint.GetAngle())}"
-
-
-def _share(share: ShareRecord) -> str:
-    link = LinkRecord.from_address(share.link)
-    transfers = (TransferRecord * share.count).from_address(share.transfers)
-    written = [one for one in transfers if one.what in WRITTEN]
-    words = [f"write {max(link.size, 8)} {int(link.descriptor >= 0)} {len(written)}"]
-    for one in written:
-        words.append(f"{WRITTEN[one.what]} {one.offset} {max(one.count, 1)} {one.stride}")
-        if one.what == What.READINGS:
-            scanner = ScannerRecord.from_address(one.source)
-            words.append(_numbers(scanner.far, scanner.near, scanner.offset, scanner.smooth))
-            for address, kind in ((scanner.first, ctypes.c_int64), (scanner.second, ctypes.c_int64)):
-                words.append(" ".join(map(str, (kind * one.count).from_address(address))))
-            words.append(_numbers((ctypes.c_double * one.count).from_address(scanner.share)))
-        else:
-            words.append(_numbers(one.limit))
+def _written(law: LawRecord) -> str:
+    """What a law writes to an interface under its lock, as zeros: the program does none of the arithmetic."""
+    link = LinkRecord.from_address(law.link)
+    operations = (OperationRecord * law.count).from_address(law.operations)
+    stores = [(one, chr(one.type)) for one in operations if one.code == Operation.STORE and chr(one.type) in WRITTEN]
+    words = [f"write {max(link.size, 8)} {int(link.descriptor >= 0)} {len(stores)}"]
+    words += [f"{WRITTEN[kind]} {one.two or 0} {one.count} {one.strides[1]} 0.0" for one, kind in stores]
     return " ".join(words)
 
 

@@ -102,7 +102,7 @@ def test_errors_name_objects_without_their_poses():
 
 def test_a_view_without_a_viewer_names_the_extra(monkeypatch):
     monkeypatch.setattr("importlib.metadata.entry_points", lambda group: ())
-    with libgz.World() as world, pytest.raises(LibraryError, match=r"libgz\[view\]"):
+    with libgz.World() as world, pytest.raises(LibraryError, match=r"there is no viewer here: pip install .*viser"):
         world.view()
 
 

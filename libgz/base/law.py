@@ -161,7 +161,7 @@ class Number:
     """An attribute that is a double, which laws read and set; native code knows where it is.
 
     Args:
-        start: its value at first.
+        start: its value at first, in the unit of the attribute [any].
     """
 
     def __init__(self, start: float = 0.0) -> None:

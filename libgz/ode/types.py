@@ -109,6 +109,7 @@ class GeomClass(enum.IntEnum):
     CAPSULE = 2
     CYLINDER = 3
     PLANE = 4
+    RAY = 5
 
 
 class ContactRule(enum.IntEnum):

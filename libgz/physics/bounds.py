@@ -283,6 +283,9 @@ def _add_geom(words: _Planner, kind: int, place: int, count: int, distance: floa
     reach = LARGEST if distance > 2.0 * FAR else WIDE
     most = distance + reach if place == _GLOBAL else 2.0 * reach
     words.add(4, -most, most)
+    if kind == GeomClass.RAY:  # ODE sets its direction only, in the third column
+        words.add(12, -1.0 - _UNIT, 1.0 + _UNIT)
+        return
     words.note("rotations")
     words.add(12, -FINITE, FINITE)
 

@@ -172,7 +172,7 @@ def test_programs_read_json(arguments, keys):
 
 def test_errors_of_sdf_are_json(tmp_path):
     file = tmp_path / "a.sdf"
-    file.write_text("<sdf version='1.6'><world name='w'><model name='m'><pose>1 z</pose></model></world></sdf>")
+    file.write_text("<sdf version='1.6'><world name='w'><model/></world></sdf>")
     done = run_libgz("sdf", "--check", file, "--json")
     assert done.returncode == 1
     assert {"file", "line", "element", "message", "severity"} <= set(json.loads(done.stdout)[0])

@@ -283,7 +283,7 @@ def test_help_is_a_command_too():
     assert everything.returncode == 0
     assert everything.stdout == run("libgz", "-h").stdout
     assert run("libgz", "help", "check").stdout == run("libgz", "check", "-h").stdout
-    assert "is not a command; did you mean 'check'" in run("libgz", "help", "chek").stderr
+    assert "no command, model, interface or class is called 'chek'" in run("libgz", "help", "chek").stderr
 
 
 def test_the_package_is_the_command():

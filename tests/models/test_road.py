@@ -25,7 +25,7 @@ def road_file(points, profile=PROFILE, waypoints=()):
 
 
 ROAD = "<model:Road><id>road</id><roadFile>road.txt</roadFile>{}</model:Road>"
-SETTINGS = f"<utmOffset>{OFFSET[0]} {OFFSET[1]}</utmOffset>"
+SETTINGS = f"<utmOffset>{OFFSET[0]} {OFFSET[1]} 0</utmOffset>"
 
 
 def straight(count=40, rise=0.05):

@@ -355,7 +355,6 @@ def test_what_is_not_simulated_is_one_warning_for_each_kind():
     joints = "".join(f"<joint name='j{cfm}' type='revolute'>{ends.format(cfm)}</joint>" for cfm in (0, 0.1))
     assert texts(world(f"<model name='m'>{link}{joints}</model>")) == [
         "<string>:1: <projector>: projectors are not simulated: nothing is projected (1 more in this world)",
-        "<string>:1: <distortion>: images are rendered without it",
         "<string>:1: <sensor>: type 'wideanglecamera' is not simulated; the sensor is left out",
         "<string>:1: <sensor>: type 'rfidtag' is not simulated; the sensor is left out",
         "<string>:1: <cfm>: softens the joint's motor and stops only, not what holds its links together as in Gazebo",

@@ -123,7 +123,7 @@ class GazeboRosAckermannDrive(ModelPlugin):
 
     def _turn(self, wheel: Joint) -> None:
         """Turn the steering wheel with the mean of the front wheels."""
-        wheel.SetPosition(0, self.ratio * sum(joint.Position(0) for joint in self.steered) / 2.0)
+        wheel.SetPosition(0, self.ratio * sum(joint.Position(0) for joint in self.steered) / 2.0, True)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosAckermannDrive)

@@ -121,10 +121,11 @@ class VehiclePlugin(ModelPlugin):
     def _press(self, speed: float, angle: float) -> None:
         """Move pedals and steering wheel to where a command has them."""
         share = max(-1.0, min(speed / self.max_speed, 1.0)) if self.max_speed else 0.0
-        self.gas.SetPosition(0, max(share, 0.0) * self.gas.UpperLimit(0))
-        self.brake.SetPosition(0, max(-share, 0.0) * self.brake.UpperLimit(0))
+        # Pedals move with the car: they are not stopped in the world.
+        self.gas.SetPosition(0, max(share, 0.0) * self.gas.UpperLimit(0), True)
+        self.brake.SetPosition(0, max(-share, 0.0) * self.brake.UpperLimit(0), True)
         low, high = self.steering.LowerLimit(0), self.steering.UpperLimit(0)
-        self.steering.SetPosition(0, max(low, min(angle / self.ratio, high)) if self.ratio else 0.0)
+        self.steering.SetPosition(0, max(low, min(angle / self.ratio, high)) if self.ratio else 0.0, True)
 
     def _sway(self) -> None:
         """Pull a wheel that is pressed up, down, and its neighbour up."""

@@ -42,7 +42,7 @@ EXPECTED = {
         *("ImuSensor.AngularVelocity", "ImuSensor.LinearAcceleration", "ImuSensor.Orientation"),
         *(f"GpsSensor.{name}" for name in ("Latitude", "Longitude", "VelocityEast", "VelocityNorth", "VelocityENU")),
         *("MagnetometerSensor.MagneticField", "World.MagneticField", "World.GetParam"),
-        *("RaySensor.Range", "RaySensor.GetRange"),
+        *("RaySensor.Range", "RaySensor.GetRange", "ForceTorqueSensor.Torque"),
         *(f"{kind}Sensor.Topic" for kind in ("Imu", "Altimeter", "Gps", "Magnetometer", "Contact")),
     },
     "collisions": {"Collision.GetChild", "Collision.GetChildCount"},

@@ -245,6 +245,10 @@ class MultiRayShape:
             if not len(near):
                 return
 
+    def ComputeVolume(self) -> float:
+        """The volume: 0, for rays have none [m^3]."""
+        return 0.0
+
     def show(self, ranges: NDArray[np.float64]) -> None:
         """Take ranges that were measured otherwise [m], shape (n,)."""
         self._reached[:] = np.where(np.isfinite(ranges), ranges - self.grid.reach[0], sys.float_info.max)

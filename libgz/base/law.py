@@ -366,7 +366,8 @@ def _function(operation: Operation, plain: Callable[..., float]) -> Callable[...
 
 sqrt, cos, sin = (_function(Operation[name], getattr(math, name.lower())) for name in ("SQRT", "COS", "SIN"))
 tan, asin, atan = (_function(Operation[name], getattr(math, name.lower())) for name in ("TAN", "ASIN", "ATAN"))
-atan2, hypot = (_function(Operation[name], getattr(math, name.lower())) for name in ("ATAN2", "HYPOT"))
+atan2 = _function(Operation.ATAN2, math.atan2)
+hypot = _function(Operation.HYPOT, lambda x, y: math.sqrt(x * x + y * y))  # math.hypot rounds in a way of its own
 fmod, floor = (_function(Operation[name], getattr(math, name.lower())) for name in ("FMOD", "FLOOR"))
 
 

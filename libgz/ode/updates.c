@@ -416,7 +416,7 @@ static int operate(const tables *t, const clock_record *clock, const operation *
         EACH(asin(x));
     case ATAN: EACH(atan(x));
     case ATAN2: EACH_PAIR(atan2(x, y));
-    case HYPOT: EACH_PAIR(hypot(x, y));
+    case HYPOT: EACH_PAIR(sqrt(x * x + y * y)); /* hypot() of new libraries is not in older ones */
     case FMOD:
         UNLESS_PAIR(y == 0.0 || isinf(x))
         EACH_PAIR(fmod(x, y));

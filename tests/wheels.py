@@ -58,7 +58,7 @@ def check_use(found):
     lines = {line[8:22].strip(): line for line in found["doctor"]["output"].splitlines()}
     assert "libgz.libs/libode" in lines["ode"]
     assert ", bundled: ODE" in lines["ode"]
-    assert "native (" in lines["step"]
+    assert "libgz/ode/_step.so" in lines["step"]
     assert "missing: libOSMesa.so.8; install with apt-get install libosmesa6 (Debian, Ubuntu); " in lines["osmesa"]
     assert "missing: libEGL.so.1, libEGL_mesa.so.0, swrast_dri.so; " in lines["egl"]
     for command in (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+import math
 import struct
 import sys
 import time
@@ -90,6 +91,8 @@ J = TypeVar("J", bound=Joint)
 
 LOWEST = -1000.0  # [m]; a body that falls further is reported
 FALL_PERIOD = 256  # steps between two looks
+MOST_FREE = 1000  # steps between two looks at what runs beside the world
+STEP_TOLERANCE = 1e-6  # steps; so much earlier it is asked, because the sim time is a sum
 _clones = itertools.count(1)
 _SURROUNDINGS = struct.Struct("16d?4d")
 _NO_FOG = (0.0, 0.0, 0.0, 0.0)
@@ -734,13 +737,16 @@ class World(Closing):
         rows, made = self.rows, 1
         if not rows.valid:
             self._build_rows()
-        if rows.native and not self._has_listeners():
+        if rows.native and (free := min(most, self._free_steps())) > 0:
             self.engine.enter()
             self.lock.wanted.value = 0
             steps = rows.steps
-            steps.value = most
+            steps.value = free
             number = rows.run_all()
-            made = most - steps.value
+            made = free - steps.value
+            if made:
+                for companion in self.companions:
+                    companion.skipped()
             if number < rows.count:
                 made += 1
                 self._continue_natively(number)
@@ -754,14 +760,18 @@ class World(Closing):
             self._end_step(paused=False)
         return made
 
-    def _has_listeners(self) -> bool:
-        """Whether a step is more than what rows do."""
-        if self.companions or not self.physics_enabled:
-            return True
-        for signal in self._signals:  # noqa: SIM110 - any() takes longer, in each step
+    def _free_steps(self) -> int:
+        """How many of the next steps consist of what rows do, and nothing else."""
+        if not self.physics_enabled:
+            return 0
+        for signal in self._signals:
             if signal.own:
-                return True
-        return False
+                return 0
+        free = math.inf
+        for companion in self.companions:
+            ahead = (companion.idle_until() - self.clock.sim_time) / self.engine.step_time
+            free = min(free, ahead - STEP_TOLERANCE)
+        return int(max(0.0, min(free, MOST_FREE)))
 
     def _continue_natively(self, number: int) -> None:
         """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
@@ -778,13 +788,13 @@ class World(Closing):
             if number < rows.end:
                 self._run_rows(number)
                 number = rows.end
-            if number == rows.end and self._has_listeners():  # since an entity has connected to an event
+            if number == rows.end and not self._free_steps():  # since an entity has connected to an event
                 self._advance_physics()
             else:
                 self._run_own_rows(number, rows.tail)
             self._act()
             number = rows.tail
-            if not rows.valid:  # what changed may be the interface that the last rows write to
+            if not rows.valid or not self._free_steps():  # the interface that the last rows write to may have changed
                 self._end_step(paused=False)
                 return
         self._run_own_rows(number, rows.count)

@@ -157,6 +157,11 @@ class ContactManager:
         """The number of filters."""
         return len(self._filters)
 
+    @property
+    def filtered(self) -> bool:
+        """Whether there are filters."""
+        return bool(self._filters)
+
     def PublishContacts(self) -> None:
         """Publish the contacts of the last step on the topics that have subscribers; called in every iteration."""
         step = self._world.core.engine.steps

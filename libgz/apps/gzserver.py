@@ -229,7 +229,7 @@ class Server:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
             watched = self._play is not None or control is not None or recorders or snapshots.requests.follows
-            done += self._step(core, control, 1 if watched or pacer.speed > 0.0 else self._most(done))
+            done += self._step(core, control, 1 if watched else self._most(done), pacer)
             for recorder in recorders:
                 recorder.take()
             snapshots.act()
@@ -238,13 +238,13 @@ class Server:
             while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
                 pass
 
-    def _step(self, core: World, control: PlaybackControl | None, most: int) -> int:
+    def _step(self, core: World, control: PlaybackControl | None, most: int, pacer: Pacer) -> int:
         """One step, or more where nothing has to be done between them; how many iterations, 0 while it is paused."""
         if control is not None:
             control.update()
         if self._play is not None and not core.paused:
             return int(self._play.Step())
-        return core.step_on(most) - int(core.paused)
+        return core.step_on(most, pacer) - int(core.paused)
 
     def _most(self, done: int) -> int:
         """How many iterations may follow each other, after a number of them."""

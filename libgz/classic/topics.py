@@ -113,6 +113,7 @@ class WorldTopics:
         self._world = world
         self._manager = TopicManager.Instance()
         self._manager.AddTopicNamespace(world.core.topic_space)
+        self._manager.locks.add(world.core.lock)
         self._node = Node()
         self._node.Init(world.core.topic_space)
         self._contacts = self._node.Advertise(msgs.Contacts, "~/physics/contacts")
@@ -320,6 +321,7 @@ class WorldTopics:
         """End the topics; the namespace stays if another world of this process has the same name."""
         name = self._world.core.topic_space
         self._node.Fini()
+        self._manager.locks.discard(self._world.core.lock)
         self._subscribers.clear()
         self._parts.clear()
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]

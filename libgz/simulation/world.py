@@ -45,6 +45,7 @@ from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.exchange import Exchange
 from libgz.simulation.journal import Journal
+from libgz.simulation.pacing import Pacer
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.publication import Publication
@@ -626,16 +627,16 @@ class World(Closing):
                     lock.pass_on()
                 count -= self._steps_alone(count)
 
-    def step_on(self, most: int) -> int:
+    def step_on(self, most: int, pacer: Pacer | None = None) -> int:
         """Run one step, and more of them, `most` at most, for some milliseconds of real time; how many.
 
-        For loops that have something to do now and then, but not in each step. Raises what `Step` does.
+        With a pacer, which finds the first one due, others are made when they are due. For loops that have something to do now and then, but not in each step. Raises what `Step` does.
         """
         lock = self.lock
         if lock.waiting:
             lock.give_way()
         with lock:
-            return self._steps_alone(most)
+            return self._steps_alone(most, None if pacer is None else pacer.pace)
 
     def batch(self, commands: Iterable[Columns] = (), readings: Iterable[Columns] = ()) -> Batch:
         """Commands and readings of many interfaces as two arrays, for loops that learn::
@@ -690,13 +691,13 @@ class World(Closing):
             lock.release()
         return 0
 
-    def _steps_alone(self, most: int) -> int:
+    def _steps_alone(self, most: int, pace: Any = None) -> int:
         """One step or more, in the thread that holds the lock; how many."""
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("stepped")
         self._inside = True
         try:
-            made = self._steps(most if self._rewind is None else 1)
+            made = self._steps(most if self._rewind is None else 1, pace)
         finally:
             self._inside = self.agenda.stepping = False
         if self._rewind is not None and self._rewind.due(self.clock.sim_time):
@@ -732,17 +733,17 @@ class World(Closing):
                 f"a world cannot be {what} while plugins load, are reset, come or go, or a state is saved or set"
             )
 
-    def _steps(self, most: int) -> int:
+    def _steps(self, most: int, pace: Any) -> int:
         """One step, and more as long as native code does them alone; how many."""
         rows, made = self.rows, 1
         if not rows.valid:
             self._build_rows()
+        self.lock.wanted.value = 0
         if rows.native and (free := min(most, self._free_steps())) > 0:
             self.engine.enter()
-            self.lock.wanted.value = 0
             steps = rows.steps
             steps.value = free
-            number = rows.run_all()
+            number = rows.run_all(pace)
             made = free - steps.value
             if made:
                 for companion in self.companions:

@@ -630,7 +630,8 @@ class World(Closing):
     def step_on(self, most: int, pacer: Pacer | None = None) -> int:
         """Run one step, and more of them, `most` at most, for some milliseconds of real time; how many.
 
-        With a pacer, which finds the first one due, others are made when they are due. For loops that have something to do now and then, but not in each step. Raises what `Step` does.
+        With a pacer, which finds the first one due, others are made when they are due. For loops that have something
+        to do now and then, but not in each step. Raises what `Step` does.
         """
         lock = self.lock
         if lock.waiting:

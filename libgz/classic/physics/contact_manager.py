@@ -115,7 +115,7 @@ class ContactManager:
         return self._contacts
 
     def records_of(self, rows: frozenset[int]) -> bytes:
-        """The points of the last step in which geoms of these rows take part, as `contact_records`; requests nothing."""
+        """The recorded points of the last step in which geoms of these rows take part, see `contact_records`."""
         engine = self._world.core.engine
         now = engine.steps, engine.collisions
         if self._sorted_at != now:

@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import json
 
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic
 from libgz.reference.check import check
 
@@ -14,6 +15,7 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     parser.add_argument(
         "worldfiles", nargs="+", metavar="WORLDFILE", help="a worldfile of Gazebo 0.3 to 0.7, or an SDF file"
     )

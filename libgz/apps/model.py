@@ -10,6 +10,7 @@ from typing import Any
 
 from libgz.apps.console import finite_number, read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
@@ -33,6 +34,7 @@ AXES = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     add = parser.add_argument
     add_world(parser)
     add("-m", "--model-name", default="", metavar="NAME", help="name of the model")

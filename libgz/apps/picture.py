@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.base.errors import LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
@@ -21,6 +22,7 @@ C = TypeVar("C")
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     add = parser.add_argument
     add("world", help="the worldfile, legacy or SDF")
     add("--camera", metavar="ID", help="id of the camera model, or name of the sensor (default: the first one)")

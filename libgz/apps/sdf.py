@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from libgz.apps import upgrade
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError, WorldFileError, nearest
 from libgz.reference.check import check_sdf
 from libgz.reference.sdf_elements import sdf_block, sdf_blocks
@@ -22,6 +23,7 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument(
         "-k",

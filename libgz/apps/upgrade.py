@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from libgz.apps.console import writing
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Remark, WorldFileError
 from libgz.base.files import read_limited, write_whole
 from libgz.sdf.conversion import upgrade_document
@@ -21,6 +22,7 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     what = "the worldfile, SDF file or robot description (URDF) to convert"
     parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help=what)
     target = parser.add_mutually_exclusive_group()

@@ -163,6 +163,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add("--strict", action="store_true", help=STRICT_HELP)
     add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add_rewind_option(parser)
     add_view_options(parser, optional=True)
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
@@ -309,7 +310,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
         try:
             world.backdrop.threaded = options.render_thread
             with watchdog.loading(), show_loading(path, world):
-                world.LoadFile(path)
+                world.LoadFile(path, options.arguments)
             world.Initialize()
             if options.record:
                 from libgz.apps.record import new_recorder  # it needs OpenGL, which other runs may do without

@@ -77,6 +77,7 @@ def make_parser() -> Parser:
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add_rewind_option(parser)
     add_mcap_option(parser)
     add_view_options(parser, optional=True)
@@ -160,7 +161,7 @@ class Server:
         core = self._watchdog.world = World(self._server_id(), seed=seed, strict=options.strict)
         try:
             with self._watchdog.loading(), show_loading(Path(path), core):
-                core.LoadFile(path)
+                core.LoadFile(path, self.options.arguments)
             if options.pause:
                 core.starts_paused = True
             if core.sdf is not None:

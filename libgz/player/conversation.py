@@ -76,15 +76,13 @@ class Directory:
         """The devices of a port whose interface a version has."""
         return [
             device
-            for (number, interface, _), device in sorted(self.devices.items())
+            for (number, interface, _), device in self.devices.items()
             if number == port and interface in interfaces
         ]
 
     def port_of(self, robot: str) -> int:
         """The port of a robot's devices; 0 if there is no robot of this name."""
-        return next(
-            (port for (port, _, _), d in sorted(self.devices.items()) if robot and d.declared.robot == robot), 0
-        )
+        return next((port for (port, _, _), d in self.devices.items() if robot and d.declared.robot == robot), 0)
 
 
 @dataclass
@@ -461,7 +459,7 @@ class Conversation2(Conversation):
     not; and a message that has the length of another version shows that it is that one.
 
     Args:
-        version: 2.0 or 2.1; an empty string: as the client shows.
+        version: 2.0 or later; an empty string: 2.0 or 2.1, as the client shows.
     """
 
     refusal = NACK

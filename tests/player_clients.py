@@ -4,9 +4,24 @@ import socket
 import struct
 
 CODES = {"power": 2, "gripper": 3, "position2d": 4, "sonar": 5, "laser": 6, "ptz": 8, "speech": 12, "gps": 13}
-CODES |= {"fiducial": 10, "truth": 15, "ir": 22, "wifi": 23, "mcom": 26, "position3d": 30, "simulation": 31, "camera": 40}
+CODES |= {
+    "fiducial": 10,
+    "truth": 15,
+    "ir": 22,
+    "wifi": 23,
+    "mcom": 26,
+    "position3d": 30,
+    "simulation": 31,
+    "camera": 40,
+}
 CODES |= {"actarray": 53}
 DATA, COMMAND, REQUEST, ACK, SYNCH, NACK, ERROR = range(1, 8)
+
+
+def free_port():
+    """A port that nobody listens on."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return free.getsockname()[1]
 
 
 class Client:
@@ -16,7 +31,7 @@ class Client:
         self.server = server
         self.socket = socket.create_connection(("127.0.0.1", port or server.ports[0]), timeout=5.0)
         self.socket.setblocking(False)
-        self.buffer = b""
+        self.buffer, self.kept = b"", []
         self.banner = self.read(32)
 
     def __enter__(self):
@@ -50,18 +65,27 @@ class Client:
             return False
 
     def answer(self):
-        """The next message that is no data."""
+        """The next message that is no data; what comes before it is kept."""
         while True:
-            found = self.message()
+            found = self.receive()
             if found[0] not in (DATA, SYNCH):
                 return found
+            self.kept.append((found, self.time))
+
+    def message(self):
+        """The next message."""
+        if not self.kept:
+            return self.receive()
+        found, self.time = self.kept.pop(0)
+        return found
 
     def data(self, interface, index=0):
         """The payload of the next data of a device."""
-        while True:
+        for _ in range(100):
             kind, code, at, *_, payload = self.message()
             if (kind, code, at) == (DATA, CODES[interface], index):
                 return payload
+        raise TimeoutError(f"no data of {interface}")
 
 
 class Client1(Client):
@@ -70,7 +94,7 @@ class Client1(Client):
     def send(self, kind, code, index, payload):
         self.socket.send(struct.pack(">2s3H6I", b"Xx", kind, code, index, 0, 0, 0, 0, 0, len(payload)) + payload)
 
-    def message(self):
+    def receive(self):
         mark, kind, code, index, _, _, seconds, part, _, size = struct.unpack(">2s3H6I", self.read(32))
         assert mark == b"Xx"
         self.time = seconds + part / 1e6
@@ -97,7 +121,7 @@ class Client2(Client):
     def send(self, kind, code, index, subtype, payload=b""):
         self.socket.send(struct.pack(">6IdII", 0, 0, code, index, kind, subtype, 0.0, 0, len(payload)) + payload)
 
-    def message(self):
+    def receive(self):
         _, _, code, index, kind, subtype, self.time, _, size = struct.unpack(">6IdII", self.read(40))
         return kind, code, index, subtype, self.read(size)
 

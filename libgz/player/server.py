@@ -155,7 +155,7 @@ class PlayerServer(Closing):
             if events & selectors.EVENT_WRITE:
                 connection.flush()
                 if connection.conversation is not None and not connection.crowded:
-                    connection.conversation.deliver(time.monotonic())
+                    connection.conversation.deliver()
             if events & selectors.EVENT_READ and connection.listens:
                 connection.receive()
             self._update(connection)
@@ -239,7 +239,7 @@ class PlayerServer(Closing):
         for connection in self._connections.values():
             conversation = connection.conversation
             if conversation is not None and (everyone or conversation.subscriptions) and not connection.closed:
-                conversation.deliver(now)
+                conversation.deliver()
                 if connection.waits_to_send:
                     self._update(connection)
 

@@ -1,8 +1,7 @@
 """A Player server in this process, over interfaces of this process's own server."""
 
-import socket
-
 import pytest
+from player_clients import free_port
 
 from libgz.interfaces.catalog import new_interface
 from libgz.player.configuration import read_configuration
@@ -25,11 +24,6 @@ def interfaces(server):
         new_interface(kind).create(server, "one", "Tester", 7)
     new_interface("sim").create(server, "default", "", 0)
     return {kind: interface for (kind, _), interface in server.interfaces.items()}
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        return free.getsockname()[1]
 
 
 @pytest.fixture

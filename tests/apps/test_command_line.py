@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import run_libgz
+from commands import run_command, run_libgz
 from master_uri import free_master_uri
 
 from libgz.apps.command_line import EXIT_CODES, command_parsers
@@ -139,12 +139,9 @@ def test_a_world_leads_to_its_file(tmp_path):
 def test_gazebo_and_gzserver_run_a_world_by_its_name(wire, tmp_path, monkeypatch):
     monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
     for command in (["gazebo", "-n", "-s", str(wire)], ["gzserver"]):
-        words = [sys.executable, "-m", f"libgz.apps.{command[0]}", *command[1:], "--steps", "3", "pioneer2at"]
-        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        done = run_command(*command, "--steps", 3, "pioneer2at", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-    missing = subprocess.run(
-        [sys.executable, "-m", "libgz.apps.gazebo", "pionere2at"], capture_output=True, text=True, timeout=60
-    )
+    missing = run_command("gazebo", "pionere2at")
     assert missing.returncode == 2
     assert "does not exist here, in GAZEBOPATH or among" in missing.stderr
     assert "did you mean 'pioneer2at'" in missing.stderr

@@ -5,11 +5,11 @@ import json
 import os
 import re
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+from commands import command_line, run_libgz
 from master_uri import free_master_uri
 
 from libgz.apps.libgz import main
@@ -37,7 +37,7 @@ def serve(folder):
     (folder / "w.world").write_text(WORLD)
     kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
     env = {**kept, "HOME": str(folder), "GAZEBO_MASTER_URI": free_master_uri()}
-    command = [sys.executable, "-m", "libgz.apps.gzserver", "--verbose", str(folder / "w.world")]
+    command = command_line("gzserver", "--verbose", folder / "w.world")
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as server:
         while "Publicized" not in server.stdout.readline():
             assert server.poll() is None
@@ -57,8 +57,7 @@ def place(tmp_path_factory):
 @pytest.fixture
 def libgz(place):
     def run(*words, code=0):
-        command = [sys.executable, "-m", "libgz.apps.libgz", *words]
-        done = subprocess.run(command, env=place, capture_output=True, text=True, timeout=60)
+        done = run_libgz(*words, env=place)
         assert done.returncode == code, done.stderr
         return done.stderr if code else done.stdout
 
@@ -131,13 +130,16 @@ def test_missing_arguments_are_reported(libgz):
 
 
 def test_statistics_end_with_the_server(tmp_path):
-    with serve(tmp_path) as (env, server):
-        command = [sys.executable, "-m", "libgz.apps.libgz", "stats"]
-        with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as stats:
-            assert stats.stdout.readline().startswith("Factor")
-            server.kill()
-            assert "the server has ended" in stats.communicate(timeout=30)[1]
-            assert stats.returncode == 1
+    with (
+        serve(tmp_path) as (env, server),
+        subprocess.Popen(
+            command_line("libgz", "stats"), env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        ) as stats,
+    ):
+        assert stats.stdout.readline().startswith("Factor")
+        server.kill()
+        assert "the server has ended" in stats.communicate(timeout=30)[1]
+        assert stats.returncode == 1
 
 
 def test_a_world_is_paused_stepped_and_reset(libgz):

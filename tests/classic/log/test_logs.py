@@ -3,13 +3,12 @@
 import base64
 import bz2
 import json
-import subprocess
-import sys
 import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import run_libgz
 from gzserver_process import new_environment, run
 from sdf_worlds import GROUND, collision, inertial, link, model, world
 
@@ -318,13 +317,7 @@ def test_topics_begin_and_end_a_log(load, tmp_path, monkeypatch):
 
 
 def tool(place, *words):
-    done = subprocess.run(
-        [sys.executable, "-m", "libgz.apps.libgz", *map(str, words)],
-        env=place,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
+    done = run_libgz(*words, env=place)
     return done.returncode, done.stdout, done.stderr
 
 

@@ -17,6 +17,7 @@ from libgz.apps.libgz import main
 ROBOTS = Path(__file__).parents[1] / "data" / "urdf"
 WORLD = """
 <sdf version='1.6'><world name='w'>
+  <physics type='ode'><max_step_size>0.01</max_step_size><real_time_update_rate>100</real_time_update_rate></physics>
   <model name='box'><pose>1 2 3 0 0 0</pose><static>1</static>
     <link name='link'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>
   </model>
@@ -162,7 +163,7 @@ def test_a_world_is_paused_stepped_and_reset(libgz):
         "iters": "70",
         "real_time_update_rate": "500",
     }
-    libgz("physics", "--gravity=0,0,-9.8", "-s", "0.001", "-i", "50", "-u", "1000")
+    libgz("physics", "--gravity=0,0,-9.8", "-s", "0.01", "-i", "50", "-u", "100")
     libgz("world", "-p", "0")
 
 

@@ -183,20 +183,17 @@ def every_parser(parser):
                 yield from every_parser(below)
 
 
-NAMES = [
-    pytest.param(parser, action, id=f"{parser.prog} {'|'.join(action.option_strings) or action.dest}")
-    for main in command_parsers().values()
-    for parser in every_parser(main)
-    for action in parser._actions
-    if action.nargs != 0 and action.type in (None, Path) and not action.choices and action.default != ""
-]
-
-
-@pytest.mark.parametrize(("parser", "action"), NAMES)
-@pytest.mark.parametrize("empty", ["", " "])
-def test_an_empty_name_is_one_sentence_everywhere(parser, action, empty):
-    with pytest.raises(argparse.ArgumentError, match=r"the name is empty$"):
-        parser._get_values(action, [empty])
+def test_an_empty_name_is_one_sentence_everywhere():
+    checked = 0
+    for main in command_parsers().values():
+        for parser in every_parser(main):
+            for action in parser._actions:
+                if action.nargs != 0 and action.type in (None, Path) and not action.choices and action.default != "":
+                    for empty in ("", " "):
+                        with pytest.raises(argparse.ArgumentError, match=r"the name is empty$"):
+                            parser._get_values(action, [empty])
+                    checked += 1
+    assert checked > 60
 
 
 def test_texts_may_be_empty_and_the_default_too():

@@ -24,7 +24,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
     ["front"],
-    ["convert", "recording", "reference", "view"],
+    ["convert", "player", "recording", "reference", "view"],
     ["study"],
     ["gym", "sweep"],
     ["testing"],

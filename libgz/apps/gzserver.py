@@ -18,6 +18,7 @@ from libgz.apps.progress import show_loading
 from libgz.apps.record import VideoRecorder, record_videos
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
+from libgz.apps.untrusted import add_untrusted_option, confined
 from libgz.apps.view_options import GL_HELP
 from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError, nearest
@@ -75,6 +76,8 @@ def make_parser() -> Parser:
     add("--watch-only", action="store_true", help="refuse all that clients and pages do to change the world")
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add_rewind_option(parser)
     add_mcap_option(parser)
     add_view_options(parser, optional=True)
@@ -158,7 +161,7 @@ class Server:
         core = self._watchdog.world = World(self._server_id(), seed=seed, strict=options.strict)
         try:
             with self._watchdog.loading(), show_loading(Path(path), core):
-                core.LoadFile(path)
+                core.LoadFile(path, self.options.arguments)
             if options.pause:
                 core.starts_paused = True
             if core.sdf is not None:
@@ -278,7 +281,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.videos = videos
     warn_without_effect(options)
     try:
-        return Server(options, words).run()
+        with confined("gzserver", options):
+            return Server(options, words).run()
     except GazeboError as error:
         log.error("%s", error)
         strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)

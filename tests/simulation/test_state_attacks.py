@@ -13,8 +13,9 @@ import pytest
 from state_attacks import WORDS, world as attacked
 
 from libgz.base import encoding
+from libgz.base.budget import VARIABLE
 from libgz.base.encoding import FORMAT, decode, encode
-from libgz.base.errors import StateError
+from libgz.base.errors import ParameterError, StateError
 from libgz.base.geometry import GzPose, GzVector
 
 
@@ -185,3 +186,18 @@ def test_large_numbers_are_refused(world):
             with pytest.raises(StateError, match="out of its range"):
                 engine.set_state({**state, "memory": memory})
             assert engine.get_state() == state
+
+
+def test_states_have_the_limit_of_all_that_is_decompressed(monkeypatch):
+    state = encode(bytes(2 << 20))
+    monkeypatch.setenv(VARIABLE, "1")
+    said = rf"2\.0 MiB; allowed are 1 MiB, or what {VARIABLE} \[MiB\] says"
+    with pytest.raises(StateError, match=said):
+        decode(state)
+    with pytest.raises(ParameterError, match=said):
+        encode(bytes(2 << 20))
+    parts = msgpack.packb([msgpack.ExtType(6, bytes(600 << 10))] * 2)  # two bytearrays
+    with pytest.raises(StateError):
+        decode(FORMAT + parts)
+    monkeypatch.setenv(VARIABLE, "2")
+    assert len(decode(FORMAT + parts)) == 2

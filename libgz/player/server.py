@@ -31,6 +31,7 @@ LOOPBACK = "127.0.0.1"
 PERIOD = 0.004  # [s] between two looks at the interfaces, while somebody subscribes to them
 IDLE = 0.25  # [s] while nobody does
 MOST_CONNECTIONS = 400
+KERNEL_BUFFER = 128 << 10  # [byte] that the system holds for a client
 BANNER = b"Player v.2.1.3 (libgz)".ljust(32, b"\0")  # clients read 32 bytes before they send the first
 
 _Slow = tuple[Connection, Frame, Device, Message, Values]
@@ -181,6 +182,7 @@ class PlayerServer(Closing):
         sock.setblocking(False)
         with contextlib.suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
         port = self._listeners[listener]
         connection = Connection(sock, port, self._directory, self._totals, self._version, self._defer)
         self._connections[sock.fileno()] = connection

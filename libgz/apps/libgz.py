@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
+from libgz.apps.untrusted import confined
 from libgz.base.errors import GazeboError
 
 __all__ = ["main", "run_words"]
@@ -137,7 +138,9 @@ def run_words(prog: str, words: list[str]) -> int:
     if owned:
         signal.signal(signal.SIGTERM, _terminated)
     try:
-        return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
+        command = importlib.import_module(f"libgz.apps.{options.command}")
+        with confined(prog, options):
+            return int(command.run(options))
     except GazeboError as error:
         print(f"{prog}: {error}", file=sys.stderr)
         return 1

@@ -22,6 +22,7 @@ from libgz.player.messages import Message
 from libgz.player.records import Values
 from libgz.player.simulator import Simulator
 from libgz.player.wire import ACK, NACK, Frame
+from libgz.transport.peers import PeerCheck
 
 __all__ = ["LOOPBACK", "PlayerServer"]
 
@@ -71,7 +72,7 @@ class PlayerServer(Closing):
         self._devices = [Device(declared, simulator) for declared in configuration.devices]
         by_address = {(d.declared.port, d.declared.driver.kind, d.declared.index): d for d in self._devices}
         self._directory = Directory(simulator, by_address, key)
-        self._version, self._totals = version, Totals()
+        self._version, self._totals, self._peers = version, Totals(), PeerCheck()
         self._selector = selectors.DefaultSelector()
         self._connections: OrderedDict[int, Connection] = OrderedDict()  # by descriptor, the oldest first
         self._listeners: dict[socket.socket, int] = {}
@@ -177,6 +178,11 @@ class PlayerServer(Closing):
             return
         if len(self._connections) >= MOST_CONNECTIONS and not self._make_room():
             log.warning("refused a client: there are %d already", MOST_CONNECTIONS)
+            sock.close()
+            return
+        refused = self._peers.refusal(sock)
+        if refused:
+            log.warning("refused a client: %s", refused)
             sock.close()
             return
         sock.setblocking(False)

@@ -23,6 +23,7 @@ from libgz.player.records import Values
 from libgz.player.simulator import Simulator
 from libgz.player.wire import ACK, NACK, Frame
 from libgz.transport.peers import PeerCheck
+from libgz.transport.tally import Tally
 
 __all__ = ["LOOPBACK", "PlayerServer"]
 
@@ -73,6 +74,7 @@ class PlayerServer(Closing):
         by_address = {(d.declared.port, d.declared.driver.kind, d.declared.index): d for d in self._devices}
         self._directory = Directory(simulator, by_address, key)
         self._version, self._totals, self._peers = version, Totals(), PeerCheck()
+        self._tally = Tally(100)
         self._selector = selectors.DefaultSelector()
         self._connections: OrderedDict[int, Connection] = OrderedDict()  # by descriptor, the oldest first
         self._listeners: dict[socket.socket, int] = {}
@@ -172,17 +174,17 @@ class PlayerServer(Closing):
         except BlockingIOError:
             return
         except OSError as error:  # no descriptors are left
-            log.warning("cannot accept a client: %s", error.strerror)
+            self._warn(f"cannot accept a client: {error.strerror}")
             self._make_room()
             self._accepts_from = time.monotonic() + IDLE
             return
         if len(self._connections) >= MOST_CONNECTIONS and not self._make_room():
-            log.warning("refused a client: there are %d already", MOST_CONNECTIONS)
+            self._warn(f"refused a client: there are {MOST_CONNECTIONS} already")
             sock.close()
             return
         refused = self._peers.refusal(sock)
         if refused:
-            log.warning("refused a client: %s", refused)
+            self._warn(f"refused a client: {refused}")
             sock.close()
             return
         sock.setblocking(False)
@@ -195,6 +197,11 @@ class PlayerServer(Closing):
         self._selector.register(sock, selectors.EVENT_READ)
         connection.send(BANNER)
         self._update(connection)
+
+    def _warn(self, message: str) -> None:
+        """Log what a client did, the first time, then at growing counts."""
+        if self._tally.due(message):
+            log.warning("%s%s", message, self._tally.times(message))
 
     def _make_room(self) -> bool:
         """Close the oldest connection that has said nothing usable; whether there was one."""

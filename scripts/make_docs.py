@@ -23,6 +23,7 @@ from libgz.interfaces.reference import reference
 from libgz.reference.classic_pages import classic_pages
 from libgz.reference.markdown import NOTE, cell
 from libgz.reference.pages import pages as model_pages, write_changed
+from libgz.reference.player_devices import player_devices_page
 from libgz.reference.sdf_elements import sdf_elements_page
 
 ROOT = Path(__file__).parent.parent
@@ -34,7 +35,8 @@ def generated_pages() -> dict[str, str]:
     """Path below docs -> text of all generated pages."""
     folders = {"models": model_pages(), "api": api_pages(), "classic": classic_pages()}
     found = {f"{folder}/{name}": text for folder, pages in folders.items() for name, text in pages.items()}
-    return {"commands.md": commands_page(), "sdf_elements.md": sdf_elements_page(), "structs.md": reference(), **found}
+    found |= {"commands.md": commands_page(), "sdf_elements.md": sdf_elements_page(), "structs.md": reference()}
+    return {**found, "player_devices.md": player_devices_page()}
 
 
 def write_source(folder: Path) -> None:

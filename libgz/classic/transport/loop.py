@@ -18,7 +18,7 @@ from typing import Any
 from libgz.base.errors import ParameterError
 from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
-from libgz.classic.transport.peers import PeerCheck
+from libgz.transport.peers import PeerCheck
 from libgz.classic.transport.topic import log
 
 __all__ = ["Connection", "SocketLoop"]

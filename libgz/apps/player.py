@@ -12,6 +12,7 @@ from libgz.apps.console import whole_number
 from libgz.base.errors import ServerError
 from libgz.base.python import run_module
 from libgz.player.configuration import PORT, Configuration, read_configuration
+from libgz.player.messages import VERSIONS
 from libgz.player.server import LOOPBACK, PlayerServer
 from libgz.player.simulator import Simulator
 
@@ -46,9 +47,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--protocol",
-        choices=("auto", "2.0", "2.1"),
+        choices=("auto", *VERSIONS[1:]),
         default="auto",
-        help="version of clients of Player 2 and 3 (2.1: 3, too; default: as they show). Those of 1.6 are recognised",
+        help="version of clients of Player 2 and 3 (2.1: 3.0, too; default: 2.0 or 2.1, as they show)",
     )
 
 

@@ -276,7 +276,8 @@ class _Parser:
             if token.text == "define":
                 self._define(token)
             elif self._entry(token, section) is not None:
-                self._error(token, f"a section {token.text!r} inside {section.type!r} has no meaning")
+                place = Place(token.file, token.line, section.type)
+                self._diagnostics.warn(place, f"the section {token.text!r} inside it has no effect")
         if token is None:
             self._error(name, f"the section {name.text!r} has no closing )")
         return section
@@ -329,7 +330,7 @@ def _as_driver(section: _Section, diagnostics: Diagnostics) -> _Section | None:
         diagnostics.warn(section.place, "has no effect")
     else:
         known = ("driver", "define", "include", "plugin", *CODES, *ALIASES)
-        diagnostics.error(section.place, f"there is no section {section.type!r}{nearest(section.type, known)}")
+        diagnostics.warn(section.place, f"the section {section.type!r} has no effect{nearest(section.type, known)}")
     return None
 
 
@@ -364,7 +365,13 @@ def _add(result: Configuration, section: _Section, port: int) -> None:
         diagnostics.error(section.place, f'{name!r} must say what it provides, such as provides ["position:0"]')
         return
     addresses, place = section.fields.get("provides") or section.fields["devices"]
-    for address in addresses:
+    known_kinds = {driver.kind for driver in declared}
+    kinds = [_kind(address.split(":")[-2]) if ":" in address else None for address in addresses]
+    some = any(kind in known_kinds for kind in kinds)
+    for address, kind in zip(addresses, kinds, strict=True):
+        if some and kind not in known_kinds:
+            diagnostics.warn(place, f"{name!r} does not provide {address!r}, which is left out")
+            continue
         device = _device(declared, section, address, place, port, diagnostics)
         if device is not None:
             _add_device(result, device)
@@ -392,8 +399,8 @@ def _device(
         diagnostics.error(place, f"there is no interface {parts[-2]!r} here{nearest(parts[-2], offered)}")
         return None
     if not number.isdecimal() or int(number) > 65535:
-        diagnostics.error(place, f"{address!r} has the index {number!r}; it must be a number from 0 to 65535")
-        return None
+        diagnostics.warn(place, f"{address!r} has the index {number!r}, and no number from 0 to 65535; it is 0 here")
+        number = "0"
     if given and not (given.isdecimal() and 0 < int(given) < 65536):
         diagnostics.error(place, f"{address!r} has the port {given!r}; it must be a number from 1 to 65535")
         return None
@@ -412,7 +419,8 @@ def _device(
     driver = keyed[0]
     gz_id = next((section.text(name) for name in IDS if section.text(name)), "")
     if driver.source and driver.source != "sim" and not gz_id:
-        diagnostics.error(section.place, f"{label!r} must have a gz_id, the id of its {driver.source} interface")
+        message = f"{label!r} has no gz_id, the id of its {driver.source} interface; {address} is left out"
+        diagnostics.warn(section.place, message)
         return None
     try:
         check_id(driver.source or driver.kind, gz_id)

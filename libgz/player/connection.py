@@ -38,7 +38,7 @@ class Connection:
     """A client. Its version is known when it has sent the first bytes.
 
     Args:
-        version: of clients whose protocol is that of Player 2, 2.0 or 2.1; an empty string: as the client shows.
+        version: of clients of Player 2 and 3; an empty string: as the client shows.
         defer: answers slow requests.
 
     Attributes:

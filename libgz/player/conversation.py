@@ -7,6 +7,7 @@ the client chose. It knows nothing of sockets: a `Channel` takes its bytes.
 from __future__ import annotations
 
 import logging
+import time
 from abc import ABC, abstractmethod
 from collections import deque
 from dataclasses import dataclass, field
@@ -76,15 +77,13 @@ class Directory:
         """The devices of a port whose interface a version has."""
         return [
             device
-            for (number, interface, _), device in sorted(self.devices.items())
+            for (number, interface, _), device in self.devices.items()
             if number == port and interface in interfaces
         ]
 
     def port_of(self, robot: str) -> int:
         """The port of a robot's devices; 0 if there is no robot of this name."""
-        return next(
-            (port for (port, _, _), d in sorted(self.devices.items()) if robot and d.declared.robot == robot), 0
-        )
+        return next((port for (port, _, _), d in self.devices.items() if robot and d.declared.robot == robot), 0)
 
 
 @dataclass
@@ -246,8 +245,13 @@ class Conversation(ABC):
     # What the server sends -------------------------------------------------------------------------------------------
 
     @abstractmethod
-    def deliver(self, now: float) -> None:
-        """Send data that are due, at a real time [s]."""
+    def deliver(self) -> None:
+        """Send data that are due."""
+
+    def _look(self) -> None:
+        """Take the newest data of all devices that are subscribed to."""
+        for device in self.subscriptions:
+            device.poll()
 
     def _packed(self, subscription: Subscription) -> bytes:
         """The latest data of a device, which all clients of a version share."""
@@ -256,9 +260,9 @@ class Conversation(ABC):
         if found is None:
             declared, message = device.declared, self._data_message(device)
             payload = message.layout.encode(device.values, xdr=self._wire.xdr)
-            time = max(device.time, 0.0)
+            taken = max(device.time, 0.0)
             found = self._wire.pack_data(
-                subscription.code, declared.index, message.number, payload, time, declared.port
+                subscription.code, declared.index, message.number, payload, taken, declared.port
             )
             device.frames[name] = found
         return found
@@ -352,9 +356,10 @@ class Conversation1(Conversation):
             self._frequency = values["frequency"]
             self.answer(ACK, frame)
         elif name == "data" and self._mode in (self.PULL_ALL, self.PULL_NEW):
-            self._asked = True
             self.answer(ACK, frame)
-            self.deliver(self._last_real)
+            self._look()
+            self._asked = True
+            self.deliver()
         else:
             self.answer(NACK, frame)
 
@@ -377,12 +382,13 @@ class Conversation1(Conversation):
         label = device.declared.label if device is not None else ""
         self.answer(ACK, frame, message, {**values, "access": granted, "driver": label})
 
-    def deliver(self, now: float) -> None:
+    def deliver(self) -> None:
         """See `Conversation.deliver`."""
         if self.channel.crowded or not self._authenticated:
             return
         everything = self._mode in (self.PUSH_ALL, self.PULL_ALL)
         ready = [s for s in self._sources() if everything or s.sent != s.device.number]
+        now = time.monotonic()
         if not self._due(now, bool(ready)):
             return
         for subscription in ready:
@@ -398,12 +404,12 @@ class Conversation1(Conversation):
         silent = now - self._last_real >= HEARTBEAT
         if self._mode == self.PUSH_ASYNC:
             return ready or silent
-        time = self.time
-        passed = time - self._last
+        sim_time = self.time
+        passed = sim_time - self._last
         period = 1.0 / self._frequency if self._frequency else float("inf")
         if 0.0 <= passed < period - 1e-6:
             return silent
-        self._last = self._last + period if period <= passed < 2.0 * period else time  # without drift
+        self._last = self._last + period if period <= passed < 2.0 * period else sim_time  # without drift
         return True
 
 
@@ -461,7 +467,7 @@ class Conversation2(Conversation):
     not; and a message that has the length of another version shows that it is that one.
 
     Args:
-        version: 2.0 or 2.1; an empty string: as the client shows.
+        version: 2.0 or later; an empty string: 2.0 or 2.1, as the client shows.
     """
 
     refusal = NACK
@@ -530,8 +536,9 @@ class Conversation2(Conversation):
             self.answer(ACK, frame)
         elif name == "data":
             self.answer(ACK, frame)
+            self._look()
             self._asked = True
-            self.deliver(0.0)
+            self.deliver()
         else:
             self.answer(NACK, frame)
 
@@ -558,9 +565,9 @@ class Conversation2(Conversation):
         reply = {**self._address(device), "access": granted, "driver": device.declared.label}
         self.answer(ACK, frame, message, reply)
         if self._pull:
-            self.deliver(0.0)
+            self.deliver()
 
-    def deliver(self, now: float) -> None:
+    def deliver(self) -> None:
         """See `Conversation.deliver`."""
         if not self._authenticated:
             return

@@ -272,10 +272,9 @@ def _look(device: Holder, values: Values) -> None:
     data.cmd_pan, data.cmd_tilt, data.cmd_zoom = values["pan"], values["tilt"], values["zoom"]
 
 
-def _control_mode(_device: Holder, values: Values) -> Values:
+def _control_mode(_device: Holder, values: Values) -> None:
     if values["mode"] != 1:
         raise RefusedError("heads are controlled by position only")
-    return values
 
 
 def _camera(image: str, size: str) -> Read:
@@ -390,12 +389,11 @@ def _move(mode: int, target: str, name: str) -> Command:
     return move
 
 
-def _joint_speed(device: Holder, values: Values) -> Values:
+def _joint_speed(device: Holder, values: Values) -> None:
     data, joint = device.interface.data, int(values["joint"])
     if not 0 <= joint < _count(data.actuators_count, 16):
         raise RefusedError(f"joint {joint}")
     data.cmd_speed[joint] = values["speed"]
-    return values
 
 
 def _already(value: int) -> Reply:

@@ -2,7 +2,7 @@
 
 A message has one name, and its fields have one name each, in all versions; number and layout of each version are rows
 of `messages.txt`, of which section ``[2]`` is common to 2.0 and 2.1. The reply to a request has its layout, unless
-there is a row for the reply. Version 3 has the messages of 2.1, as far as they are here.
+there is a row for the reply. Version 3.0 has the messages of 2.1, as far as they are here, 3.1 those and another one.
 
 Sources of the numbers: Player's manuals of 1.6, 2.0 and 2.1, chapters "interface specification" and "wire protocol".
 """
@@ -22,7 +22,7 @@ __all__ = ["ALIASES", "CODES", "VERSIONS", "Kind", "Message", "Messages", "messa
 
 Kind: TypeAlias = Literal["data", "command", "request", "reply"]
 
-VERSIONS = ("1.6", "2.0", "2.1")
+VERSIONS = ("1.6", "2.0", "2.1", "3.1")
 
 # Codes of interfaces, the same in all versions.
 CODES = {
@@ -101,9 +101,9 @@ def _rows(text: str) -> Iterator[Message]:
 def messages_of(version: str) -> Messages:
     """The messages of a version."""
     sections = _sections()
-    text = sections[version]
-    if version != "1.6":
-        text = sections["2"].replace(":real", ":f4" if version == "2.0" else ":f8") + text
+    own = {"3.1": sections["2.1"] + sections["3.1"]}.get(version, sections[version])
+    real = ":f4" if version == "2.0" else ":f8"
+    text = own if version == "1.6" else sections["2"].replace(":real", real) + own
     rows = list(_rows(text))
     by_number = {(row.interface, row.kind, row.number): row for row in rows}
     by_name = {(row.interface, row.kind, row.name): row for row in rows}

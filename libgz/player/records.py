@@ -79,8 +79,26 @@ class Record:
         """The names of its fields, without counts."""
         return [field.name for field in self.fields if field.name[0] != "#"]
 
+    @functools.cached_property
+    def _plain(self) -> struct.Struct | None:
+        """The layout in 1.6, if it consists of single numbers."""
+        return self._struct(xdr=False)
+
+    @functools.cached_property
+    def _plain_xdr(self) -> struct.Struct | None:
+        """The layout in XDR, if it consists of single numbers."""
+        return self._struct(xdr=True)
+
+    def _struct(self, *, xdr: bool) -> struct.Struct | None:
+        if not all(f.type in _FORMATS and f.size is None and f.name[0] != "#" for f in self.fields):
+            return None
+        return struct.Struct(">" + "".join(_FORMATS[_wire_type(f.type, xdr)] for f in self.fields))
+
     def encode(self, values: Values, *, xdr: bool) -> bytes:
         """The bytes of a message. Fields without a value are zero; numbers that do not fit are limited."""
+        plain = self._plain_xdr if xdr else self._plain
+        if plain is not None:
+            return plain.pack(*[_fitting(values.get(f.name) or 0, f.scale, f.type) for f in self.fields])
         parts: list[bytes] = []
         for field in self.fields:
             if field.name[0] == "#":
@@ -99,6 +117,10 @@ class Record:
         return self._decode(_Cursor(data), xdr)
 
     def _decode(self, cursor: _Cursor, xdr: bool) -> dict[str, Any]:
+        plain = self._plain_xdr if xdr else self._plain
+        if plain is not None:
+            numbers = plain.unpack(cursor.take(plain.size))
+            return {f.name: n if f.scale == 1.0 else n / f.scale for f, n in zip(self.fields, numbers, strict=True)}
         values: dict[str, Any] = {}
         for field in self.fields:
             values[field.name] = _decoded(field, cursor, xdr)

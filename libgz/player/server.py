@@ -34,7 +34,7 @@ MOST_CONNECTIONS = 400
 BANNER = b"Player v.2.1.3 (libgz)".ljust(32, b"\0")  # clients read 32 bytes before they send the first
 
 _Slow = tuple[Connection, Frame, Device, Message, Values]
-_Answer = tuple[Connection, Frame, Message, "Values | None"]
+_Answer = tuple[Connection, int, Frame, Message, "Values | None"]
 
 
 class PlayerServer(Closing):
@@ -48,10 +48,10 @@ class PlayerServer(Closing):
         simulator: whose interfaces they are.
         host: address to listen on.
         key: that clients must send first; an empty string for none.
-        version: of clients of Player 2, 2.0 or 2.1; an empty string: as the client shows.
+        version: of clients of Player 2 and 3; an empty string: 2.0 or 2.1, as the client shows.
 
     Attributes:
-        ports: configured port -> port on which it listens.
+        ports: on which it listens.
 
     Raises:
         ServerError: a port cannot be used.
@@ -83,9 +83,9 @@ class PlayerServer(Closing):
         self._writer.setblocking(False)
         self._reader.setblocking(False)
         self._selector.register(self._reader, selectors.EVENT_READ)
-        self.ports: dict[int, int] = {}
+        self.ports = configuration.ports
         try:
-            for port in configuration.ports:
+            for port in self.ports:
                 self._listen(host, port)
         except OSError as error:
             self.close()
@@ -97,7 +97,6 @@ class PlayerServer(Closing):
         listener = socket.create_server((host, port), family=family, backlog=128)
         listener.setblocking(False)
         self._listeners[listener] = port
-        self.ports[port] = listener.getsockname()[1]
         self._selector.register(listener, selectors.EVENT_READ)
 
     @property
@@ -156,7 +155,7 @@ class PlayerServer(Closing):
             if events & selectors.EVENT_WRITE:
                 connection.flush()
                 if connection.conversation is not None and not connection.crowded:
-                    connection.conversation.deliver(time.monotonic())
+                    connection.conversation.deliver()
             if events & selectors.EVENT_READ and connection.listens:
                 connection.receive()
             self._update(connection)
@@ -240,7 +239,7 @@ class PlayerServer(Closing):
         for connection in self._connections.values():
             conversation = connection.conversation
             if conversation is not None and (everyone or conversation.subscriptions) and not connection.closed:
-                conversation.deliver(now)
+                conversation.deliver()
                 if connection.waits_to_send:
                     self._update(connection)
 
@@ -255,24 +254,25 @@ class PlayerServer(Closing):
     def _work(self) -> None:
         while (request := self._slow.get()) is not None:
             connection, frame, _, message, values = request
-            reply: Values | None = None
+            kind, reply = NACK, None
             if not connection.closed:
                 try:
                     reply = self._simulator.answer(message.name, values)
+                    kind = ACK
                 except RefusedError as error:
                     log.debug("refused %s: %s", message.name, error)
                 except (GazeboError, OSError, ValueError) as error:
                     log.warning("%s failed: %s", message.name, error)
-            self._answers.put((connection, frame, message, reply))
+            self._answers.put((connection, kind, frame, message, reply))
             self._wake()
 
     def _answer(self) -> None:
         while not self._answers.empty():
-            connection, frame, message, reply = self._answers.get()
+            connection, kind, frame, message, reply = self._answers.get()
             connection.busy = False
             if connection.closed or connection.conversation is None:
                 continue
-            connection.conversation.answer(ACK if reply is not None else NACK, frame, message, reply)
+            connection.conversation.answer(kind, frame, message, reply)
             connection.handle()
             self._update(connection)
 

@@ -111,8 +111,8 @@ class Simulator:
 
     # Requests about models, which the server itself answers; called in a thread of their own -------------------------
 
-    def answer(self, name: str, values: Values) -> Values:
-        """Answer a request of the simulation interface.
+    def answer(self, name: str, values: Values) -> Values | None:
+        """Answer a request of the simulation interface; what to reply, None for nothing.
 
         Raises:
             RefusedError: there is no such model, or the server does not answer.
@@ -121,7 +121,10 @@ class Simulator:
         if not model:
             raise RefusedError("the request names no model")
         try:
-            return self._get_pose(model) if name.startswith("get") else self._set_pose(model, values)
+            if name.startswith("get"):
+                return self._get_pose(model)
+            self._set_pose(model, values)
+            return None
         except RefusedError:
             raise
         except GazeboError as error:
@@ -134,8 +137,8 @@ class Simulator:
         found = dict(zip(("px", "py", "pz", "roll", "pitch", "yaw"), (*pose.pos, *angles), strict=True))
         return {**found, "name": model, "pa": angles[2], "time": self.time}
 
-    def _set_pose(self, model: str, values: Values) -> Values:
-        """Move a model; a pose in the plane keeps height, roll and pitch."""
+    def _set_pose(self, model: str, values: Values) -> None:
+        """Move a model, and wait until it is there; a pose in the plane keeps height, roll and pitch."""
         old = self._get_pose(model)
         given = {**old, **values}
         if "pa" in values:
@@ -144,4 +147,5 @@ class Simulator:
         pose = GzPose(GzVector(*(float(given[name]) for name in ("px", "py", "pz"))), GzQuatern(*rotation))
         content = {"name": model, "pose": [*pose.pos, *pose.rot]}
         ask(self.server_id, "move", "-", json.dumps(content).encode(), timeout=PATIENCE)
-        return {**values, "name": model}
+        with Observer(self.server_id) as observer:
+            observer.wait(newer_than=observer.state(), timeout=PATIENCE)

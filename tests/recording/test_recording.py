@@ -286,7 +286,7 @@ def test_textures_of_another_machine(world, tmp_path):
 
     def wait(step):
         if step == 2:  # looks are searched for changes at times
-            time.sleep(max(0.0, world._publication._next_look - time.monotonic()))
+            time.sleep(max(0.0, world.publication._next_look - time.monotonic()))
 
     record(world, tmp_path / "a.mcap", 5, wait)
     world.close()

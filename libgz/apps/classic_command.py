@@ -16,8 +16,8 @@ from libgz.apps.console import Hints, LogFile
 from libgz.base.closing import Closing
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import Missing, new_plugin
-from libgz.classic.server import system_plugins
 from libgz.classic.transport import Link, publicized_address
+from libgz.classic.world_plugins import system_plugins
 from libgz.rendering.choice import prefer
 
 __all__ = [

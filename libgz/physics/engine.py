@@ -561,7 +561,7 @@ class Engine:
         if not most:
             return "ODE ran out of memory in a step: the world is too large"
         geom = geoms[crowds.index(most)]
-        where = geom.body.model.MasterPlace() if hasattr(geom.body.model, "MasterPlace") else ""
+        where = geom.body.model._entity_place() if hasattr(geom.body.model, "_entity_place") else ""
         return (
             f"{where}ODE ran out of memory in a step: too many contacts at once; {geom.label} is where {most} other "
             "shapes are, too"

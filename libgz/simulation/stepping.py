@@ -211,7 +211,7 @@ class Stepping:
             for entity in self.world.followers:
                 entity.follow()
         except ParameterError as error:
-            raise GazeboError(f"{entity.MasterPlace()}{error}") from error
+            raise GazeboError(f"{entity._entity_place()}{error}") from error
 
     def _update_entities(self, step: float) -> None:
         """Update all entities in order. One that raises is reported and stopped; the others are still updated."""

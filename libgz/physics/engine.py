@@ -541,6 +541,11 @@ class Engine:
         """The second half of a step."""
         self._finish(self.native.solve())
 
+    @exclusive
+    def drop_contacts(self) -> None:
+        """End a step after `collide` without a second half: nothing moves, and what was recorded stays."""
+        ode().dJointGroupEmpty(self._context.contacts)
+
     def _finish(self, done: int) -> None:
         """Note which rows are fresh now, and recover from what went wrong."""
         if self.tables.touched:

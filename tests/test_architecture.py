@@ -23,6 +23,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
     ["front"],
+    ["ros"],
     ["convert", "recording", "reference", "view"],
     ["study"],
     ["gym", "sweep"],

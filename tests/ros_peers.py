@@ -72,6 +72,9 @@ class Master:
     def lookupNode(self, caller, name):
         return (1, "", self.nodes[name]) if name in self.nodes else (-1, f"unknown node {name}", "")
 
+    def lookupService(self, caller, name):
+        return (1, "", self.services[name]) if name in self.services else (-1, f"no service {name}", "")
+
     def hasParam(self, caller, key):
         return 1, "", key in self.parameters
 

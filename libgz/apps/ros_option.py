@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from libgz.ros.server import Ros1
 
-__all__ = ["add_ros_options", "start_ros"]
+__all__ = ["add_ros_options", "ros_wanted", "start_ros"]
 
 
 def add_ros_options(parser: argparse.ArgumentParser) -> None:
@@ -22,6 +22,12 @@ def add_ros_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--ros-ip", metavar="ADDRESS", help=about)
 
 
+def ros_wanted(options: argparse.Namespace) -> bool:
+    """Whether the options, or else the environment, ask for ROS; False for a command without these options."""
+    wanted = getattr(options, "ros1", False)
+    return bool(wanted if wanted is not None else os.environ.get("ROS_MASTER_URI"))
+
+
 def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractContextManager[Ros1 | None]:
     """ROS for a `with` block, if the options or the environment ask for it.
 
@@ -29,8 +35,7 @@ def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractCont
         options: of the command line.
         words: the whole command line, with names and remappings.
     """
-    wanted = options.ros1 if options.ros1 is not None else bool(os.environ.get("ROS_MASTER_URI"))
-    if not wanted:
+    if not ros_wanted(options):
         return nullcontext()
     from libgz.ros.server import Ros1
 

@@ -182,11 +182,13 @@ class MessageType:
     @cached_property
     def text(self) -> str:
         """The definition with those of all types in it, as in the headers of connections and in bags."""
-        parts = [self._own_text()]
-        parts += [f"MSG: {other.name}\n{other._own_text()}" for other in self._parts([])]
+        parts = [self.own_text]
+        parts += [f"MSG: {other.name}\n{other.own_text}" for other in self._parts([])]
         return _RULE.join(parts)
 
-    def _own_text(self) -> str:
+    @property
+    def own_text(self) -> str:
+        """Its definition alone."""
         lines = [f"{constant.kind} {constant.name}={constant.text}" for constant in self.constants]
         return "".join(f"{line}\n" for line in [*lines, *(f"{_with_size(f)} {f.name}" for f in self.fields)])
 

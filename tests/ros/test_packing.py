@@ -60,7 +60,7 @@ def stored(kind: MessageType, store):
         for part in [kind, *kind._parts([])]:
             own = part.name.replace("/", "/msg/")
             if own not in store.fielddefs:
-                text = part._own_text()
+                text = part.own_text
                 if store is JAZZY:
                     text = re.sub(
                         r"^(time|duration)\b", lambda m: f"builtin_interfaces/{m[1].title()}", text, flags=re.M

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import ParameterError
+
 if TYPE_CHECKING:
     from libgz.ros.server import Ros1
 
@@ -25,7 +27,9 @@ def add_ros_options(parser: argparse.ArgumentParser) -> None:
 def ros_wanted(options: argparse.Namespace) -> bool:
     """Whether the options, or else the environment, ask for ROS; False for a command without these options."""
     wanted = getattr(options, "ros1", False)
-    return bool(wanted if wanted is not None else os.environ.get("ROS_MASTER_URI"))
+    if wanted is None:
+        wanted = os.environ.get("ROS_MASTER_URI") and not options.watch_only
+    return bool(wanted)
 
 
 def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractContextManager[Ros1 | None]:
@@ -34,9 +38,14 @@ def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractCont
     Args:
         options: of the command line.
         words: the whole command line, with names and remappings.
+
+    Raises:
+        ParameterError: the server is one that others only watch.
     """
     if not ros_wanted(options):
         return nullcontext()
+    if options.watch_only:
+        raise ParameterError("--watch-only and --ros1 exclude each other: nodes of ROS command robots")
     from libgz.ros.server import Ros1
 
     return Ros1(words, options.ros_ip)

@@ -24,7 +24,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
     ["front"],
-    ["player"],
+    ["ros", "player"],
     ["convert", "recording", "reference", "view"],
     ["study"],
     ["gym", "sweep"],

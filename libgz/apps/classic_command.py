@@ -13,6 +13,7 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import Hints, LogFile
+from libgz.apps.ros_option import ros_wanted
 from libgz.base.closing import Closing
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import Missing, new_plugin
@@ -100,6 +101,8 @@ def _parse(parser: Parser, words: Sequence[str], plugins: str) -> argparse.Names
     options: argparse.Namespace
     options, unknown = parser.parse_known_args(list(words))
     options.rest, others = _split(unknown)
+    if ros_wanted(options):  # whose session reads names and remappings
+        others = [word for word in others if ":=" not in word]
     if others and not getattr(options, plugins):
         log.warning("%s; there is no System plugin to use them", parser.unknown(others))
     elif others:

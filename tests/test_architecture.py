@@ -22,6 +22,7 @@ LAYERS = [
     ["clib", "simulation", "rendering"],
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
+    ["classic_cxx"],
     ["front"],
     ["convert", "recording", "reference", "view"],
     ["study"],

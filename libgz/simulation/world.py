@@ -867,7 +867,7 @@ class World(Closing):
     def _advance(self) -> None:
         """Advance everything by one step of sim time, and signal the events of a step."""
         if self._begin:
-            self._begin(self._update_info())
+            self._begin(self._update_info() if self._begin.gives else None)
         self._update_entities(self.engine.step_time)
         self._advance_physics()
 
@@ -879,7 +879,7 @@ class World(Closing):
             companion.update()
         if self._contact and self.physics_enabled:
             engine.collide()
-            self._contact(self._update_info())
+            self._contact(self._update_info() if self._contact.gives else None)
             engine.solve()
         elif self.physics_enabled:
             engine.advance()

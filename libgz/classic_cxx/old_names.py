@@ -65,7 +65,7 @@ def old_methods(one: Class) -> Iterator[str]:
         found = [method for key, method in OLD_METHODS.items() if (key[0], key[1].strip()) == (owner, name)]
         for result, parameters, call in found:
             const = " const" if "Set" not in call and "GetParam" not in call else ""
-            yield f"  {result} {name}({parameters}){const} {{ return {call}; }}"
+            yield f"  {result} {name}({parameters}){const} {{ {'' if result == 'void' else 'return '}{call}; }}"
         if found:
             continue
         new = RENAMED.get(name, name.removeprefix("Get"))

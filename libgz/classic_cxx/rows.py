@@ -25,7 +25,8 @@ FUNCTIONS = (
 )
 NO_ROW = -1
 
-# What keeps the record alive, its address, the row, the address of the clock; of a model also its frame in the body.
+# A record or clock, which the library keeps alive unseen by the collector: it must refer to nothing else. Then the
+# address of the record, the row, the address of the clock; of a model also its frame in the body.
 Row = tuple[Any, int, int, int] | tuple[Any, int, int, int, tuple[float, ...]]
 
 
@@ -42,20 +43,20 @@ def row_of(view: Any) -> Row | None:
     """Where the numbers of a link, joint, model or world are; None if they are in no table."""
     if isinstance(view, World):
         return view.core.clock, 0, NO_ROW, ctypes.addressof(view.core.clock)
-    tables = view.GetWorld().core.engine.tables
-    address = ctypes.addressof(tables.record)
+    record = view.GetWorld().core.engine.tables.record
+    address = ctypes.addressof(record)
     if isinstance(view, Link):
         body = view.body
-        return tables, address, NO_ROW if body.closed or body.dummy else body.row, 0
+        return record, address, NO_ROW if body.closed or body.dummy else body.row, 0
     if isinstance(view, Model):
         canonical = view.core.frame_in_body() if isinstance(view.core, SdfModel) else None
         if canonical is None or canonical[0].closed or canonical[0].dummy:
-            return tables, address, NO_ROW, 0
+            return record, address, NO_ROW, 0
         body, frame = canonical
-        return tables, address, body.row, 0, (*map(float, (*frame.pos, *frame.rot)),)
+        return record, address, body.row, 0, (*map(float, (*frame.pos, *frame.rot)),)
     if isinstance(view, Joint):
         joint = view.core.plain_joint()
-        return tables, address, NO_ROW if joint is None else joint.row, 0
+        return record, address, NO_ROW if joint is None else joint.row, 0
     return None
 
 

@@ -50,7 +50,7 @@ target_link_libraries(hello_world ${GAZEBO_LIBRARIES})
 WORLD = """\
 <sdf version="1.4"><world name="default"><plugin name="hello_world" filename="libhello_world.so"/></world></sdf>
 """
-# Names of Python's table that C++ has elsewhere: fields, values of sdformat and ignition-math, and what is made by hand.
+# Names of Python that C++ has elsewhere: fields, values of sdformat and ignition-math, what is made by hand.
 ELSEWHERE = ("math.", "sdf.", "gui.", "common.Color", "event.", "(module)")
 
 

@@ -80,7 +80,7 @@ class Frame
 
 // Objects ----------------------------------------------------------------------------------------------------------
 
-using Kept = std::unordered_map<const char *, std::any>;
+using Slots = std::unordered_map<const char *, std::pair<const std::type_info *, std::shared_ptr<void>>>;
 
 Object::Object(Adopt adopted) : view(adopted.view) {}
 void attach_row(Object *object);  // hot.cc
@@ -106,7 +106,7 @@ Object &Object::operator=(const Object &other)
 }
 Object::~Object()
 {
-  delete static_cast<Kept *>(this->kept);
+  delete static_cast<Slots *>(this->kept);
   if (this->view != nullptr && alive())
   {
     Gil gil;
@@ -126,7 +126,7 @@ struct Handle
 static bool used(const Holder &holder)
 {
   // One of the two pointers owns the other's object: they count each other once.
-  return holder.boosted.use_count() + holder.standard.use_count() > 3;
+  return holder.boosted.use_count() + holder.standard.use_count() - holder.boosted->inner > 3;
 }
 static int handle_traverse(PyObject *self, visitproc visit, void *arg)
 {
@@ -379,14 +379,14 @@ void Call::run()
   if (this->returned == nullptr)
     raise_python();
 }
-std::any &Call::Slot()
+std::pair<const std::type_info *, std::shared_ptr<void>> &Call::Slot()
 {
-  static Kept shared;  // of functions of classes
+  static Slots shared;  // of functions of classes
   if (this->self == nullptr)
     return shared[this->name];
   if (this->self->kept == nullptr)
-    this->self->kept = new Kept;
-  return (*static_cast<Kept *>(this->self->kept))[this->name];
+    this->self->kept = new Slots;
+  return (*static_cast<Slots *>(this->self->kept))[this->name];
 }
 
 // Values -----------------------------------------------------------------------------------------------------------

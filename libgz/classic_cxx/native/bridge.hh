@@ -475,6 +475,58 @@ struct To<boost::function<R(A...)>>
 
 // Calls ---------------------------------------------------------------------------------------------------------------
 
+/* Counts the pointers to objects in a value: those that objects keep for each other must not keep the world alive. */
+inline void count_inner(const Object *object, int by)
+{
+  if (object != nullptr)
+    object->inner += by;
+}
+template <class T>
+void count_all(const T &value, int by)
+{
+  (void) value;
+  (void) by;
+}
+template <class T>
+void count_all(const boost::shared_ptr<T> &value, int by)
+{
+  if constexpr (is_object<std::remove_const_t<T>>)
+    count_inner(value.get(), by);
+}
+template <class T>
+void count_all(const std::shared_ptr<T> &value, int by)
+{
+  if constexpr (is_object<std::remove_const_t<T>>)
+    count_inner(value.get(), by);
+}
+template <class T>
+void count_all(const std::vector<T> &values, int by)
+{
+  for (const auto &value : values)
+    count_all(value, by);
+}
+template <class K, class T>
+void count_all(const std::map<K, T> &values, int by)
+{
+  for (const auto &pair : values)
+    count_all(pair.second, by);
+}
+/* A result that an object keeps, because its method returns a reference. */
+template <class R>
+struct Kept
+{
+  R value{};
+  Kept() = default;
+  Kept(const Kept &) = delete;
+  ~Kept() { count_all(this->value, -1); }
+  void Set(R &&other)
+  {
+    count_all(other, 1);
+    std::swap(this->value, other);
+    count_all(other, -1);
+  }
+};
+
 /* One call of a method of Python: arguments go in by <<. */
 class Call
 {
@@ -519,8 +571,10 @@ class Call
   template <class T>
   T &slot()
   {
-    std::any &slot = this->Slot();
-    return slot.has_value() ? std::any_cast<T &>(slot) : slot.emplace<T>();
+    auto &slot = this->Slot();
+    if (slot.first != &typeid(T))
+      slot = {&typeid(T), std::make_shared<T>()};
+    return *static_cast<T *>(slot.second.get());
   }
   /* Takes what a method changed in a message that it was given. */
   template <class T>
@@ -544,19 +598,16 @@ class Call
   template <class R>
   const R &Keep(R &&value)
   {
-    std::any &slot = this->Slot();
-    R *old = std::any_cast<R>(&slot);
-    if (old == nullptr)
-      return slot.emplace<R>(std::move(value));
+    Kept<R> &kept = this->slot<Kept<R>>();
     if constexpr (Comparable<R>::value)
     {
-      if (*old == value)
-        return *old;
+      if (kept.value == value)
+        return kept.value;
     }
-    *old = std::move(value);
-    return *old;
+    kept.Set(std::move(value));
+    return kept.value;
   }
-  std::any &Slot();
+  std::pair<const std::type_info *, std::shared_ptr<void>> &Slot();
 
   Gil gil;
   const Object *self;

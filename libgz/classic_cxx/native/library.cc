@@ -810,7 +810,23 @@ template class Field<double>;
 /* Contacts as classic has them: numbers that stay until they are asked for again. */
 struct Contacts
 {
-  std::vector<std::shared_ptr<Contact>> owned;
+  Contacts() = default;
+  Contacts(const Contacts &) = delete;
+  ~Contacts() { this->Clear(); }
+  void Add(const Contact &contact)
+  {
+    this->owned.push_back(std::make_unique<Contact>(contact));
+    this->all.push_back(this->owned.back().get());
+    libgz::count_all(contact.world, 1);
+  }
+  void Clear()
+  {
+    for (const Contact *contact : this->all)
+      libgz::count_all(contact->world, -1);
+    this->all.clear();
+    this->owned.clear();
+  }
+  std::vector<std::unique_ptr<Contact>> owned;
   std::vector<Contact *> all;
 };
 const std::vector<Contact *> &ContactManager::GetContacts() const
@@ -818,13 +834,9 @@ const std::vector<Contact *> &ContactManager::GetContacts() const
   libgz::Call call(this, "GetContacts");
   call.run();
   Contacts &found = call.slot<Contacts>();
-  found.owned.clear();
-  found.all.clear();
+  found.Clear();
   for (const Contact &one : call.taken<std::vector<Contact>>())
-  {
-    found.owned.push_back(std::make_shared<Contact>(one));
-    found.all.push_back(found.owned.back().get());
-  }
+    found.Add(one);
   return found.all;
 }
 Contact *ContactManager::GetContact(unsigned int index) const

@@ -118,6 +118,7 @@ class GAZEBO_VISIBLE Object
   void *view;         // the object of Python
   void *row = nullptr;  // where the engine keeps its numbers, for the calls that plugins make in every step
   mutable void *kept = nullptr;  // results that methods return as references
+  mutable int inner = 0;         // pointers to this in what objects keep
 };
 
 /* The gravity of a physics engine [m/s^2], which Gazebo 7 had there. */

@@ -27,6 +27,7 @@ types: setup
 	@cd build && ../$(BIN)/mypy --config-file ../pyproject.toml -p libgz
 
 trials: setup
+	@$(BIN)/python -c "import cosmic_ray" 2>/dev/null || $(BIN)/pip install --quiet -r tests/trials/requirements.txt
 	@$(BIN)/pytest -q -m trial
 
 # MINUTES for each reader; READER=stl for one; FILE=... gives a finding to the reader again.

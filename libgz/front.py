@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import gc
 import io
+import logging
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from libgz.sdf.reader import SdfFile
 
 __all__ = ["World", "WorldOptions"]
+
+log = logging.getLogger("libgz.worldfile")
 
 W = TypeVar("W", bound="World")
 
@@ -116,12 +119,19 @@ class World(world.World):
         return self.legacy
 
     @classmethod
-    def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Unpack[WorldOptions]) -> W:
+    def from_file(
+        cls: type[W],
+        filename: str | os.PathLike[str],
+        *,
+        arguments: Mapping[str, str] | None = None,
+        **options: Unpack[WorldOptions],
+    ) -> W:
         """Load a worldfile and make it ready to step.
 
         Args:
             filename: the worldfile, or the name of one of libgz's worlds, such as ``"pioneer2at"``: a file of that name
                 in the current directory comes first, then one in a directory of GAZEBOPATH.
+            arguments: of the macros (xacro) of a robot description, by their names.
             **options: those of World.
 
         Raises:
@@ -129,7 +139,7 @@ class World(world.World):
             PluginError: a model's Init failed.
             ServerError: the server id is in use.
         """
-        return cls._ready(lambda world: world.LoadFile(filename), options)
+        return cls._ready(lambda world: world.LoadFile(filename, arguments), options)
 
     @classmethod
     def from_string(cls: type[W], text: str, **options: Unpack[WorldOptions]) -> W:
@@ -155,10 +165,12 @@ class World(world.World):
         return world
 
     @_without_collector()
-    def LoadFile(self, filename: str | os.PathLike[str]) -> int:
+    def LoadFile(self, filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> int:
         """Build all models of a legacy worldfile or an SDF file, distinguished by the root element; 0.
 
-        The file is found by its path or name, as by `from_file`.
+        Args:
+            filename: found by its path or name, as by `from_file`.
+            arguments: of the macros (xacro) of a robot description, by their names.
 
         Raises:
             WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
@@ -167,9 +179,11 @@ class World(world.World):
         if is_sdf(path):
             from libgz.sdf.reader import SdfFile
 
-            return self.load_sdf(SdfFile.load(path))
+            return self.load_sdf(SdfFile.load(path, arguments=arguments))
         if not exists(path):
             raise WorldFileError(f"cannot read worldfile {str(path)!r}: it does not exist{why_missing(filename)}")
+        if arguments:
+            log.warning("%s has no macros: %s has no effect", path, ", ".join(arguments))
         return self.Load(WorldFile.from_file(path))
 
     @exclusive

@@ -7,6 +7,7 @@ real RMP 200 (64 x 61 cm, 48 cm, 54 cm); the layout of bodies and the controller
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import ClassVar, Generic, NamedTuple
 
 from libgz.base.geometry import GzColor, GzVector
@@ -21,6 +22,7 @@ from libgz.models.wheels import HARD, Tire
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
+from libgz.worldfile.attributes import boolean
 
 TIRE = Tire(0.24, 0.05, 5.0, DARK, hard=True)
 TOP_PLATE = (0.0, 0.0, 0.70)  # [m]
@@ -32,10 +34,17 @@ TURN_GAIN, TURN_INTEGRAL_GAIN, TURN_DERIVATIVE_GAIN = 2.0, 0.02, 0.1
 MAX_TORQUE = 80.0  # [N m], both wheels together
 MAX_SPEED, MAX_TURN = 1.5, 1.4  # [m/s], [rad/s]
 MAX_LAG = 1.0  # [m]; a longer lag does not increase the torque
-# For worlds of Gazebo 0.4, which drop their robots: damper of the tires, and the gains while it falls freely.
+# For a soft landing: damper of the tires, and the gains while it falls freely.
 LANDING_DAMPER = 1000.0  # [N s/m]
 FLIGHT_PITCH_GAIN, FLIGHT_PITCH_RATE_GAIN = 14.0, 9.0
 UPRIGHT = math.cos(math.radians(60.0))  # z of its upward axis, below which it stops balancing
+
+
+@dataclass(frozen=True)
+class SegwayRMPAttributes(RobotAttributes):
+    """Attributes of `<model:SegwayRMP>`."""
+
+    softLanding: bool = boolean(False, help="stay upright when it is dropped; true in worldfiles of 0.4")
 
 
 class SegwayRMP(DifferentialRobot):
@@ -44,14 +53,17 @@ class SegwayRMP(DifferentialRobot):
     Serves position, with the pitch in rot[1]. It balances from the first step on; with its motors off it falls over.
     Dimensions as published for the real machine; layout chosen for libgz.
 
-    In worldfiles of Gazebo 0.4, which start robots above the ground, it stays upright when it is dropped from up to 30
-    cm: the tires damp the impact, and while it falls the wheels only counteract its pitching.
+    With `softLanding` it stays upright when it is dropped from up to 30 cm: the tires damp the impact, and while it
+    falls the wheels only counteract its pitching. Worldfiles of Gazebo 0.4, which start robots above the ground, have
+    that without naming it.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("motion", "_velocity", "_balance")
 
+    values: SegwayRMPAttributes
+
     behaviour = "balancing (it falls over); driving; odometry"
-    attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
+    attributes: ClassVar[type[RobotAttributes]] = SegwayRMPAttributes
     wheelSep, wheelDiam = 0.54, 0.48
     maxTorque = MAX_TORQUE / 2.0
     limits = (MAX_SPEED, MAX_TURN)
@@ -69,7 +81,7 @@ class SegwayRMP(DifferentialRobot):
         slider.SetParam(dParamHiStop, 0.0)
         self._hinges = self.add_pair(0.27, 0.24, TIRE)
         self._velocity: GzVector | None = None  # of the base in the previous step [m/s], where landings matter
-        if self.node is not None and self.node.file.is_old:
+        if self.values.softLanding:
             self._velocity = GzVector()
             for hinge in self._hinges:
                 wheel = hinge.GetJointBody(0)

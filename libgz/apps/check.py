@@ -6,14 +6,18 @@ import argparse
 import dataclasses
 import json
 
+from libgz.apps.console import Parser
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic
 from libgz.reference.check import check
 
 __all__ = ["configure", "run"]
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def configure(parser: Parser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     parser.add_argument(
         "worldfiles", nargs="+", metavar="WORLDFILE", help="a worldfile of Gazebo 0.3 to 0.7, or an SDF file"
     )
@@ -23,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the diagnostics of all files; return 1 if there is an error."""
-    diagnostics = [error for name in options.worldfiles for error in check(name)]
+    diagnostics = [error for name in options.worldfiles for error in check(name, options.arguments)]
     if options.strict:
         diagnostics = [dataclasses.replace(error, severity="error") for error in diagnostics]
     if options.json:

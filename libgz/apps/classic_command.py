@@ -98,6 +98,7 @@ def _parse(parser: Parser, words: Sequence[str], plugins: str) -> argparse.Names
     Returns:
         The options; `rest` holds the words that are none, without unknown options and their values.
     """
+    options: argparse.Namespace
     options, unknown = parser.parse_known_args(list(words))
     options.rest, others = _split(unknown)
     if others and not getattr(options, plugins):

@@ -9,6 +9,7 @@ import functools
 import logging
 import math
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -43,6 +44,7 @@ USAGE_ERROR = 2
 STRICT = 3  # exit code of a run that --strict has ended
 STRICT_HELP = "end with exit code 3 at the first error of a model or plugin, or warning about the world"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+MACRO_ARGUMENT = re.compile(r"((?!_)[^\s:=/]+):=(.*)", re.DOTALL)  # ROS's own, such as __name:=gazebo, begin with _
 # The exit codes of shells.
 INTERRUPTED, NO_READER, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGPIPE, 128 + signal.SIGTERM
 WIRE_VERSIONS = {"0x050": 0x050, "0.5": 0x050, "0x060": 0x060, "0.6": 0x060, "0.7": 0x060}
@@ -54,6 +56,23 @@ class Hints(argparse.ArgumentParser):
 
     An argument without a type, or with Path, is a name: it is not empty, unless that is its default. `str` is any text.
     """
+
+    _with_macros = False
+
+    def add_macro_arguments(self) -> None:
+        """Take words NAME:=VALUE, as the command xacro does, and put them into `arguments` of the options."""
+        self._with_macros = True
+        self.add_argument_group("macros", "NAME:=VALUE gives an argument of the macros (xacro) of a robot description")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse the arguments that are known; NAME:=VALUE may stand anywhere among them."""
+        if not self._with_macros:
+            return super().parse_known_args(args, namespace)
+        words = list(sys.argv[1:] if args is None else args)
+        given = {match[1]: match[2] for word in words if (match := MACRO_ARGUMENT.fullmatch(word))}
+        options, unknown = super().parse_known_args([w for w in words if not MACRO_ARGUMENT.fullmatch(w)], namespace)
+        options.arguments = given
+        return options, unknown
 
     def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
         named = action.type in (None, Path) and action.choices is None and action.default != ""

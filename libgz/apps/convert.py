@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from libgz.apps.console import writing
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.files import write_whole
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
 from libgz.front import World
@@ -19,6 +20,7 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     add = parser.add_argument
     add("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile to convert")
     add("-o", dest="output", type=Path, required=True, metavar="FILE", help="the SDF file to write")

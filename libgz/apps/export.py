@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from libgz.apps.series import Series, read_log
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
 from libgz.recording.capture import check_packages
 from libgz.recording.own_messages import read_json
@@ -20,6 +21,7 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     add = parser.add_argument
     add("log", metavar="LOG", help="a log that gazebo --mcap or gzserver --mcap recorded")
     add("targets", nargs="*", metavar="TARGET", help="position.robot1, state.robot1, ~/topic (default: all)")

@@ -29,6 +29,7 @@ from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
+from libgz.apps.untrusted import add_untrusted_option, confined
 from libgz.apps.view_options import GL_HELP
 from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError, PluginError, StrictError, WorldFileError
@@ -161,6 +162,8 @@ def make_parser() -> argparse.ArgumentParser:
         help="ODE's solver: world, the exact one (default), or quick, the iterative one, which holds stacks",
     )
     add("--strict", action="store_true", help=STRICT_HELP)
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add_rewind_option(parser)
     add_view_options(parser, optional=True)
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
@@ -192,7 +195,7 @@ class Run:
             self.deadline = time.monotonic() + options.seconds
         pacer = Pacer(0.0 if options.free else world.simSpeed if options.rate is None else options.rate)
         while not self.over(done):
-            done += world.step_on(1 if pacer.speed > 0.0 else self._most(done))
+            done += world.step_on(self._most(done), pacer)
             for recorder in self.recorders:
                 recorder.take()
             if self.capture is not None:
@@ -277,7 +280,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = "is a directory" if path.is_dir() else "is not a plain file" if exists(path) else missing
         return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
-        return _run(path, options)
+        with confined("gazebo", options):
+            return _run(path, options)
     except GazeboError as error:
         strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)
         return _report(str(error), STRICT if strict else 1)
@@ -306,7 +310,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
         try:
             world.backdrop.threaded = options.render_thread
             with watchdog.loading(), show_loading(path, world):
-                world.LoadFile(path)
+                world.LoadFile(path, options.arguments)
             world.Initialize()
             if options.record:
                 from libgz.apps.record import new_recorder  # it needs OpenGL, which other runs may do without

@@ -12,6 +12,7 @@ from typing import Any
 
 from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, open_log, read_command_line
 from libgz.apps.console import as_command, number_above_zero
+from libgz.apps.untrusted import add_untrusted_option, confined
 from libgz.apps.view import make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.apps.view_process import add_view_options
@@ -35,6 +36,7 @@ DEPRECATED = "g/gui-plugin is really loading a SystemPlugin. To load a GUI plugi
 def make_parser() -> Parser:
     """The options of Gazebo 11's gzclient, and those for images."""
     parser = Parser("gzclient", "gzclient -- Run the Gazebo client: show the world in a browser, and run GUI plugins.")
+    add_untrusted_option(parser)
     add = parser.add_argument
     add("--gui-client-plugin", action="append", default=[], help="load a GUI plugin; may be repeated")
     add("-g", "--gui-plugin", action="append", default=[], help="load a System plugin; may be repeated")
@@ -143,7 +145,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.rest:
         log.warning("%s has no effect: the server runs the world", " ".join(options.rest))
     try:
-        return Run(options, words).run()
+        with confined("gzclient", options):
+            return Run(options, words).run()
     except _Interrupted:
         return 0
     except GazeboError as error:

@@ -18,6 +18,7 @@ from libgz.apps.progress import show_loading
 from libgz.apps.record import VideoRecorder, record_videos
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
+from libgz.apps.untrusted import add_untrusted_option, confined
 from libgz.apps.view_options import GL_HELP
 from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError, nearest
@@ -44,6 +45,7 @@ __all__ = ["main"]
 log = logging.getLogger("libgz.classic")
 
 EMPTY_WORLD = "worlds/empty.world"
+MOST_STEPS = 1000  # at a time; World.step_on ends earlier
 FIRST_ID, SPREAD = 100, 800  # of the ids that servers take by themselves; two that start together take different ones
 
 # Options of Gazebo that are accepted without effect, with a warning: option -> reason.
@@ -75,6 +77,8 @@ def make_parser() -> Parser:
     add("--watch-only", action="store_true", help="refuse all that clients and pages do to change the world")
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add_rewind_option(parser)
     add_mcap_option(parser)
     add_view_options(parser, optional=True)
@@ -158,7 +162,7 @@ class Server:
         core = self._watchdog.world = World(self._server_id(), seed=seed, strict=options.strict)
         try:
             with self._watchdog.loading(), show_loading(Path(path), core):
-                core.LoadFile(path)
+                core.LoadFile(path, self.options.arguments)
             if options.pause:
                 core.starts_paused = True
             if core.sdf is not None:
@@ -227,7 +231,8 @@ class Server:
     ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
-            done += self._step(core, control)
+            watched = self._play is not None or control is not None or recorders or snapshots.requests.follows
+            done += self._step(core, control, 1 if watched else self._most(done), pacer)
             for recorder in recorders:
                 recorder.take()
             snapshots.act()
@@ -236,14 +241,17 @@ class Server:
             while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
                 pass
 
-    def _step(self, core: World, control: PlaybackControl | None) -> int:
-        """One step; returns the number of iterations: 0 while the world is paused."""
+    def _step(self, core: World, control: PlaybackControl | None, most: int, pacer: Pacer) -> int:
+        """One step, or more where nothing has to be done between them; how many iterations, 0 while it is paused."""
         if control is not None:
             control.update()
         if self._play is not None and not core.paused:
             return int(self._play.Step())
-        core.Step()
-        return 0 if core.paused else 1
+        return core.step_on(most, pacer) - int(core.paused)
+
+    def _most(self, done: int) -> int:
+        """How many iterations may follow each other, after a number of them."""
+        return MOST_STEPS if self.options.iters is None else self.options.iters - done
 
     def _over(self, server: WorldServer | None, done: int) -> bool:
         limit = self.options.iters
@@ -278,7 +286,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.videos = videos
     warn_without_effect(options)
     try:
-        return Server(options, words).run()
+        with confined("gzserver", options):
+            return Server(options, words).run()
     except GazeboError as error:
         log.error("%s", error)
         strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)

@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
+from libgz.apps.untrusted import confined
 from libgz.base.errors import GazeboError
 
 __all__ = ["main", "run_words"]
@@ -38,6 +39,7 @@ COMMANDS = {
     "play": "serve a log of gazebo --mcap or gzserver --mcap as its server did",
     "new": "write a folder with a new model or plugin that runs at once",
     "picture": "run a world and save the image of one of its cameras",
+    "player": "serve client programs of Player 1.6 to 3 from a running or started server",
     "plot": "plot fields of a log or of a running server over time",
     "plugin": "load an edited plugin file again while its world runs",
     "schema": "print a RELAX NG grammar of worldfiles for editors",
@@ -136,7 +138,9 @@ def run_words(prog: str, words: list[str]) -> int:
     if owned:
         signal.signal(signal.SIGTERM, _terminated)
     try:
-        return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
+        command = importlib.import_module(f"libgz.apps.{options.command}")
+        with confined(prog, options):
+            return int(command.run(options))
     except GazeboError as error:
         print(f"{prog}: {error}", file=sys.stderr)
         return 1

@@ -11,6 +11,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.apps.server_link import add_world, publish, world_node
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
 from libgz.classic import msgs
 from libgz.classic.log import ENCODINGS, LogReader, LogState, LogWriter, NamePattern, read_states
@@ -22,6 +23,7 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     add = parser.add_argument
     add_world(parser)
     add("-f", "--file", metavar="FILE", help="the log file (gzserver -r writes state.log)")

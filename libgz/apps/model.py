@@ -6,10 +6,12 @@ import argparse
 import itertools
 import json
 import sys
+from collections.abc import Mapping
 from typing import Any
 
-from libgz.apps.console import finite_number, read_text
+from libgz.apps.console import Parser, finite_number, read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
@@ -31,8 +33,10 @@ AXES = {
 }
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def configure(parser: Parser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add = parser.add_argument
     add_world(parser)
     add("-m", "--model-name", default="", metavar="NAME", help="name of the model")
@@ -90,13 +94,13 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _model_text(filename: str) -> str:
+def _model_text(filename: str, arguments: Mapping[str, str]) -> str:
     """The text of a model's file; a robot description is sent as SDF, with its macros expanded and meshes found."""
     text = read_text(filename, "the model")
     if not is_robot_text(text):
         _check_inserted(text, filename)
         return text
-    file = SdfFile.load(filename)
+    file = SdfFile.load(filename, arguments=arguments)
     file.diagnostics.raise_errors()
     for warning in file.diagnostics.warnings:
         print(warning, file=sys.stderr)
@@ -116,7 +120,7 @@ def _factory(node: Node, options: argparse.Namespace, place: list[float | None] 
     elif "://" in options.spawn_file:
         message.sdf_filename = options.spawn_file
     else:
-        message.sdf = _model_text(options.spawn_file)
+        message.sdf = _model_text(options.spawn_file, options.arguments)
     if options.model_name:
         message.edit_name = _free_name(node, options.model_name)
     if place is not None:

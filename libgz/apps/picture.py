@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
+from libgz.apps.console import Parser
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.base.errors import LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
@@ -19,8 +21,10 @@ __all__ = ["configure", "run"]
 C = TypeVar("C")
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def configure(parser: Parser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     add = parser.add_argument
     add("world", help="the worldfile, legacy or SDF")
     add("--camera", metavar="ID", help="id of the camera model, or name of the sensor (default: the first one)")
@@ -48,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"--time is {options.time:g} s; it must not be negative")
     if options.gl is not None:
         prefer(options.gl)
-    with World.from_file(options.world) as world:
+    with World.from_file(options.world, arguments=options.arguments) as world:
         world.sim.data.pause = 0
         camera = _camera(world, options)  # before the world runs, so that a wrong name is reported at once
         # Models act at the beginning of a step, so one more step is needed for the image of time T.

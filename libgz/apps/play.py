@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.apps.console import number_above_zero, number_from_zero, whole_number
 from libgz.apps.server_option import add_server_options
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view import make_viewer
 from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, ParameterError, ServerError
@@ -50,6 +51,7 @@ KEYS = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     seconds, add = number_from_zero("number of seconds"), parser.add_argument
     add("log", nargs="?", metavar="LOG", help="a log that gazebo --mcap or gzserver --mcap recorded")
     add_server_options(parser)

@@ -12,6 +12,7 @@ from typing import Any
 from libgz.apps.console import number_above_zero
 from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, observe, read_log
 from libgz.apps.target import add_server, connect, open_target
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import LibraryError, ParameterError, ServerGoneError
 from libgz.base.extras import install
 from libgz.recording.capture import check_packages
@@ -22,6 +23,7 @@ __all__ = ["configure", "pyplot", "run", "save_plot"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     add_server(parser)
     add = parser.add_argument
     add(

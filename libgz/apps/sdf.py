@@ -6,10 +6,12 @@ import argparse
 import dataclasses
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from libgz.apps import upgrade
+from libgz.apps.console import Parser
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError, WorldFileError, nearest
 from libgz.reference.check import check_sdf
 from libgz.reference.sdf_elements import sdf_block, sdf_blocks
@@ -20,8 +22,10 @@ from libgz.sdf.reader import SdfFile
 __all__ = ["configure", "run"]
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def configure(parser: Parser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument(
         "-k",
@@ -62,10 +66,12 @@ def run(options: argparse.Namespace) -> int:
     if options.version is not None:
         raise ParameterError(f"-v goes with -d and -o; -c FILE converts a file to SDF {NEWEST}")
     if options.convert is not None:
-        upgrade.run(argparse.Namespace(worldfile=options.convert, output=None, in_place=True))
+        upgrade.run(
+            argparse.Namespace(worldfile=options.convert, output=None, in_place=True, arguments=options.arguments)
+        )
         print("Success")
         return 0
-    return _check(options) if options.check else _print(options.print)
+    return _check(options) if options.check else _print(options.print, options.arguments)
 
 
 def _elements(block: str) -> int:
@@ -82,7 +88,7 @@ def _elements(block: str) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    found = check_sdf(options.check)
+    found = check_sdf(options.check, options.arguments)
     if options.json:
         print(json.dumps([dataclasses.asdict(error) for error in found], indent=2))
     else:
@@ -93,9 +99,9 @@ def _check(options: argparse.Namespace) -> int:
     return int(wrong)
 
 
-def _print(filename: str) -> int:
+def _print(filename: str, arguments: Mapping[str, str]) -> int:
     try:
-        file = SdfFile.load(filename)
+        file = SdfFile.load(filename, arguments=arguments)
     except WorldFileError as unreadable:
         print(f"error   : {unreadable}", file=sys.stderr)
         return 1

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from libgz.apps.console import number_from_zero
 from libgz.apps.target import add_server
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
 from libgz.base.files import open_file, write_whole
 from libgz.transport.control import MOST, ask
@@ -33,6 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     for command in (save, restore, rewind):
         add_server(command)
+    add_untrusted_option(restore)
 
 
 def run(options: argparse.Namespace) -> int:

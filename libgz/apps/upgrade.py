@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from libgz.apps.console import writing
+from libgz.apps.console import Parser, writing
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Remark, WorldFileError
 from libgz.base.files import read_limited, write_whole
 from libgz.sdf.conversion import upgrade_document
@@ -19,8 +20,10 @@ from libgz.worldfile.upgrade import upgrade
 __all__ = ["configure", "run"]
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def configure(parser: Parser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
+    parser.add_macro_arguments()
     what = "the worldfile, SDF file or robot description (URDF) to convert"
     parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help=what)
     target = parser.add_mutually_exclusive_group()
@@ -35,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
         WorldFileError: the file cannot be read.
         GazeboError: the output cannot be written.
     """
-    text, changes = _upgraded(options.worldfile)
+    text, changes = _upgraded(options.worldfile, options.arguments)
     if options.in_place and any(change.element == ROBOT for change in changes):
         raise WorldFileError(f"{options.worldfile} is a robot description; name the SDF file to write with -o")
     for change in changes:
@@ -51,11 +54,11 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _upgraded(path: Path) -> tuple[bytes, Sequence[Remark]]:
+def _upgraded(path: Path, arguments: Mapping[str, str]) -> tuple[bytes, Sequence[Remark]]:
     """The bytes of the converted file, and what was changed."""
     if not is_sdf(path):
         return upgrade(WorldFile.from_file(path))
     try:
-        return upgrade_document(read_limited(path), str(path), path)
+        return upgrade_document(read_limited(path), str(path), path, arguments)
     except OSError as error:
         raise WorldFileError(f"{path} cannot be read: {error.strerror}") from None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import number_above_zero, whole_number
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view_process import add_view_options
 from libgz.apps.viewer_process import TOKEN
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
@@ -25,6 +26,7 @@ log = logging.getLogger("libgz.view")
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    add_untrusted_option(parser)
     parser.add_argument(
         "-s",
         dest="server_id",

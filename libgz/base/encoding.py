@@ -25,6 +25,7 @@ import msgpack  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.budget import VARIABLE, budget_limit
 from libgz.base.errors import USER_ERRORS, ParameterError, StateError, pass_interrupt
 from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 
@@ -47,7 +48,6 @@ __all__ = [
 
 VERSION = 8
 FORMAT = b"libgz state %d\n" % VERSION  # at the start of encoded data
-MOST_BYTES = 256 << 20  # of encoded data
 MOST_ITEMS = 1 << 21  # in all lists and dicts of them
 MOST_NESTED = 100  # extensions within each other
 MOST_DIMENSIONS = 32
@@ -234,8 +234,8 @@ def encode(value: Any, other: Other | None = None, *, exact: bool = True) -> byt
         raise ParameterError(f"a state must be plain data, and {TOO_DEEP if deep else error}") from error
     encoder.other = None
     idle.append(encoder)  # one that failed is dropped: there is something in its buffers
-    if len(data) > MOST_BYTES:
-        raise ParameterError(f"a state has {len(data) >> 20} MiB; allowed are {MOST_BYTES >> 20} MiB")
+    if len(data) > budget_limit():
+        raise ParameterError(f"a state has {_too_large(data)}")
     return data
 
 
@@ -391,8 +391,8 @@ def decode(data: bytes) -> Any:
             number = int(before[1])
             raise StateError(f"this state has format {number}; this version of libgz has format {VERSION}")
         raise StateError(f"these {len(data)} bytes are no state of this version of libgz")
-    if len(data) > MOST_BYTES:
-        raise StateError(f"a state of {len(data) >> 20} MiB is too large; allowed are {MOST_BYTES >> 20} MiB")
+    if len(data) > budget_limit():
+        raise StateError(f"the state has {_too_large(data)}")
     try:
         return _Decoder().read(memoryview(data)[len(FORMAT) :])
     except StateError:
@@ -404,6 +404,10 @@ def decode(data: bytes) -> Any:
         raise _damaged(str(error)) from error
 
 
+def _too_large(data: bytes) -> str:
+    return f"{len(data) / (1 << 20):.1f} MiB; allowed are {budget_limit() >> 20} MiB, or what {VARIABLE} [MiB] says"
+
+
 def _damaged(what: str) -> StateError:
     return StateError(f"the state is damaged: {what}")
 
@@ -413,6 +417,7 @@ class _Decoder:
 
     def __init__(self) -> None:
         self._items = self._bytes = self._depth = 0
+        self._most = budget_limit()
         self._kinds: tuple[Callable[[bytes], Any], ...] = (
             *(self._tuple, self._set, self._frozen, self._deque, self._integer, self._complex, bytearray),
             *(self._array, self._objects, self._number, self._struct, self._raw, self._value),
@@ -447,7 +452,7 @@ class _Decoder:
         self._items += 1
         if self._depth >= MOST_NESTED:
             raise StateError(f"the state is damaged: {TOO_DEEP}")
-        if self._bytes > MOST_BYTES or self._items > MOST_ITEMS:
+        if self._bytes > self._most or self._items > MOST_ITEMS:
             raise StateError("the state is damaged: it is too large")
         self._depth += 1
         try:

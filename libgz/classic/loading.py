@@ -12,6 +12,7 @@ from typing import Any
 from weakref import WeakSet
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
+from libgz.base.trust import UntrustedError, check_trusted
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, stand_in
@@ -388,10 +389,14 @@ def new_plugin(
         where: ``file:line`` of its element.
     """
     try:
+        check_trusted(f"plugin {filename!r}")
         path = find_plugin(filename, beside)
         plugin_class = _load_class(path)
     except MissingPluginError as error:
         (missing or Missing()).report(filename, error, where)
+        return None
+    except UntrustedError as error:
+        log.warning("%s%s", _place(where), error)
         return None
     except PluginError as error:
         log.error("%s%s", _place(where), error)

@@ -170,10 +170,26 @@ def _class(one: Class) -> Iterator[str]:
         yield f"  {before}{_result(row, one)} {row.name}({parameters}){' const' if 'const' in row.flags else ''};"
     if _singleton(one):
         yield f"  static {name} *Instance();"
+    yield from EXTRA.get(f"{one.space}::{name}", ())
     old = list(old_methods(one))
     if old:
         yield from ("#if GAZEBO_MAJOR_VERSION < 8", *old, "#endif")
     yield "}; }"
+
+
+# What no signature of the table says: templates, and results in parameters; native/library.cc has the bodies.
+CONNECT = """\
+  template <typename T> event::ConnectionPtr Connect{name}(T callback) {{
+    return libgz_connect(this, "Connect{name}", std::function<void()>(callback)); }}"""
+EXTRA = {
+    "common::Image": (
+        "  void GetData(unsigned char **data, unsigned int &count) const;",
+        "  void GetRGBData(unsigned char **data, unsigned int &count) const;",
+    ),
+    "physics::Actor": ("  std::map<std::string, common::SkeletonAnimation *> SkeletonAnimations() const;",),
+    "physics::Joint": (CONNECT.format(name="JointUpdate"),),
+    "physics::MultiRayShape": (CONNECT.format(name="NewLaserScans"),),
+}
 
 
 # Bodies --------------------------------------------------------------------------------------------------------------

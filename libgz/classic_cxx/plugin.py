@@ -14,6 +14,7 @@ from typing import Any
 
 from libgz.base.errors import PluginError
 from libgz.base.files import read_limited
+from libgz.base.trust import check_trusted
 from libgz.classic.plugin import GUIPlugin, ModelPlugin, SensorPlugin, SystemPlugin, VisualPlugin, WorldPlugin
 from libgz.classic.plugin_base import PluginT
 from libgz.classic_cxx import rows
@@ -168,7 +169,9 @@ def load(path: Path) -> Plugin:
     Raises:
         PluginError: it was built with another libgz, or cannot be loaded.
         LibraryError: libgz was installed without a C compiler.
+        UntrustedError: files are not trusted.
     """
+    check_trusted(f"plugin {path}")
     path = path.resolve()
     try:
         status = path.stat()

@@ -13,6 +13,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Inertiald, MassMatrix3d, Pose3d
 from libgz.classic.msgs.declare import add_compiled, message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.physics import TrajectoryInfo
 from libgz.classic.sdf import SDF
 from libgz.sdf.element import Element
 
@@ -21,6 +22,7 @@ __all__ = [
     "element_text",
     "formatted",
     "image_bytes",
+    "image_colors",
     "inertial_from",
     "inertial_numbers",
     "master",
@@ -33,6 +35,7 @@ __all__ = [
     "stop_server",
     "topics",
     "topics_by_type",
+    "trajectory_from",
     "type_of",
 ]
 
@@ -116,6 +119,19 @@ def formatted(time: common.Time, start: int, end: int) -> str:
 def image_bytes(image: Any) -> bytes:
     """The pixels of an image."""
     return bytes(memoryview(image.GetData()).cast("B"))
+
+
+def image_colors(image: Any) -> bytes:
+    """The pixels of an image as RGB."""
+    return bytes(memoryview(image.GetRGBData()).cast("B"))
+
+
+def trajectory_from(number: int, kind: str, duration: float, start: float, end: float, translated: bool) -> Any:
+    """A trajectory of an actor; times in [s]."""
+    info = TrajectoryInfo()
+    info.id, info.type, info.translated = number, kind, translated
+    info.duration, info.startTime, info.endTime = duration, start, end
+    return info
 
 
 # Events and topics ---------------------------------------------------------------------------------------------------

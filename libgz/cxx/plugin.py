@@ -12,6 +12,7 @@ from typing import Any
 
 from libgz.base.errors import PluginError
 from libgz.base.files import read_limited
+from libgz.base.trust import check_trusted
 from libgz.cxx.headers import mark
 from libgz.cxx.host import install, loading
 from libgz.cxx.model import CxxModel
@@ -143,7 +144,9 @@ def load(path: Path) -> Plugin:
     Raises:
         PluginError: it was built for another libgz, cannot be loaded, or registers nothing.
         LibraryError: libgz was installed without a C compiler.
+        UntrustedError: files are not trusted.
     """
+    check_trusted(f"plugin {path}")
     path = path.resolve()
     try:
         status = path.stat()

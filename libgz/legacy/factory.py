@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from libgz.base.errors import ParameterError, PluginError
+from libgz.base.trust import trusted
 from libgz.legacy.model import Model
 from libgz.simulation.plugins import Plugin, collect
 from libgz.simulation.world import World
@@ -148,7 +149,8 @@ class ModelFactory:
         if self._packages is None:
             from importlib import metadata  # slow to import
 
-            self._packages = {point.name: point for point in metadata.entry_points(group=ENTRY_POINTS)}
+            points = metadata.entry_points(group=ENTRY_POINTS) if trusted() else ()
+            self._packages = {point.name: point for point in points}
         return self._packages
 
     def names(self) -> list[str]:

@@ -16,6 +16,7 @@ from libgz.base.errors import (
     pass_interrupt,
 )
 from libgz.base.geometry import GzPose
+from libgz.base.trust import UntrustedError, check_trusted
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_world
@@ -146,6 +147,11 @@ class ModelLoader:
         plugin, registered = node.GetString("plugin"), ""
         if plugin is not None:
             filename = node.file.filename
+            try:
+                check_trusted(f"plugin {plugin!r}")
+            except UntrustedError as error:
+                node.warn(f"{error}, and so is the model with all that is in it")
+                return None
             path = find_plugin(plugin, filename)
             log.info("loading %s...", path)
             note_threads_of(path)

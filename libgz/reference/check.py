@@ -6,7 +6,7 @@ import contextlib
 import logging
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from libgz.base.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
@@ -37,17 +37,18 @@ class _Collector(logging.Handler):
         self.records.append(record)
 
 
-def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
+def check(filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> list[Diagnostic]:
     """All errors and warnings about a worldfile, in order of its lines.
 
     Loading runs `Load` of its plugins; `Init` of no model is called. An SDF file is checked by `check_sdf`.
 
     Args:
         filename: the worldfile, or the name of one of libgz's worlds.
+        arguments: of the macros of a robot description.
     """
     path = find_worldfile(filename)
     if is_sdf(path):
-        return check_sdf(path)
+        return check_sdf(path, arguments)
     file, name = WorldFile(), str(path)
     if not exists(path):
         missing = f"cannot read worldfile {name!r}: it does not exist{why_missing(filename)}"
@@ -87,14 +88,18 @@ def _collected(diagnostics: Diagnostics, name: str) -> Iterator[list[Diagnostic]
     found += sorted([*diagnostics.errors, *diagnostics.warnings], key=lambda diagnostic: diagnostic.line)
 
 
-def check_sdf(filename: str | os.PathLike[str]) -> list[Diagnostic]:
+def check_sdf(filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> list[Diagnostic]:
     """All errors and warnings about an SDF file: it is built with its sensors, in order of its lines.
 
     Plugins are searched for, not run; nothing is rendered.
+
+    Args:
+        filename: the file.
+        arguments: of the macros of a robot description.
     """
     name = str(filename)
     try:
-        file = SdfFile.load(filename)
+        file = SdfFile.load(filename, arguments=arguments)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
     file.diagnostics.most_alike = sys.maxsize

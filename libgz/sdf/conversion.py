@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import functools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,13 +84,16 @@ def convert(root: etree._Element, version: str, target: str, label: str = "<stri
     return sorted(work.changes, key=lambda change: change.line)
 
 
-def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = None) -> tuple[bytes, Sequence[Remark]]:
+def upgrade_document(
+    data: bytes, label: str = "<string>", path: Path | None = None, arguments: Mapping[str, str] | None = None
+) -> tuple[bytes, Sequence[Remark]]:
     """A document in SDF 1.6, and what was changed; one of a later version stays as it is.
 
     Args:
         data: the document, SDF or a robot description.
         label: its name in messages.
         path: its file, for what its macros name.
+        arguments: of its macros.
 
     Raises:
         WorldFileError: it cannot be read, is neither, has errors, or its version is not known.
@@ -98,7 +101,7 @@ def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = N
     root = parse_document(data, label, Diagnostics())
     if local_name(root) == ROBOT:
         diagnostics = Diagnostics()
-        robot = expand(root, label, diagnostics, path=path) if has_macros(root, path) else root
+        robot = expand(root, label, diagnostics, path=path, arguments=arguments) if has_macros(root, path) else root
         sdf = sdf_of(robot, label, diagnostics)
         diagnostics.raise_errors()
         for element in sdf.iter(etree.Element):

@@ -131,6 +131,8 @@ class SdfFile:
                 environment=self._environment,
             )
             self._text = etree.tostring(xml)
+        elif self._arguments:
+            self._warn(xml, f"there are no macros: {', '.join(self._arguments)} has no effect")
         if local_name(xml) == ROBOT:
             xml = sdf_of(xml, self.label, self.diagnostics)
         if local_name(xml) not in ROOTS:

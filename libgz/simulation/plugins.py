@@ -19,6 +19,7 @@ from typing import Any
 
 from libgz.base.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
 from libgz.base.files import exists, expand, is_file, is_folder, read_file
+from libgz.base.trust import check_trusted
 
 __all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_traceback", "reload_plugin", "search"]
 
@@ -146,7 +147,9 @@ def load_plugin(path: Path) -> Plugin:
 
     Raises:
         PluginError: the file fails, or registers nothing; the message holds its own traceback.
+        UntrustedError: files are not trusted.
     """
+    check_trusted(f"plugin {path}")
     path = path.resolve()
     edited = _edited(path)
     if path in _loaded and _loaded[path].edited == edited:

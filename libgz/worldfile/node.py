@@ -27,7 +27,7 @@ from libgz.base.geometry import (
     VectorLike,
 )
 from libgz.worldfile.number import atof, atoi, malformed
-from libgz.worldfile.spelling import ignored_tags, renamed_tags
+from libgz.worldfile.spelling import IMPLIED, ignored_tags, renamed_tags
 
 __all__ = ["LARGEST", "Changes", "Document", "WorldFileNode"]
 
@@ -199,7 +199,8 @@ class WorldFileNode:
         if child is not None:
             child.used = True
             return child, child.content
-        return old
+        implied = IMPLIED.get(self.name, {}).get(key) if old is None else None
+        return (self, implied) if implied is not None and self.file.is_old else old
 
     def _attribute_child(self, key: str) -> WorldFileNode | None:
         """The child that holds an attribute; a model of that name does not count."""

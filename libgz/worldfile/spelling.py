@@ -12,6 +12,7 @@ from libgz.worldfile.number import atof
 
 __all__ = [
     "IGNORED",
+    "IMPLIED",
     "NAMES_ONLY",
     "OLD_ORIGIN_HEIGHT",
     "OLD_TAGS",
@@ -85,6 +86,9 @@ IGNORED: dict[str, tuple[tuple[str, ...], ...]] = {
     "GroundPlane": (("cfm",),),
     "Terrain": (("errorBound",),),
 }
+
+# Attributes that models of a file of 0.4 have without naming them: model -> key -> text.
+IMPLIED: dict[str, dict[str, str]] = {"SegwayRMP": {"softLanding": "true"}}
 
 # A file with a model that has one of these children, or of one of these kinds, was written for 0.4.
 OLD_TAGS = frozenset({"window", "lens", "updatePeriod", "displayLaser", "imgSize", "cfm"})

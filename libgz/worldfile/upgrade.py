@@ -21,7 +21,7 @@ from libgz.worldfile.source import (
     put_first,
     tag_of,
 )
-from libgz.worldfile.spelling import Renamed, ignored_tags, renamed_keys, renamed_tags
+from libgz.worldfile.spelling import IMPLIED, Renamed, ignored_tags, renamed_keys, renamed_tags
 
 __all__ = ["Change", "upgrade"]
 
@@ -38,16 +38,17 @@ class Change(Remark):
 def upgrade(file: WorldFile) -> tuple[bytes, list[Change]]:
     """The worldfile's bytes in the newer spelling, and the changes.
 
-    Models of plugins stay as they are: only their code defines the meaning of their attributes.
+    Models of plugins keep their attributes: only their code defines the meaning of them. What a model reads of either
+    file is the same to the last bit, and so is its motion.
     """
     work = _Upgrade(file)
     work.settings()
     for node in file.GetRootNode().walk():
         if node.prefix == "model":
-            if "plugin" in node.attributes or node.GetChild("plugin") is not None:
-                continue
-            work.model(node)
+            if "plugin" not in node.attributes and node.GetChild("plugin") is None:
+                work.model(node)
             if file.is_old:
+                work.implied(node)
                 work.origin(node)
     source = work.apply()
     if file.is_old and _judged_old(source):
@@ -236,6 +237,13 @@ class _Upgrade:
         elif node.name != key:
             self.note(node, f"renamed to <{key}>")
 
+    def implied(self, node: WorldFileNode) -> None:
+        """Write what models of files of 0.4 have without naming it."""
+        for key, text in IMPLIED.get(node.name, {}).items():
+            if key not in node.attributes and not any(c.name == key and c.prefix != "model" for c in node.children):
+                self.add(node, key, text)
+                self.note(node, f"has <{key}> {text}, which models of 0.4 have without naming it")
+
     def origin(self, node: WorldFileNode) -> None:
         """Convert the pose of a model whose origin was elsewhere in 0.4."""
         own = self.file.origin_height(node)
@@ -263,10 +271,11 @@ class _Upgrade:
 
 
 def _number(new: float, old: float, index: int, words: list[str]) -> str:
-    """A coordinate; as written in the file if it has not changed."""
-    if abs(new - old) < 1e-12 and index < len(words):
+    """A coordinate; as written in the file if it has not changed, else with as many digits as it takes."""
+    if new == old and index < len(words):
         return words[index]
-    return f"{round(new, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
+    short = f"{round(new, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
+    return short if float(short) == new else repr(new)
 
 
 def _all_at(node: WorldFileNode, path: tuple[str, ...]) -> Iterator[WorldFileNode]:

@@ -76,3 +76,26 @@ def test_a_file_whose_writing_ends_early_is_as_before(tmp_path, monkeypatch, err
     with pytest.raises(type(error)):
         write_whole(target, b"newer")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {target.name: b"new"}
+
+
+@pytest.mark.parametrize("allowed", [True, False])
+def test_folders_that_cannot_be_listed_are_none(tmp_path, monkeypatch, allowed):
+    """Root may read all, so that modes of files do not show it."""
+    asked = []
+    monkeypatch.setattr(os, "access", lambda path, mode: asked.append((path, mode)) or allowed)
+    assert files.is_folder(tmp_path) is allowed
+    assert asked == [(tmp_path, os.R_OK | os.X_OK)]
+
+
+def test_files_that_this_user_may_not_write_are_kept(tmp_path, monkeypatch):
+    target = tmp_path / "a.world"
+    target.write_bytes(b"old")
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)
+    with pytest.raises(PermissionError, match="it is write-protected"):
+        write_whole(target, b"new")
+    assert target.read_bytes() == b"old"
+    monkeypatch.undo()
+    target.chmod(0o444)
+    with pytest.raises(PermissionError, match="it is write-protected"):
+        write_whole(target, b"new")
+    assert target.read_bytes() == b"old"

@@ -13,8 +13,9 @@ import pytest
 from state_attacks import WORDS, world as attacked
 
 from libgz.base import encoding
+from libgz.base.budget import VARIABLE
 from libgz.base.encoding import FORMAT, decode, encode
-from libgz.base.errors import StateError
+from libgz.base.errors import ParameterError, StateError
 from libgz.base.geometry import GzPose, GzVector
 
 
@@ -41,6 +42,7 @@ def nested(code, depth):
     return value
 
 
+FEW = 1 << 15  # values, that are too many where a test says so
 TWISTER = encode(np.random.Generator(np.random.MT19937(1)))
 ATTACKS = {
     "objects as bytes": lambda: array("|O", [1], b"\x10" * 8),
@@ -80,7 +82,7 @@ ATTACKS = {
     "a list of 2^32": lambda: FORMAT + b"\xdd\xff\xff\xff\xff",
     "a list of 2^32 in each other": lambda: FORMAT + b"\xdd\xff\xff\xff\xff" * 400,
     "a dict of 2^32": lambda: FORMAT + b"\xdf\xff\xff\xff\xff",
-    "many empty lists": lambda: FORMAT + b"\xdd" + struct.pack(">I", 2_000_000) + b"\x90" * 2_000_000,
+    "many empty lists": lambda: FORMAT + b"\xdd" + struct.pack(">I", FEW) + b"\x90" * FEW,
     "a text of 2^32": lambda: FORMAT + b"\xdb\xff\xff\xff\xffa",
     "a broken text": lambda: FORMAT + b"\xa1\xff",
     "nothing": lambda: FORMAT,
@@ -104,7 +106,10 @@ def process():
 
 
 @pytest.mark.parametrize("name", ATTACKS)
-def test_bytes_that_were_made_to_harm_are_refused(world, name):
+def test_bytes_that_were_made_to_harm_are_refused(world, name, monkeypatch):
+    if name == "many empty lists":  # each takes 64 bytes
+        assert 64 * encoding.MOST_ITEMS < 200e6
+        monkeypatch.setattr(encoding, "MOST_ITEMS", FEW - 1)
     attack = ATTACKS[name]()
     before, state = process(), world.get_state()
     tracemalloc.start()
@@ -181,3 +186,18 @@ def test_large_numbers_are_refused(world):
             with pytest.raises(StateError, match="out of its range"):
                 engine.set_state({**state, "memory": memory})
             assert engine.get_state() == state
+
+
+def test_states_have_the_limit_of_all_that_is_decompressed(monkeypatch):
+    state = encode(bytes(2 << 20))
+    monkeypatch.setenv(VARIABLE, "1")
+    said = rf"2\.0 MiB; allowed are 1 MiB, or what {VARIABLE} \[MiB\] says"
+    with pytest.raises(StateError, match=said):
+        decode(state)
+    with pytest.raises(ParameterError, match=said):
+        encode(bytes(2 << 20))
+    parts = msgpack.packb([msgpack.ExtType(6, bytes(600 << 10))] * 2)  # two bytearrays
+    with pytest.raises(StateError):
+        decode(FORMAT + parts)
+    monkeypatch.setenv(VARIABLE, "2")
+    assert len(decode(FORMAT + parts)) == 2

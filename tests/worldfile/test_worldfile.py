@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import pytest
 from hypothesis import given, strategies as st
+from lxml import etree
 
 import libgz
-from libgz.base.errors import WorldFileError
+from libgz.base.entities import DEEPEST, Entities
+from libgz.base.errors import ParameterError, WorldFileError
+from libgz.base.files import xml_parser
 from libgz.base.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.attributes import angle, choice, color, length, number, numbers, read
 from libgz.worldfile.file import WorldFile
@@ -253,6 +256,17 @@ def test_other_entities_are_errors(entity, message):
     file = WorldFile()
     file.LoadString(f"<!DOCTYPE w [{entity}]><w>\n<a>&e;</a></w>", "w")
     assert message in str(file.diagnostics.errors[0])
+
+
+@pytest.mark.parametrize("depth", [DEEPEST, DEEPEST + 1, 10 * DEEPEST])
+def test_entities_may_be_nested_as_deeply_as_that(depth):
+    inside = "".join(f"<!ENTITY e{i} '&e{i + 1};'>" for i in range(depth))
+    root = etree.fromstring(f"<!DOCTYPE w [{inside}<!ENTITY e{depth} 'x'>]><w/>", xml_parser())
+    if depth <= DEEPEST:
+        assert Entities(root).text("e0") == "x"
+    else:
+        with pytest.raises(ParameterError, match="entity &e41; contains itself, or is longer than 100000 characters"):
+            Entities(root).text("e0")
 
 
 def test_entity_bombs_are_not_expanded():

@@ -579,6 +579,12 @@ boost::any any_of(PyObject *object)
   return vector_of(object);
 }
 
+PyObject *trajectory_py(const physics::TrajectoryInfo &info)
+{
+  return PyObject_CallFunction(attribute("libgz.classic_cxx.values", "trajectory_from"), "IsdddO", info.id,
+      info.type.c_str(), info.duration, info.startTime, info.endTime, info.translated ? Py_True : Py_False);
+}
+
 // Elements of SDF ----------------------------------------------------------------------------------------------------
 
 sdf::ElementPtr element_of(PyObject *element)

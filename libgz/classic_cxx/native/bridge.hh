@@ -189,6 +189,12 @@ PyObject *sdf_py(const sdf::SDF &sdf);
 LIBGZ_TO(sdf::SDF, sdf_py(v))
 LIBGZ_TO(boost::any, any_py(v))
 LIBGZ_TO(boost::filesystem::path, text_py(v.string()))
+PyObject *trajectory_py(const gazebo::physics::TrajectoryInfo &info);
+template <>
+struct To<gazebo::physics::TrajectoryInfoPtr>
+{
+  static PyObject *f(const gazebo::physics::TrajectoryInfoPtr &v) { return trajectory_py(*v); }
+};
 template <class T>
 struct To<T, std::enable_if_t<is_object<T>>>
 {
@@ -366,6 +372,17 @@ struct From<std::shared_ptr<T>, std::enable_if_t<is_object<std::remove_const_t<T
   static std::shared_ptr<T> f(PyObject *o)
   {
     return o == Py_None ? std::shared_ptr<T>() : std::dynamic_pointer_cast<T>(wrap(o).standard);
+  }
+};
+template <class T>
+struct From<T &, std::enable_if_t<is_object<T>>>
+{
+  static T &f(PyObject *o)
+  {
+    T *found = pointer_of<T>(o);
+    if (found == nullptr)
+      unsupported("nothing in place of an object");
+    return *found;
   }
 };
 template <class T>
@@ -582,8 +599,6 @@ class Call
   {
     if constexpr (is_message<T>)
       message_of(this->arguments[number + 1], value);
-    else
-      value = From<T>::f(this->arguments[number + 1]);
   }
 
  private:

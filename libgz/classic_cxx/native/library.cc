@@ -216,6 +216,20 @@ bool SemanticVersion::operator<(const SemanticVersion &o) const
   return !this->pre.empty() && (o.pre.empty() || this->pre < o.pre);
 }
 
+/* Pixels in memory that the caller deletes. */
+static void give_pixels(const Image *image, const char *helper, unsigned char **data, unsigned int &count)
+{
+  const std::string bytes = call_function<std::string>(HELP, helper, *image);
+  count = static_cast<unsigned int>(bytes.size());
+  *data = new unsigned char[count];
+  std::copy(bytes.begin(), bytes.end(), *data);
+}
+void Image::GetData(unsigned char **data, unsigned int &count) const { give_pixels(this, "image_bytes", data, count); }
+void Image::GetRGBData(unsigned char **data, unsigned int &count) const
+{
+  give_pixels(this, "image_colors", data, count);
+}
+
 void load() {}
 void add_search_path_suffix(const std::string &suffix) { SystemPaths::Instance()->AddSearchPathSuffix(suffix); }
 std::string find_file(const std::string &file) { return find_file(file, true); }
@@ -784,6 +798,15 @@ void run_worlds(unsigned int) { only_in_programs("physics::run_worlds"); }
 bool worlds_running() { return true; }
 uint32_t getUniqueId() { return call_function<uint32_t>(PHYSICS, "getUniqueId"); }
 
+event::ConnectionPtr libgz_connect(const libgz::Object *object, const char *method, std::function<void()> callback)
+{
+  libgz::Call call(object, method);
+  return (call << callback).result<event::ConnectionPtr>();
+}
+std::map<std::string, common::SkeletonAnimation *> Actor::SkeletonAnimations() const
+{
+  return libgz::Call(this, "SkeletonAnimations").result<std::map<std::string, common::SkeletonAnimation *>>();
+}
 FrictionPyramidPtr SurfaceParams::FrictionPyramid() const
 {
   return libgz::Call(this, "FrictionPyramid").result<FrictionPyramidPtr>();

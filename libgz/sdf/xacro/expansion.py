@@ -12,6 +12,7 @@ from typing import Any, TypeAlias, cast
 from lxml import etree
 
 from libgz.base.errors import Diagnostics, Place, WorldFileError, nearest
+from libgz.base.trust import UntrustedError, check_trusted
 from libgz.sdf.xacro.expressions import Evaluator
 from libgz.sdf.xacro.files import Files, UnreadableError
 from libgz.sdf.xacro.library import Library
@@ -20,7 +21,7 @@ from libgz.sdf.xacro.macros import Macro, MacroTable, Parameter, parameters_of
 from libgz.sdf.xacro.scopes import Scope, truth
 from libgz.sdf.xacro.substitutions import Substitutions
 from libgz.sdf.xacro.texts import Texts
-from libgz.sdf.xml import PLACE, line_of, parse_document, place_of, set_place, tag_name
+from libgz.sdf.xml import PLACE, line_of, local_name, parse_document, place_of, set_place, tag_name
 
 __all__ = ["PREFIX", "SUFFIX", "expand", "has_macros"]
 
@@ -65,8 +66,12 @@ def expand(
         environment: the variables that `$(env NAME)` finds; by default those of this process.
 
     Raises:
-        WorldFileError: it cannot be expanded; the message has file and line.
+        WorldFileError: it cannot be expanded, or files are not trusted; the message has file and line.
     """
+    try:
+        check_trusted("what macros (xacro) make")
+    except UntrustedError as error:
+        raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: {error}") from None
     strict = path is not None and path.suffix == SUFFIX
     folder = path.parent if path is not None else folder
     given = os.environ if environment is None else environment

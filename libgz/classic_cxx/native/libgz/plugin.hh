@@ -6,8 +6,14 @@
 #include "gazebo/libgz/types.hh"
 
 namespace gazebo {
-class Event;
 enum PluginType { WORLD_PLUGIN, MODEL_PLUGIN, SENSOR_PLUGIN, SYSTEM_PLUGIN, VISUAL_PLUGIN, GUI_PLUGIN };
+}  // namespace gazebo
+
+namespace gazebo {
+namespace physics {
+/* Connects a callback to an event of one object. */
+event::ConnectionPtr libgz_connect(const libgz::Object *object, const char *method, std::function<void()> callback);
+}  // namespace physics
 }  // namespace gazebo
 
 namespace libgz {

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from libgz.base.errors import ParameterError
 from libgz.classic_cxx.library import STANDARD, built
+from libgz.classic_cxx.recognition import version_flags
 from libgz.cxx.build import CompileError, check_sources, compiler, run_compiler
 
 __all__ = ["build", "check", "default_output"]
@@ -56,7 +57,8 @@ def build(
     try:
         with tempfile.TemporaryDirectory(dir=output.parent) as folder:
             new = Path(folder) / output.name
-            command = [*_command(library.compiler_flags(), standard, [*quality, *options]), "-shared", "-o", str(new)]
+            own = [*quality, *version_flags(sources), *options]
+            command = [*_command(library.compiler_flags(), standard, own), "-shared", "-o", str(new)]
             errors = run_compiler([*command, *map(str, sources), *libraries, *library.linker_flags()])
             if not errors:
                 new.replace(output)
@@ -83,7 +85,9 @@ def check(
     return [
         error
         for source in sources
-        for error in run_compiler([*_command(flags, standard, options), "-fsyntax-only", str(source)])
+        for error in run_compiler(
+            [*_command(flags, standard, [*version_flags([source]), *options]), "-fsyntax-only", str(source)]
+        )
     ]
 
 

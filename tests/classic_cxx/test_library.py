@@ -15,7 +15,7 @@ from libgz.classic import msgs
 from libgz.classic.api import classic_api
 from libgz.classic_cxx.generate import bodies, headers
 from libgz.classic_cxx.messages import file_of, proto_files
-from libgz.classic_cxx.recognition import is_classic
+from libgz.classic_cxx.recognition import is_classic, version_flags
 from libgz.classic_cxx.table import rows, split
 from libgz.classic_cxx.values import message_type_of
 
@@ -123,6 +123,11 @@ def test_sources_of_classic_are_recognised(tmp_path):
     old.write_text('#include <gazebo/World.hh>\n#include <gazebo/ModelFactory.hh>\nGZ_REGISTER_PLUGIN("A", A)\n')
     assert is_classic([new])
     assert not is_classic([old])
+    assert version_flags([new]) == []
+    new.write_text("math::Pose pose = model->GetWorldPose();")
+    assert version_flags([new]) == ["-DGAZEBO_MAJOR_VERSION=7"]
+    old.write_text("ignition::math::Vector3d v; // math::Vector3d")
+    assert version_flags([old]) == []
 
 
 def test_installation(library, tmp_path, monkeypatch, capsys):

@@ -3,10 +3,11 @@
     python benchmarks/player.py [SECONDS]
 
 `libgz player` runs a world with a Pioneer 2 AT in real time; 20 clients of 1.6 and 2.1 read its odometry at 10 Hz,
-while one attack after another runs for so many seconds (default 20). Printed are the samples that a client missed, as their
-times show; the longest time between two samples; the longest time from a command to a sample whose velocity obeys; and
-the memory of the server. The exit code is 1 if a sample is missing, a command takes longer than two updates of the robot and
-100 ms, or the memory grows by more than what clients may take. The machine must be idle for all but the memory.
+while one attack after another runs for so many seconds (default 20). Printed are the samples that a client missed, as
+their times show; the longest time between two samples; the longest time from a command to a sample whose velocity
+obeys; and the memory of the server. The exit code is 1 if a sample is missing, a command takes longer than two
+updates of the robot and 100 ms, or the memory grows by more than what clients may take. The machine must be idle for
+all but the memory.
 """
 
 from __future__ import annotations

@@ -23,6 +23,7 @@ LAYERS = [
     ["clib", "simulation", "rendering"],
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
+    ["classic_cxx"],
     ["front"],
     ["ros", "player"],
     ["convert", "recording", "reference", "view"],

@@ -355,6 +355,12 @@ class SdfJoint:
         self._check_index(index)
         return self._mechanism.velocity(index)
 
+    def plain_joint(self) -> Joint | None:
+        """The engine's joint, if position and rate are its first ones as they are: a hinge or slider."""
+        if not isinstance(self._mechanism, HingeMechanism | SliderMechanism) or self._mechanism.closed:
+            return None
+        return self._mechanism.joint
+
     def add_force(self, effort: float, index: int = 0) -> None:
         """Apply an effort to an axis for one step [N m] or [N]; those of one step add up.
 

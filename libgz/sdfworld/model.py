@@ -547,6 +547,10 @@ class SdfModel(Entity):
             return GzPose(GzVector(*self._frame.pos), self._frame.rot)
         return GzCoordPoseAdd(self._frame_in_canonical, self._canonical.GetPose())
 
+    def frame_in_body(self) -> tuple[Body, GzPose] | None:
+        """The link that the model frame is fixed to, and its pose there [m]; None without links."""
+        return None if self._canonical is None else (self._canonical, self._frame_in_canonical)
+
     def SetPose(self, pose: GzPose) -> None:
         """Move all links, and nested models, as one; all velocities become zero."""
         pose = GzPoseOf(pose)

@@ -185,7 +185,7 @@ class Stepping:
     def _advance(self) -> None:
         """Advance everything by one step of sim time, and signal the events of a step."""
         if self._begin:
-            self._begin(self._update_info())
+            self._begin(self._update_info() if self._begin.gives else None)
         self._update_entities(self.world.engine.step_time)
         self._advance_physics()
 
@@ -197,7 +197,7 @@ class Stepping:
             companion.update()
         if self._contact:
             engine.collide()
-            self._contact(self._update_info())
+            self._contact(self._update_info() if self._contact.gives else None)
             if self.world.physics_enabled:
                 engine.solve()
             else:

@@ -80,14 +80,14 @@ SCRIPT = """\
 #!/bin/sh
 # of libgz; the paths of ROS's own Python are not those of this one
 unset PYTHONPATH
-exec {command} {words}"$@"
+exec {command} "$@"
 """
 SCRIPTS = {
-    "gzserver": ("gzserver", "--ros1 "),
-    "debug": ("gzserver", "--ros1 --verbose "),
-    "gazebo": ("gzserver", "--ros1 --view "),
-    "gzclient": ("gzclient", ""),
-    "spawn_model": ("spawn_model", ""),
+    "gzserver": ("gzserver", "--ros1"),
+    "debug": ("gzserver", "--ros1", "--verbose"),
+    "gazebo": ("gzserver", "--ros1", "--view"),
+    "gzclient": ("gzclient",),
+    "spawn_model": ("spawn_model",),
 }
 
 # gazebo_msgs in Python, made by the user's own genpy from the texts of the types when it is imported.
@@ -156,9 +156,9 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     found[f"{share}/launch/empty_world.launch"] = EMPTY_WORLD, False
     for name in WORLDS:
         found[f"{share}/launch/{name}_world.launch"] = OTHER_WORLD.format(name=name), False
-    for name, (module, words) in SCRIPTS.items():
-        command = shlex.join(run_module(f"libgz.apps.{module}"))
-        found[f"{share}/scripts/{name}"] = SCRIPT.format(command=command, words=words), True
+    for name, (module, *words) in SCRIPTS.items():
+        command = shlex.join(run_module(f"libgz.apps.{module}", *words))
+        found[f"{share}/scripts/{name}"] = SCRIPT.format(command=command), True
     found |= _messages()
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False

@@ -48,7 +48,7 @@ def publication(world: libgz.World, count: int = 2000) -> float:
     """CPU time of one publication alone [us]."""
     begin = time.thread_time()
     for _ in range(count):
-        world._publication.publish(False)
+        world.publication.publish(False)
     return (time.thread_time() - begin) / count * 1e6
 
 
@@ -62,21 +62,21 @@ def main() -> None:
             if observer.stdout is not None:
                 observer.stdout.readline()  # it is ready
             published, observed = [], []
-            publish = world._publication
+            publish = world.publication
             try:
                 for i in range(ROUNDS):
                     times = {}
                     order = ["none", "published", "observed"]
                     for kind in order if i % 2 else reversed(order):
                         observer.send_signal(signal.SIGCONT if kind == "observed" else signal.SIGSTOP)
-                        world._publication = None if kind == "none" else publish
+                        world.publication = None if kind == "none" else publish
                         times[kind] = block(world)
                     published.append((times["none"], times["published"]))
                     observed.append((times["none"], times["observed"]))
             finally:
                 observer.kill()
                 observer.wait()
-            world._publication = publish
+            world.publication = publish
             step = statistics.median(before for before, _ in published)
             print(f"a step of {ROBOTS} robots: {step:.0f} us; a publication alone: {publication(world):.1f} us")
             print(f"{'published':20} {ratio_text(published)}")

@@ -34,7 +34,7 @@ def __getattr__(name: str) -> Any:
     if name.startswith("_") or name not in _exports():
         from libgz.base.errors import nearest
 
-        hint = nearest(name, _exports())
+        hint = "" if name.startswith("_") else nearest(name, _exports())  # tools ask for many private names
         if name.endswith("Plugin") or name.startswith("GZ_REGISTER_"):
             hint = f"; from libgz.classic import {name} is for plugins of SDF worlds, see docs/plugins.md"
         raise AttributeError(f"module 'libgz' has no attribute {name!r}{hint}")

@@ -60,6 +60,8 @@ class SegwayRMP(DifferentialRobot):
 
     STATE: ClassVar[tuple[str, ...]] = ("motion", "_velocity", "_balance")
 
+    values: SegwayRMPAttributes
+
     behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = SegwayRMPAttributes
     values: SegwayRMPAttributes

@@ -86,7 +86,9 @@ def add_man_pages(content: Path) -> None:
     folder = content / data / "data" / "share" / "man" / "man1"
     script = Path(__file__).with_name("make_docs.py")
     command = [sys.executable, str(script), "--man", str(folder)]
-    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": str(content)}, capture_output=True, text=True)
+    # Bytecode would become a part of the wheel.
+    environment = {**os.environ, "PYTHONPATH": str(content), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}\n{done.stderr}")
 

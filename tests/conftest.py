@@ -1,11 +1,11 @@
 """Fixtures for several test modules."""
 
-import logging
 import os
 import signal
 
 import pytest
 from c_programs import config
+from commands import kept_logging
 from sdf_worlds import Loader
 
 from libgz.transport.server import Server
@@ -28,12 +28,9 @@ def own_data(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def own_logging():
-    """Restore the library's logger after each test: commands that run in this process change it."""
-    logger = logging.getLogger("libgz")
-    level, propagate, handlers = logger.level, logger.propagate, logger.handlers[:]
-    yield
-    logger.setLevel(level)
-    logger.propagate, logger.handlers[:] = propagate, handlers
+    """Restore the library's logger after each test: some call a command's `main`."""
+    with kept_logging():
+        yield
 
 
 @pytest.fixture

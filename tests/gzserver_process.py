@@ -1,14 +1,13 @@
 """Running the gzserver command, and an environment for it."""
 
 import os
-import subprocess
-import sys
 
+from commands import command_line, run_command
 from master_uri import free_master_uri
 
 __all__ = ["SERVER", "new_environment", "run"]
 
-SERVER = [sys.executable, "-m", "libgz.apps.gzserver"]
+SERVER = command_line("gzserver")
 
 
 def new_environment(folder):
@@ -20,7 +19,6 @@ def new_environment(folder):
     return {**kept, **paths, "GAZEBO_MASTER_URI": free_master_uri(), "GAZEBO_IP": "127.0.0.1"}
 
 
-def run(environment, *words, timeout=60):
-    """Run gzserver with these arguments until it ends."""
-    command = [*SERVER, *map(str, words)]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=timeout)
+def run(environment, *words):
+    """Run gzserver with these arguments until it ends, in this process."""
+    return run_command("gzserver", *words, env=environment)

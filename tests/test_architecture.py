@@ -1,10 +1,11 @@
-"""What ARCHITECTURE.md promises about imports, checked on every import there is.
+"""What ARCHITECTURE.md promises about imports, and rules of the code, checked on the syntax of all modules.
 
 Counted are imports at the top of a module, inside functions, for type checkers only, and by name
 (`import_module("libgz.x")`, `__import__`).
 """
 
 import ast
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
@@ -23,7 +24,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
     ["front"],
-    ["convert", "recording", "reference", "view"],
+    ["convert", "player", "recording", "reference", "view"],
     ["study"],
     ["gym", "sweep"],
     ["testing"],
@@ -84,28 +85,51 @@ def modules():
     return {module_name(path): path for path in paths}
 
 
-def named_imports(tree):
-    """Names given to import_module and __import__; None for one that is no literal."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call):
-            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-            if called in ("import_module", "__import__", "resolve_name"):
-                literal = node.args and isinstance(node.args[0], ast.Constant)
-                yield node.args[0].value if literal else None
+@dataclass
+class Facts:
+    """What is in a module's syntax, in one walk, which takes longer than all questions about it."""
+
+    imports: set = field(default_factory=set)
+    named: set = field(default_factory=set)  # names given to import_module and __import__; None for no literal
+    functions: set = field(default_factory=set)
+    called: set = field(default_factory=set)
+    unwanted: list = field(default_factory=list)  # (kind, line)
 
 
 @cache
-def imports_of(module):
-    """Modules of libgz that a module imports anywhere in its text."""
-    tree = ast.parse(modules()[module].read_text())
-    found = {name.partition(":")[0] for name in named_imports(tree) if name}
-    for node in ast.walk(tree):
+def facts_of(module):
+    found = Facts()
+    for node in ast.walk(ast.parse(modules()[module].read_text())):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            found.imports |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{module}:{node.lineno}: a relative import"
             names = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= {name if name in modules() else node.module for name in names}
+            found.imports |= {name if name in modules() else node.module for name in names}
+        elif isinstance(node, ast.Call):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in ("import_module", "__import__", "resolve_name"):
+                literal = node.args and isinstance(node.args[0], ast.Constant)
+                found.named.add(node.args[0].value if literal else None)
+            if isinstance(node.func, ast.Name):
+                found.called.add(called)
+                if called == "print":
+                    found.unwanted.append((called, node.lineno))
+        elif isinstance(node, ast.FunctionDef):
+            found.functions.add(node.name)
+        elif isinstance(node, ast.Assert):
+            found.unwanted.append(("assert", node.lineno))
+        elif isinstance(node, ast.ExceptHandler) and node.type is None:
+            found.unwanted.append(("bare except", node.lineno))
+        elif isinstance(node, ast.Attribute) and node.attr in ("executable", "_base_executable"):
+            found.unwanted.append(("executable", node.lineno))
+    return found
+
+
+def imports_of(module):
+    """Modules of libgz that a module imports anywhere in its text."""
+    facts = facts_of(module)
+    found = facts.imports | {name.partition(":")[0] for name in facts.named if name}
     return sorted(name for name in found if name.partition(".")[0] == "libgz")
 
 
@@ -145,8 +169,7 @@ def test_nothing_below_imports_the_facades():
 
 
 def test_names_that_are_no_literals_are_imported_by_tables_only():
-    found = {module for module, path in modules().items() if None in set(named_imports(ast.parse(path.read_text())))}
-    assert found <= TABLES
+    assert {module for module in modules() if None in facts_of(module).named} <= TABLES
 
 
 def circles(graph):
@@ -196,14 +219,31 @@ def test_only_one_package_touches_libode():
         assert module.startswith("libgz.ode") or "libode.so" not in path.read_text(), module
 
 
+def places_of(kinds, apart_from):
+    """Where modules do what they must not."""
+    return [
+        f"{module}:{line}: {kind}"
+        for module in modules()
+        if not module.startswith(apart_from)
+        for kind, line in facts_of(module).unwanted
+        if kind in kinds
+    ]
+
+
 def test_the_library_neither_prints_nor_asserts_nor_swallows():
-    for module, path in modules().items():
-        for node in ast.walk(ast.parse(path.read_text())):
-            where = f"{module}:{getattr(node, 'lineno', 0)}"
-            assert not isinstance(node, ast.Assert), where
-            assert not (isinstance(node, ast.ExceptHandler) and node.type is None), where
-            is_print = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "print"
-            assert not is_print or module.startswith("libgz.apps"), where
+    assert places_of(("assert", "bare except"), ()) == []
+    assert places_of(("print",), "libgz.apps") == []
+
+
+def test_one_place_starts_python():
+    assert places_of(("executable",), "libgz.base.python") == [], "use libgz.base.python.run_module"
+
+
+def test_checks_that_only_warn_run_under_advise():
+    """`advise` is the one place where they run: no module of the package calls a `warn_of_...` of another one."""
+    for module in modules():
+        facts = facts_of(module)
+        assert not [n for n in facts.called - facts.functions if n.startswith("warn_of_")], module
 
 
 @pytest.mark.parametrize(
@@ -215,4 +255,4 @@ def test_every_kind_of_import_is_seen(monkeypatch, tmp_path, text, place):
     path.write_text(place.format(text))
     monkeypatch.setitem(modules(), "libgz.physics.x", path)
     assert [name.startswith("libgz.apps") for name in imports_of("libgz.physics.x")] == [True]
-    imports_of.cache_clear()
+    facts_of.cache_clear()

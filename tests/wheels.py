@@ -34,7 +34,7 @@ def use_wheel(root, wheels, *options, **environment):
 def use_wheel_offline(root, wheels):
     """The same without an index: this environment's dependencies stand in for it."""
     bind_packages(root, DEPENDENCIES)
-    return use_wheel(root, wheels, PYTHONPATH="/packages")
+    return use_wheel(root, wheels, "--no-compile", PYTHONPATH="/packages")
 
 
 def bind_packages(root, names):

@@ -195,7 +195,7 @@ class Run:
             self.deadline = time.monotonic() + options.seconds
         pacer = Pacer(0.0 if options.free else world.simSpeed if options.rate is None else options.rate)
         while not self.over(done):
-            done += world.step_on(1 if pacer.speed > 0.0 else self._most(done))
+            done += world.step_on(self._most(done), pacer)
             for recorder in self.recorders:
                 recorder.take()
             if self.capture is not None:

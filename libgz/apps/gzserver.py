@@ -45,6 +45,7 @@ __all__ = ["main"]
 log = logging.getLogger("libgz.classic")
 
 EMPTY_WORLD = "worlds/empty.world"
+MOST_STEPS = 1000  # at a time; World.step_on ends earlier
 FIRST_ID, SPREAD = 100, 800  # of the ids that servers take by themselves; two that start together take different ones
 
 # Options of Gazebo that are accepted without effect, with a warning: option -> reason.
@@ -230,7 +231,8 @@ class Server:
     ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
-            done += self._step(core, control)
+            watched = self._play is not None or control is not None or recorders or snapshots.requests.follows
+            done += self._step(core, control, 1 if watched else self._most(done), pacer)
             for recorder in recorders:
                 recorder.take()
             snapshots.act()
@@ -239,14 +241,17 @@ class Server:
             while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
                 pass
 
-    def _step(self, core: World, control: PlaybackControl | None) -> int:
-        """One step; returns the number of iterations: 0 while the world is paused."""
+    def _step(self, core: World, control: PlaybackControl | None, most: int, pacer: Pacer) -> int:
+        """One step, or more where nothing has to be done between them; how many iterations, 0 while it is paused."""
         if control is not None:
             control.update()
         if self._play is not None and not core.paused:
             return int(self._play.Step())
-        core.Step()
-        return 0 if core.paused else 1
+        return core.step_on(most, pacer) - int(core.paused)
+
+    def _most(self, done: int) -> int:
+        """How many iterations may follow each other, after a number of them."""
+        return MOST_STEPS if self.options.iters is None else self.options.iters - done
 
     def _over(self, server: WorldServer | None, done: int) -> bool:
         limit = self.options.iters

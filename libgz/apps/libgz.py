@@ -39,6 +39,7 @@ COMMANDS = {
     "play": "serve a log of gazebo --mcap or gzserver --mcap as its server did",
     "new": "write a folder with a new model or plugin that runs at once",
     "picture": "run a world and save the image of one of its cameras",
+    "player": "serve client programs of Player 1.6 to 3 from a running or started server",
     "plot": "plot fields of a log or of a running server over time",
     "plugin": "load an edited plugin file again while its world runs",
     "schema": "print a RELAX NG grammar of worldfiles for editors",

@@ -22,6 +22,7 @@ __all__ = [
     "LawRecord",
     "LinkRecord",
     "OperationRecord",
+    "PaceRecord",
     "PostRecord",
     "PublishRecord",
     "RateRecord",
@@ -230,9 +231,18 @@ class UpdatesRecord(ctypes.Structure):
     _fields_ = [("tables", c_void_p), ("clock", c_void_p), ("rows", c_void_p), ("wanted", c_void_p)]
 
 
+class PaceRecord(ctypes.Structure):
+    """Sim time at a speed: simulated seconds per second of real time since a start on the monotonic clock [s]."""
+
+    _fields_ = [("speed", c_double), ("start", c_double), ("simulated", c_double)]
+    speed: float
+    start: float
+    simulated: float
+
+
 _MIRRORS: tuple[Any, ...] = (
     *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, CastRecord, OperationRecord, LawRecord),
-    *(BeginRecord, PublishRecord, PostRecord, UpdatesRecord, SwitchRecord, TextRecord),
+    *(BeginRecord, PublishRecord, PostRecord, UpdatesRecord, SwitchRecord, TextRecord, PaceRecord),
 )
 
 

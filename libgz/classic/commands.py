@@ -79,6 +79,11 @@ class PausedSteps:
         self._remaining = 0
         self._lifted = False
 
+    @property
+    def requested(self) -> bool:
+        """Whether there are any."""
+        return bool(self._remaining or self._lifted)
+
     def add(self, count: int) -> None:
         """Request iterations."""
         self._remaining += count
@@ -93,7 +98,7 @@ class PausedSteps:
 
     def update(self, paused: bool) -> None:
         """Lift or restore the pause; called after each iteration, `paused`: whether that one was paused."""
-        if not (self._remaining or self._lifted):
+        if not self.requested:
             return
         if self._lifted and not paused:
             self._remaining -= 1

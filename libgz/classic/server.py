@@ -409,6 +409,19 @@ class WorldServer:
             self.visuals.remove_of(view)
         self.activity.forget(view)
 
+    def idle_until(self) -> float:
+        """The sim time of the next measurement [s], if until then there is nothing to do."""
+        if self._new or self.paused_steps.requested or not self.activity.idle:
+            return -math.inf
+        if self.topics is not None and not self.topics.idle:
+            return -math.inf
+        return self.sensors.idle_until() if self.sensors is not None else math.inf
+
+    def skipped(self) -> None:
+        """The sensors know the sim time of the last step."""
+        if self.sensors is not None:
+            self.sensors.skipped()
+
     def update(self) -> None:
         """Update joint controllers, batteries, animations and attached models."""
         self.activity.update()

@@ -53,6 +53,11 @@ class _Periodic:
         self.topic = TopicManager.Instance().topic(publisher.GetTopic())
         self.due = 0.0  # [s]
 
+    @property
+    def listened(self) -> bool:
+        """Whether somebody subscribes."""
+        return bool(self.topic.subscribers) or self.topic.remote
+
     def publish(self, now: float) -> None:
         """Publish a message at a time [s]."""
         self.due = now + self._period
@@ -82,9 +87,14 @@ class _Skeletons:
         if isinstance(entity, Actor):
             self._framed.pop(entity, None)
 
+    @property
+    def listened(self) -> bool:
+        """Whether there are poses that somebody wants."""
+        return bool(self._framed) and self._publisher is not None and self._publisher.HasConnections()
+
     def update(self) -> None:
         """Publish new poses."""
-        if self._framed and self._publisher is not None and self._publisher.HasConnections():
+        if self.listened and self._publisher is not None:
             for actor, framed in self._framed.items():
                 if actor.core.framed != framed:
                     self._framed[actor] = actor.core.framed
@@ -103,6 +113,7 @@ class WorldTopics:
         self._world = world
         self._manager = TopicManager.Instance()
         self._manager.AddTopicNamespace(world.core.topic_space)
+        self._manager.locks.add(world.core.lock)
         self._node = Node()
         self._node.Init(world.core.topic_space)
         self._contacts = self._node.Advertise(msgs.Contacts, "~/physics/contacts")
@@ -227,11 +238,11 @@ class WorldTopics:
         """Subscribe to the topics of an entity; publish it if it was inserted."""
         if isinstance(entity, Model):
             self._parts[entity] = self._subscribe_parts(entity)
-            self._links[entity] = [
-                (link, self._node.Advertise(msgs.LinkData, f"~/{link.GetScopedName()}"))
-                for link in entity.GetLinks()
-                if _has_imu(link)
-            ]
+            measured = [link for link in entity.GetLinks() if _has_imu(link)]
+            if measured:
+                self._links[entity] = [
+                    (link, self._node.Advertise(msgs.LinkData, f"~/{link.GetScopedName()}")) for link in measured
+                ]
         if isinstance(entity, Actor):
             self._skeletons.add(entity)
         if not announce:
@@ -266,12 +277,22 @@ class WorldTopics:
         self._skeletons.remove(entity)
         self._requests.Publish(CreateRequest("entity_delete", entity.GetScopedName()), here=False)
 
+    @property
+    def idle(self) -> bool:
+        """Whether `update` has nothing to do now."""
+        if self._manager.queue or self._records or self._world.Physics().GetContactManager().filtered:
+            return False
+        if any(one.listened and time.monotonic() >= one.due for one in self._periodic):
+            return False
+        return not self._skeletons.listened and not any(
+            publisher.HasConnections() for links in self._links.values() for _, publisher in links
+        )
+
     def update(self) -> None:
         """Publish due messages, then deliver all messages of this iteration."""
         now = time.monotonic()
         for one in self._periodic:
-            topic = one.topic
-            if (topic.subscribers or topic.remote) and now >= one.due:
+            if one.listened and now >= one.due:
                 one.publish(now)
         self._skeletons.update()
         self._publish_links()
@@ -300,6 +321,7 @@ class WorldTopics:
         """End the topics; the namespace stays if another world of this process has the same name."""
         name = self._world.core.topic_space
         self._node.Fini()
+        self._manager.locks.discard(self._world.core.lock)
         self._subscribers.clear()
         self._parts.clear()
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]

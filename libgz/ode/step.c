@@ -75,22 +75,23 @@ static int have_springs(const context *c)
 
 static void note_rest(context *c)
 {
-    if (!c->body_count || !are_asleep(c, 0, c->body_count) || have_springs(c))
+    if (!are_asleep(c, 0, c->body_count) || have_springs(c))
         c->resting = 0;
     else if (c->resting < RESTING)
         c->resting++;
 }
 
-/* Whether a step can be left out. A look at some bodies finds those that were woken past the tables. */
+/* Whether a step can be left out: what is left in a world without bodies has no effect. A look at some bodies finds those
+ * that were woken past the tables. */
 static int rests(context *c)
 {
-    if (c->resting < RESTING || c->record_contacts || !c->body_count)
+    if (c->resting < RESTING || c->record_contacts)
         return 0;
     if (!are_asleep(c, c->next_checked, CHECKED)) {
         c->resting = 0;
         return 0;
     }
-    c->next_checked = (c->next_checked + CHECKED) % c->body_count;
+    c->next_checked = c->body_count ? (c->next_checked + CHECKED) % c->body_count : 0;
     return 1;
 }
 

@@ -23,7 +23,7 @@ __all__ = ["Step", "library_path"]
 
 
 LIBRARY = Path(__file__).with_name("_step.so")
-LONGEST = 0.005  # [s] of real time without Python, if there is more than one step; then signals are noticed
+LONGEST = 0.01  # [s] of real time without Python, if there is more than one step; then signals are noticed
 _ALLOCATORS = tuple(f"d{verb}{what}Handler" for what in ("Alloc", "Realloc", "Free") for verb in ("Get", "Set"))
 _loading = threading.Lock()
 
@@ -158,16 +158,16 @@ class Step:
         """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""
         return float(self._shared.gz_overlap(self._address, geom1, geom2))
 
-    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[], int]]]:
+    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[Any], int]]]:
         """The function that does rows, see `libgz.base.records`; and one that prepares a call for whole steps.
 
         Such a call makes as many steps as the number that it is prepared with says, and leaves there how many it did
-        not make.
+        not make. Its argument is a pointer to the `PaceRecord` that says when each of them is due; None for at once.
         """
         run, repeat = self._shared["gz_updates_run"], self._shared["gz_updates_repeat"]
         run.argtypes, run.restype, repeat.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
 
-        def prepare(record: Any, count: int, steps: c_int64) -> Callable[[], int]:
+        def prepare(record: Any, count: int, steps: c_int64) -> Callable[[Any], int]:
             return functools.partial(repeat, record, c_int64(count), ctypes.byref(steps), c_double(LONGEST))
 
         return run, prepare

@@ -77,6 +77,9 @@ typedef struct {
 
 static const double CHECK_PERIOD = 0.05; /* [s]; that of interface.py */
 
+#define NAP 1e-3          /* [s] at most between two looks whether another thread wants the world */
+#define LARGEST_DEBT 1.0  /* [s]; see libgz/simulation/pacing.py */
+
 static double now_monotonic(void)
 {
     struct timespec t;
@@ -584,6 +587,12 @@ typedef struct {
     const int64_t *wanted; /* not 0: another thread waits for the world */
 } updates;
 
+typedef struct {
+    double speed;     /* simulated seconds per second of real time */
+    double start;     /* [s] on the monotonic clock */
+    double simulated; /* [s] of sim time at the start */
+} pace_record;
+
 union semun {
     int val;
     struct semid_ds *buf;
@@ -672,10 +681,25 @@ int64_t gz_updates_run(const updates *u, int64_t i, int64_t end)
     return i;
 }
 
+/* Wait until the next step is due in real time; 0 if that is after the end, or if Python has to count anew. */
+static int wait_until_due(const updates *u, const pace_record *p, double end)
+{
+    double passed = (u->clock->sim_time + u->clock->pause_time - p->simulated) / p->speed;
+    for (;;) {
+        double now = now_monotonic(), ahead = p->start + passed - now;
+        struct timespec nap = {0, (long)(1e9 * (ahead < NAP ? ahead : NAP))};
+        if (ahead <= 0.0)
+            return ahead > -LARGEST_DEBT;
+        if (now + ahead >= end || *(const volatile int64_t *)u->wanted)
+            return 0;
+        nanosleep(&nap, NULL);
+    }
+}
+
 /* Do all rows, of which there are `count`, step after step, and return as gz_updates_run() does. It ends with the row that
  * Python has to do, after *steps steps, after some seconds, or if another thread wants the world. *steps: those that are
- * left. */
-int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, double seconds)
+ * left. pace: when steps after the first one are due; NULL for at once. */
+int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, double seconds, const pace_record *pace)
 {
     double end = now_monotonic() + seconds;
     int64_t i;
@@ -683,7 +707,8 @@ int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, doubl
         i = gz_updates_run(u, 0, count);
         if (i < count)
             return i;
-    } while (--*steps > 0 && !*(const volatile int64_t *)u->wanted && now_monotonic() < end);
+    } while (--*steps > 0 && !*(const volatile int64_t *)u->wanted && now_monotonic() < end &&
+             (!pace || wait_until_due(u, pace, end)));
     return count;
 }
 
@@ -693,6 +718,7 @@ const int64_t *gz_updates_sizes(void)
     static const int64_t sizes[] = {
         sizeof(tables),    sizeof(clock_record), sizeof(span),       sizeof(link_record), sizeof(row),
         sizeof(rate_record), sizeof(cast),       sizeof(operation),  sizeof(law),         sizeof(beginning),
-        sizeof(publishing), sizeof(posting),     sizeof(updates),    sizeof(switch_record), sizeof(text_record), 0};
+        sizeof(publishing), sizeof(posting),     sizeof(updates),    sizeof(switch_record), sizeof(text_record),
+        sizeof(pace_record), 0};
     return sizes;
 }

@@ -25,8 +25,6 @@ from libgz.base.geometry import (
     GzQuaternSetVector,
     GzVector,
     GzVectorAdd,
-    GzVectorCross,
-    GzVectorSub,
     QuaternLike,
     VectorLike,
     place_of,
@@ -297,8 +295,12 @@ class Body:
 
     def GetPointVel(self, point: VectorLike) -> GzVector:
         """Velocity of the body at a global point [m/s], global."""
-        arm = GzVectorSub(point, self.GetCoMPose().pos)
-        return GzVectorAdd(self.GetLinearVel(), GzVectorCross(self.GetAngularRate(), arm))
+        if self.row < 0:
+            return GzVector()
+        x, y, z, vx, vy, vz, wx, wy, wz = self._values(7, 16)
+        px, py, pz = point
+        px, py, pz = px - x, py - y, pz - z
+        return GzVector(vx + (wy * pz - wz * py), vy + (wz * px - wx * pz), vz + (wx * py - wy * px))
 
     def GetLinearAccel(self) -> GzVector:
         """Acceleration of the centre of mass in the last step [m/s^2], global, gravity and contacts included.

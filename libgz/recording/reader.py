@@ -102,9 +102,15 @@ class LogReader(Closing):
             self._file = open_file(self.path)
         except OSError as error:
             raise ParameterError(f"log {str(path)!r} cannot be read: {error.strerror}") from None
-        if self._file.read(len(MAGIC)) != MAGIC:
+        try:
+            self._read_contents()
+        except BaseException:
             self._file.close()
-            raise ParameterError(f"{str(path)!r} is no log: it does not begin as an MCAP file does")
+            raise
+
+    def _read_contents(self) -> None:
+        if self._file.read(len(MAGIC)) != MAGIC:
+            raise ParameterError(f"{str(self.path)!r} is no log: it does not begin as an MCAP file does")
         self.about: dict[str, str] = {}
         self.channels: dict[int, LogChannel] = {}
         self._schemas: dict[int, Schema] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -21,6 +22,15 @@ class Companion(Protocol):
 
     def model_removed(self, model: Entity) -> None:
         """An entity was taken off the world's lists; its bodies still exist."""
+
+    def idle_until(self) -> float:
+        """The sim time [s] up to which steps need nothing of it: `update` and `step` are not called before; -inf: none.
+
+        Asked before and in steps; what happens meanwhile may make it earlier.
+        """
+
+    def skipped(self) -> None:
+        """Steps have been made without it."""
 
     def update(self) -> None:
         """Sim time has grown, entities have been updated, physics comes next."""
@@ -63,6 +73,13 @@ class Companion(Protocol):
 
 class Stateless:
     """What is common to companions that are no part of a world's state, such as logs: they continue as they were."""
+
+    def idle_until(self) -> float:
+        """-inf: it has something to do in each step."""
+        return -math.inf
+
+    def skipped(self) -> None:
+        """Nothing to do."""
 
     def reseed(self, seed: int) -> None:
         """Nothing to do."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import time
+from typing import Any
 
+from libgz.base.records import PaceRecord
 from libgz.physics.check import not_negative
 
 __all__ = ["Pacer"]
@@ -21,19 +24,27 @@ class Pacer:
 
     def __init__(self, speed: float) -> None:
         self.speed = not_negative(speed, "speed")
-        self._start: float | None = None
-        self._simulated_at_start = 0.0
+        self._record = PaceRecord(self.speed)
+        self._started = False
+
+    @property
+    def pace(self) -> Any:
+        """A pointer for native code to its speed and start; None where steps are not paced."""
+        return ctypes.byref(self._record) if self.speed > 0.0 and self._started else None
+
+    def _begin(self, now: float, simulated: float) -> None:
+        self._record.start, self._record.simulated, self._started = now, simulated, True
 
     def ahead(self, simulated: float) -> float:
         """How long [s] to sleep before the step after `simulated` seconds of sim time; 0 if it is due."""
         if self.speed == 0.0:
             return 0.0
         now = time.monotonic()
-        if self._start is None:
-            self._start, self._simulated_at_start = now, simulated
-        ahead = (simulated - self._simulated_at_start) / self.speed - (now - self._start)
+        if not self._started:
+            self._begin(now, simulated)
+        ahead = (simulated - self._record.simulated) / self.speed - (now - self._record.start)
         if ahead < -LARGEST_DEBT:
-            self._start, self._simulated_at_start = now, simulated
+            self._begin(now, simulated)
         return max(0.0, ahead)
 
     def sleep(self, simulated: float) -> bool:

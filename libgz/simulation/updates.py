@@ -87,7 +87,7 @@ class UpdateRows:
         begin, end: where the rows of the entities are.
         tail: where the rows begin that report the step.
         run_all: does all rows natively, for so many `steps` as Python has nothing to do in; the number of the row that
-            Python has to do, or `count`.
+            Python has to do, or `count`. Its argument says when they are due, see `Pacer.pace`.
         steps: how many steps `run_all` makes at most, and then how many of them are left; a ctypes number.
         count: of all rows.
         native: whether native code does the rows.
@@ -116,7 +116,7 @@ class UpdateRows:
         """Drop all rows, and what they point to."""
         self.valid = False
         self._record: Any = None
-        self.run_all: Callable[[], int] = lambda: 0
+        self.run_all: Callable[[Any], int] = lambda _pace: 0
         self._rows: list[Row] = []
         self._lines: list[_Line] = []
         self._kept: list[object] = []

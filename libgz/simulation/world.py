@@ -15,7 +15,6 @@ import numpy as np
 
 from libgz.base.closing import Closing
 from libgz.base.errors import (
-    USER_ERRORS,
     ClosedError,
     GazeboError,
     InterfaceError,
@@ -23,10 +22,9 @@ from libgz.base.errors import (
     ParameterError,
     StateError,
     nearest,
-    pass_interrupt,
 )
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
-from libgz.base.law import Number, law
+from libgz.base.law import law
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
@@ -37,15 +35,16 @@ from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
 from libgz.simulation.agenda import Agenda
 from libgz.simulation.batch import Batch, Columns
+from libgz.simulation.buttons import Buttons
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
-from libgz.simulation.exchange import Exchange
+from libgz.simulation.falls import Falls
 from libgz.simulation.journal import Journal
-from libgz.simulation.plugins import own_traceback
-from libgz.simulation.problems import NOTED, Problem, Problems, note
+from libgz.simulation.pacing import Pacer
+from libgz.simulation.problems import Problem, Problems
 from libgz.simulation.publication import Publication
 from libgz.simulation.reloading import Reloader, reload
 from libgz.simulation.rewind import Rewind
@@ -53,13 +52,12 @@ from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
 from libgz.simulation.state import undeclared
+from libgz.simulation.stepping import Stepping
 from libgz.simulation.updates import UpdateRows
-from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import LocalServer, Server
 from libgz.transport.tables import LocalTables
-from libgz.transport.tally import Tally
 
 if TYPE_CHECKING:  # for the types that `interface` returns; written by scripts/make_overloads.py
     from libgz.interfaces.actarray import Actarray
@@ -88,13 +86,9 @@ E = TypeVar("E")
 K = TypeVar("K", bound=Entity)
 J = TypeVar("J", bound=Joint)
 
-LOWEST = -1000.0  # [m]; a body that falls further is reported
-FALL_PERIOD = 256  # steps between two looks
 _clones = itertools.count(1)
 _SURROUNDINGS = struct.Struct("16d?4d")
 _NO_FOG = (0.0, 0.0, 0.0, 0.0)
-NAMED = 5  # bodies in one such message
-MOST_FALLEN = 100  # names that are counted apart
 
 
 class World(Closing):
@@ -118,6 +112,9 @@ class World(Closing):
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
         rows: what the entities do in a step, for native code.
+        buttons: pause, reset and save, which clients press.
+        falls: the bodies that fell out of the world.
+        publication: the states for other processes, while there is a server; else None.
         snapshots: takes and restores its states, without the checks of `get_state` and `set_state`.
         clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
@@ -127,8 +124,8 @@ class World(Closing):
         *("name", "simSpeed", "utcOffset", "fogEnable", "fogDensity", "physics_enabled", "starts_paused", "_numbers"),
         "_surroundings",
         *("backdrop.fog_kind", "backdrop.shadows"),
-        "_fallen_rows",
-        "_paused",
+        "falls.rows",
+        "buttons.paused",
         *("clock.day_time", "clock.pause_time", "clock.iterations", "clock.sim_time"),  # what changes comes last
     )
     name: str
@@ -139,8 +136,6 @@ class World(Closing):
     physics_enabled: bool
     starts_paused: bool
     _numbers: int  # of entities, that were given
-
-    _going = Number(1.0)  # 0: paused; for native code
 
     def __init__(
         self,
@@ -175,15 +170,14 @@ class World(Closing):
         self.entities: list[Entity] = []
         self.models: list[Entity] = []
         self.sim = Sim()
-        self._guard = Guard("sim.default")
+        self.buttons = Buttons(self)
         self.physics_enabled = True
         self.starts_paused = False
         self.facade: Any = None
         self.rows = UpdateRows(self)
         self.followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
-        self._fallen: set[int] = set()  # numbers of bodies that were reported
-        self._falls = Tally(MOST_FALLEN)  # by names
+        self.falls = Falls(self.engine)
         self._numbers = 0
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._start_is_old = False  # since a model's class was edited
@@ -194,12 +188,8 @@ class World(Closing):
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._closed = False
         self._inside = False  # whether Step runs
-        self._publication: Publication | None = None  # while a server runs
-        self._begin, self._contact, self._end = (
-            self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
-        )
-        events = (self._begin, self._contact, self._end)
-        self._signals = [event for one in events for event in (one, one.above) if event is not None]
+        self.publication: Publication | None = None  # while a server runs
+        self._stepping = Stepping(self)
         # Surroundings, by the old API's names.
         self.simSpeed, self.utcOffset = 1.0, 0.0
         self.utmZone = GzVector()
@@ -429,7 +419,7 @@ class World(Closing):
         leaving = [entity for entity in entities if entity in self.entities]
         for entity in leaving:
             entity.MasterFini(removed=True)
-            for interface in self._interfaces_of(entity):  # that its Fini forgot
+            for interface in self.interfaces_of(entity):  # that its Fini forgot
                 interface.destroy()
         for kept in (self.entities, self.models, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
@@ -443,10 +433,11 @@ class World(Closing):
 
     def _entities_changed(self) -> None:
         self.update_rows_changed()
-        if self._publication is not None:
-            self._publication.changed = True
+        if self.publication is not None:
+            self.publication.changed = True
 
-    def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
+    def interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
+        """The interfaces that an entity serves."""
         return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
 
     @property
@@ -493,8 +484,8 @@ class World(Closing):
         for companion in self.companions:
             companion.start()
         if self.gz_server.shared is not None:
-            self._publication = Publication(self, self.gz_server.shared)
-            self._publication.publish(self.starts_paused)
+            self.publication = Publication(self, self.gz_server.shared)
+            self.publication.publish(self.starts_paused)
         self.gz_server.post()
         self.problems.check()
         try:
@@ -513,10 +504,10 @@ class World(Closing):
         self._check_ready("published")
         if self.gz_server.shared is None:
             self.gz_server.shared = LocalTables()
-        if self._publication is None:
+        if self.publication is None:
             self.update_rows_changed()
-            self._publication = Publication(self, self.gz_server.shared)
-        self._publication.publish(self._paused)
+            self.publication = Publication(self, self.gz_server.shared)
+        self.publication.publish(self.buttons.paused)
         return self.gz_server.shared
 
     @exclusive
@@ -538,7 +529,7 @@ class World(Closing):
             return 0
         self.clock.stop()
         remove_running(self)
-        self._publication = None
+        self.publication = None
         self.rows.clear()
         for companion in self.companions:
             companion.close()
@@ -608,10 +599,6 @@ class World(Closing):
         """
         self.clock.set(seconds)
 
-    def _update_info(self) -> object:
-        """What the callbacks of update events are given."""
-        return type(self.events).update_info(self.name, self.clock.sim_time, self.clock.real_time)
-
     # Step ------------------------------------------------------------------------------------------------------------
 
     def step(self, count: int = 1) -> None:
@@ -623,16 +610,17 @@ class World(Closing):
                     lock.pass_on()
                 count -= self._steps_alone(count)
 
-    def step_on(self, most: int) -> int:
+    def step_on(self, most: int, pacer: Pacer | None = None) -> int:
         """Run one step, and more of them, `most` at most, for some milliseconds of real time; how many.
 
-        For loops that have something to do now and then, but not in each step. Raises what `Step` does.
+        With a pacer, which finds the first one due, others are made when they are due. For loops that have something
+        to do now and then, but not in each step. Raises what `Step` does.
         """
         lock = self.lock
         if lock.waiting:
             lock.give_way()
         with lock:
-            return self._steps_alone(most)
+            return self._steps_alone(most, None if pacer is None else pacer.pace)
 
     def batch(self, commands: Iterable[Columns] = (), readings: Iterable[Columns] = ()) -> Batch:
         """Commands and readings of many interfaces as two arrays, for loops that learn::
@@ -687,13 +675,13 @@ class World(Closing):
             lock.release()
         return 0
 
-    def _steps_alone(self, most: int) -> int:
+    def _steps_alone(self, most: int, pace: Any = None) -> int:
         """One step or more, in the thread that holds the lock; how many."""
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("stepped")
         self._inside = True
         try:
-            made = self._steps(most if self._rewind is None else 1)
+            made = self._stepping.run(most if self._rewind is None else 1, pace)
         finally:
             self._inside = self.agenda.stepping = False
         if self._rewind is not None and self._rewind.due(self.clock.sim_time):
@@ -728,275 +716,6 @@ class World(Closing):
             raise GazeboError(
                 f"a world cannot be {what} while plugins load, are reset, come or go, or a state is saved or set"
             )
-
-    def _steps(self, most: int) -> int:
-        """One step, and more as long as native code does them alone; how many."""
-        rows, made = self.rows, 1
-        if not rows.valid:
-            self._build_rows()
-        if rows.native and not self._has_listeners():
-            self.engine.enter()
-            self.lock.wanted.value = 0
-            steps = rows.steps
-            steps.value = most
-            number = rows.run_all()
-            made = most - steps.value
-            if number < rows.count:
-                made += 1
-                self._continue_natively(number)
-        elif self._read_buttons():
-            self._pause()
-        else:
-            self.agenda.stepping = True
-            self._begin_step()
-            self._advance()
-            self._act()
-            self._end_step(paused=False)
-        return made
-
-    def _has_listeners(self) -> bool:
-        """Whether a step is more than what rows do."""
-        if self.companions or not self.physics_enabled:
-            return True
-        for signal in self._signals:  # noqa: SIM110 - any() takes longer, in each step
-            if signal.own:
-                return True
-        return False
-
-    def _continue_natively(self, number: int) -> None:
-        """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
-        rows = self.rows
-        if number < rows.begin:
-            if number == 0 and self._read_buttons():
-                self._pause()
-                return
-            if rows.run(1, rows.begin) < rows.begin:
-                self._begin_step()
-            number = rows.begin
-        if number < rows.tail:
-            self.agenda.stepping = True
-            if number < rows.end:
-                self._run_rows(number)
-                number = rows.end
-            if number == rows.end and self._has_listeners():  # since an entity has connected to an event
-                self._advance_physics()
-            else:
-                self._run_own_rows(number, rows.tail)
-            self._act()
-            number = rows.tail
-            if not rows.valid:  # what changed may be the interface that the last rows write to
-                self._end_step(paused=False)
-                return
-        self._run_own_rows(number, rows.count)
-
-    def _run_own_rows(self, begin: int, end: int) -> None:
-        """Do rows of the world itself."""
-        rows = self.rows
-        number = rows.run(begin, end)
-        while number < end:
-            rows.line(number).twin(self.engine.step_time)
-            number = rows.run(number + 1, end)
-
-    def _build_rows(self) -> None:
-        """Describe a step as rows, and find out which entities have something to do in it."""
-        buttons, times = Exchange(self.sim), Exchange(self.sim)
-        if self.sim.link.memory:
-            buttons.need(self, "_going")  # a paused world stays so while a client keeps the lock
-            switches = ("pause", "reset", "save")
-            for i, name in enumerate(switches):  # beside an invalid pause, the others mean nothing
-                buttons.switch(name, self._guard.switch_record(name), 1 if i else len(switches))
-            for name in ("sim_time", "pause_time"):
-                times.assign(times.field(name), times.number(self.clock, name))
-            times.real_time("real_time")
-        with self.rows.building() as rows:
-            rows.share(lambda _: None, buttons)
-            rows.begin_step(FALL_PERIOD, self.era.counts_at_start)
-            rows.entities()
-            rows.advance(lambda _: self.engine.finish())
-            if self.followers:
-                rows.python(lambda _: self._follow())
-            rows.end_physics()
-            rows.share(lambda _: self._write_times(), times)
-            if self._publication is not None:
-                publication = self._publication
-                rows.publish(lambda _: publication.publish(paused=False), publication.record)
-            rows.post(lambda _: self.gz_server.post())
-
-    def _pause(self) -> None:
-        """What a step does while the world is paused."""
-        self.agenda.stepping = True
-        self._update_entities(0.0)
-        self.clock.pause_time += self.engine.step_time
-        self._act()
-        self._end_step(paused=True)
-
-    def _act(self) -> None:
-        """Make the changes that were deferred to the end of the updates and of physics."""
-        if self.agenda.deferred:
-            self.agenda.act()
-        self.agenda.stepping = False
-
-    def _end_step(self, paused: bool) -> None:
-        """Update companions, and let others know of the step."""
-        agenda = self.agenda
-        agenda.stepping = bool(self.companions)
-        for companion in self.companions:
-            companion.step(paused)
-        if agenda.deferred:
-            agenda.act()
-        self._write_times()
-        if self._publication is not None:
-            self._publication.publish(paused)
-        self.gz_server.post()
-
-    def _write_times(self) -> None:
-        clock = self.clock
-        if self.sim.lock():
-            data = self.sim.data
-            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
-            self.sim.unlock()
-
-    def _begin_step(self) -> None:
-        """Count the step, and look for bodies that fell out of the world now and then."""
-        engine, clock = self.engine, self.clock
-        clock.iterations += 1
-        if not clock.iterations % FALL_PERIOD and engine.lowest < LOWEST:
-            self._report_fallen()
-        clock.sim_time += engine.step_time if self.era.counts_at_start else 0.0
-
-    def _advance(self) -> None:
-        """Advance everything by one step of sim time, and signal the events of a step."""
-        if self._begin:
-            self._begin(self._update_info())
-        self._update_entities(self.engine.step_time)
-        self._advance_physics()
-
-    def _advance_physics(self) -> None:
-        """The part of a step after the updates of the entities."""
-        engine, clock = self.engine, self.clock
-        clock.sim_time += 0.0 if self.era.counts_at_start else engine.step_time
-        for companion in self.companions:
-            companion.update()
-        if self._contact:
-            engine.collide()
-            self._contact(self._update_info())
-            if self.physics_enabled:
-                engine.solve()
-            else:
-                engine.drop_contacts()
-        elif self.physics_enabled:
-            engine.advance()
-        elif engine.record_contacts:  # as in Gazebo, what is moved by hand touches, too
-            engine.collide()
-            engine.drop_contacts()
-        self._follow()
-        if self._end:
-            self._end()
-
-    def _follow(self) -> None:
-        """Move the entities that follow their parents without a joint."""
-        try:
-            for entity in self.followers:
-                entity.follow()
-        except ParameterError as error:
-            raise GazeboError(f"{entity.MasterPlace()}{error}") from error
-
-    def _report_fallen(self) -> None:
-        """Warn once of each body that has fallen out of the world."""
-        below = np.flatnonzero(self.engine.states[:, 2] < LOWEST)
-        fallen = [self.engine.bodies[row] for row in below.tolist() if row in self.engine.bodies]
-        new = [body for body in fallen if body.number not in self._fallen and body.GetLinearVel().z < 0.0]
-        self._fallen = {body.number for body in (*new, *fallen) if body in new or body.number in self._fallen}
-        due = [body.label for body in new if self._falls.due(body.label)]  # a world may be reset a thousand times
-        if due:
-            names = ", ".join(due[:NAMED])
-            more = f" and {len(due) - NAMED} more bodies" if len(due) > NAMED else ""
-            times = self._falls.times(due[0]) if len(due) == 1 else ""
-            log.warning("%s%s fell below %g m%s: is there ground under it?", names, more, LOWEST, times)
-
-    def _read_buttons(self) -> bool:
-        """Act on the sim interface's reset and save; whether the world is paused."""
-        if not self.sim.lock():
-            return self._paused
-        data, reset, save = self.sim.data, False, False
-        switch = self._guard.switch
-        pause, paused = data.pause, self._paused
-        if pause != paused:
-            paused = self._paused = switch("pause", pause, paused)
-        if pause != paused:  # then the buttons beside it mean nothing, either
-            data.pause, data.reset, data.save = int(paused), 0, 0
-        elif data.reset or data.save:
-            reset, save = switch("reset", data.reset, False), switch("save", data.save, False)
-            data.reset = data.save = 0
-        self.sim.unlock()
-        if reset:
-            self.after_step(lambda: self.era.press_reset(self))
-        if save:
-            self.Save()
-        return self._paused
-
-    def _update_entities(self, step: float) -> None:
-        """Update all entities in order. One that raises is reported and stopped; the others are still updated."""
-        rows = self.rows
-        if not rows.valid:
-            self._build_rows()
-        if rows.native and step > 0.0:
-            if rows.begin < rows.end:
-                self.engine.enter()
-                self._run_rows(rows.begin)
-            return
-        failed = []
-        for entity in rows.updating:
-            present = rows.valid or entity in self.entities
-            if present and not self._call(entity, entity.MasterUpdate, step):
-                failed.append(entity)
-        self._stop_failed(failed)
-
-    def _run_rows(self, number: int) -> None:
-        """Do rows of the entities from one on; those that the native code cannot do, by their twins in Python."""
-        rows, step, failed = self.rows, self.engine.step_time, []
-        number = rows.run(number, rows.end)
-        while number < rows.end:
-            entity, twin, _ = rows.line(number)
-            done = self._call(entity, twin, step)
-            if rows.valid:
-                number = rows.run(number + 1, rows.end)
-                continue
-            # What rows depend on has changed: Python does what is left of this entity, and new rows are for the others.
-            while done and (number := rows.next_in_python(number)) < rows.end_of(entity):
-                done = self._call(entity, rows.line(number).twin, step)
-            if not done:
-                failed.append(entity)
-            following = rows.after(entity)
-            self._build_rows()
-            number = rows.run(rows.first_of(following), rows.end)
-        self._stop_failed(failed)
-
-    @staticmethod
-    def _call(entity: Entity, update: Callable[[float], object], step: float) -> bool:
-        """Call the update of an entity, or a part of it; whether that succeeded. If not, it is not updated any more."""
-        try:
-            update(step)
-        except USER_ERRORS as error:
-            pass_interrupt(error)
-            entity.failed = error
-            entity.world.update_rows_changed()
-            note(f"model {entity.GetId()!r}", "its Update", error)
-            log.error(
-                "model %r stopped, its motors off: its Update failed with\n%s",
-                entity.GetId(),
-                own_traceback(error, called=getattr(entity, "Update", None)),
-                extra=NOTED,
-            )
-            return False
-        return True
-
-    def _stop_failed(self, entities: Iterable[Entity]) -> None:
-        """Switch off the motors of those whose update has just failed."""
-        for entity in entities:
-            entity.motors_off()
-            for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
-                interface.unlock()
 
     def update_rows_changed(self) -> None:
         """Build the rows again before the next step; called after a change of what `plan_update` depends on."""
@@ -1248,19 +967,6 @@ class World(Closing):
         backdrop.fog_start, backdrop.fog_end, foggy, *fog = numbers[14:]
         backdrop.fog_color = GzColor(*fog) if foggy else None
 
-    @property
-    def _fallen_rows(self) -> bytes:
-        """The rows of the bodies that were reported as fallen, as the bytes of 64-bit integers."""
-        if not self._fallen:
-            return b""
-        rows = [row for row, body in self.engine.bodies.items() if body.number in self._fallen]
-        return np.sort(np.array(rows, np.int64)).tobytes()
-
-    @_fallen_rows.setter
-    def _fallen_rows(self, packed: bytes) -> None:
-        rows, bodies = np.frombuffer(packed, np.int64).tolist(), self.engine.bodies
-        self._fallen = {bodies[row].number for row in rows if row in bodies}
-
     def warn_of_undeclared(self, what: str, kind: type) -> None:
         """Warn once of a class of users that does not declare its state; `what` is what it is, such as ``model``."""
         if kind in self._undeclared or not undeclared(kind):
@@ -1298,30 +1004,15 @@ class World(Closing):
         return self.agenda.hold()
 
     @property
-    def _paused(self) -> bool:
-        return not self._going
-
-    @_paused.setter
-    def _paused(self, value: bool) -> None:
-        self._going = float(not value)
-
-    @property
     def paused(self) -> bool:
         """Whether time stands still."""
-        pause = self.sim.data.pause
-        return bool(pause) if pause in (0, 1) else self._paused  # as the next step will find it
+        return self.buttons.pause
 
     @paused.setter
     @exclusive
     def paused(self, value: bool) -> None:
-        if self.sim.lock():
-            changed = bool(self.sim.data.pause) != bool(value)
-            self._paused = bool(value)
-            self.sim.data.pause = int(value)
-            self.sim.keep_commands()
-            self.sim.unlock()
-            if changed:
-                self.events["Pause"](bool(value))
+        if self.buttons.press_pause(bool(value)):
+            self.events["Pause"](bool(value))
 
     @exclusive
     def SetModelPose(self, model: Entity, pose: GzPose) -> None:
@@ -1397,5 +1088,4 @@ def _of_kind(found: E, kind: type[Any], what: str) -> E:
     return found
 
 
-names(World._call, lambda values: f"Update of model {values['entity'].GetId()!r}")
 names(World._steps_alone, lambda _: "", outermost=True)

@@ -1,10 +1,8 @@
 """The commands for images and videos, as users run them."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
+from commands import run_libgz as libgz
 from imageio import v3
 from PIL import Image
 
@@ -17,10 +15,6 @@ BODY = (
     "<model:SimpleSolid><xyz>3 0 {}</xyz><size>1 1 1</size></model:SimpleSolid>"
     "<model:MonoCam><id>eye</id><gravity>false</gravity></model:MonoCam></gz:world>"
 )
-
-
-def libgz(*words):
-    return subprocess.run([sys.executable, "-m", "libgz.apps.libgz", *map(str, words)], capture_output=True, text=True)
 
 
 def test_picture_saves_the_image_of_a_camera(tmp_path):

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import run_libgz
+from commands import run_command, run_libgz
 from master_uri import free_master_uri
 
 from libgz.apps.command_line import EXIT_CODES, command_parsers
@@ -139,12 +139,9 @@ def test_a_world_leads_to_its_file(tmp_path):
 def test_gazebo_and_gzserver_run_a_world_by_its_name(wire, tmp_path, monkeypatch):
     monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
     for command in (["gazebo", "-n", "-s", str(wire)], ["gzserver"]):
-        words = [sys.executable, "-m", f"libgz.apps.{command[0]}", *command[1:], "--steps", "3", "pioneer2at"]
-        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        done = run_command(*command, "--steps", 3, "pioneer2at", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-    missing = subprocess.run(
-        [sys.executable, "-m", "libgz.apps.gazebo", "pionere2at"], capture_output=True, text=True, timeout=60
-    )
+    missing = run_command("gazebo", "pionere2at")
     assert missing.returncode == 2
     assert "does not exist here, in GAZEBOPATH or among" in missing.stderr
     assert "did you mean 'pioneer2at'" in missing.stderr
@@ -186,20 +183,17 @@ def every_parser(parser):
                 yield from every_parser(below)
 
 
-NAMES = [
-    pytest.param(parser, action, id=f"{parser.prog} {'|'.join(action.option_strings) or action.dest}")
-    for main in command_parsers().values()
-    for parser in every_parser(main)
-    for action in parser._actions
-    if action.nargs != 0 and action.type in (None, Path) and not action.choices and action.default != ""
-]
-
-
-@pytest.mark.parametrize(("parser", "action"), NAMES)
-@pytest.mark.parametrize("empty", ["", " "])
-def test_an_empty_name_is_one_sentence_everywhere(parser, action, empty):
-    with pytest.raises(argparse.ArgumentError, match=r"the name is empty$"):
-        parser._get_values(action, [empty])
+def test_an_empty_name_is_one_sentence_everywhere():
+    checked = 0
+    for main in command_parsers().values():
+        for parser in every_parser(main):
+            for action in parser._actions:
+                if action.nargs != 0 and action.type in (None, Path) and not action.choices and action.default != "":
+                    for empty in ("", " "):
+                        with pytest.raises(argparse.ArgumentError, match=r"the name is empty$"):
+                            parser._get_values(action, [empty])
+                    checked += 1
+    assert checked > 60
 
 
 def test_texts_may_be_empty_and_the_default_too():

@@ -11,6 +11,7 @@ import sys
 import time
 
 import pytest
+from commands import command_line, run_command as run, run_libgz, spawn_command
 
 import libgz
 from libgz.apps import doctor
@@ -18,16 +19,6 @@ from libgz.base.extras import install
 from libgz.base.files import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
-
-
-def run(module, *arguments, timeout=60, **options):
-    return subprocess.run(
-        [sys.executable, "-m", f"libgz.apps.{module}", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        **options,
-    )
 
 
 def test_a_client_drives_the_robot_of_a_running_server(gazebo):
@@ -187,7 +178,7 @@ def test_messages_go_to_the_log_file(wire, tmp_path):
 
 def test_the_status_line_is_for_terminals_only(wire):
     parent, child = pty.openpty()
-    command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", str(wire), "--steps", "50", str(WORLD)]
+    command = command_line("gazebo", "-s", wire, "--steps", 50, WORLD)
     with subprocess.Popen(command, stdout=child, stderr=subprocess.DEVNULL) as process:
         os.close(child)
         seen = b""
@@ -209,15 +200,15 @@ def test_version_and_help():
     assert run("gazebo", "-v").stdout == f"gazebo (libgz) {libgz.__version__}\n"
     shown = run("gazebo", "-h").stdout
     assert "worldfile" in shown
-    assert run("libgz", "--version").stdout == f"libgz {libgz.__version__}\n"
+    assert run_libgz("--version").stdout == f"libgz {libgz.__version__}\n"
 
 
 def test_doctor():
-    done = run("libgz", "doctor")
+    done = run_libgz("doctor")
     assert done.returncode == 0, done.stdout
     assert "ODE_double_precision" in done.stdout
     assert "_step.so" in done.stdout
-    broken = run("libgz", "doctor", env={**os.environ, "LIBGZ_ODE": "libnothere.so"})
+    broken = spawn_command("libgz", "doctor", env={**os.environ, "LIBGZ_ODE": "libnothere.so"})
     assert broken.returncode == 1
     assert "apt-get install libode8" in broken.stdout
 
@@ -258,7 +249,7 @@ def test_doctor_reports_missing_extras(monkeypatch, capsys, name, package, words
 
 
 def test_demo(wire):
-    done = run("libgz", "demo", "--seconds", "4", "--rate", "8", timeout=90)
+    done = run_libgz("demo", "--seconds", "4", "--rate", "8")
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert "battery [V]" in lines[2]
@@ -267,26 +258,26 @@ def test_demo(wire):
 
 
 def test_misspelt_commands_and_options_are_corrected():
-    done = run("libgz", "chek", "w.world")
+    done = run_libgz("chek", "w.world")
     assert (done.returncode, done.stdout) == (2, "")
     assert (
         done.stderr
         == "libgz: 'chek' is not a command; did you mean 'check' or 'schema'?; libgz -h lists what is allowed\n"
     )
-    assert "there are check, clean" in run("libgz", "xyzzy").stderr
-    assert "unrecognized arguments: --strit; did you mean '--strict'" in run("libgz", "check", "--strit", "w").stderr
-    assert "'cap' is not allowed; allowed are " in run("libgz", "picture", "--gl", "cap", "w.world").stderr
+    assert "there are check, clean" in run_libgz("xyzzy").stderr
+    assert "unrecognized arguments: --strit; did you mean '--strict'" in run_libgz("check", "--strit", "w").stderr
+    assert "'cap' is not allowed; allowed are " in run_libgz("picture", "--gl", "cap", "w.world").stderr
 
 
 def test_help_is_a_command_too():
-    everything = run("libgz", "help")
+    everything = run_libgz("help")
     assert everything.returncode == 0
-    assert everything.stdout == run("libgz", "-h").stdout
-    assert run("libgz", "help", "check").stdout == run("libgz", "check", "-h").stdout
-    assert "no command, model, interface or class is called 'chek'" in run("libgz", "help", "chek").stderr
+    assert everything.stdout == run_libgz("-h").stdout
+    assert run_libgz("help", "check").stdout == run_libgz("check", "-h").stdout
+    assert "no command, model, interface or class is called 'chek'" in run_libgz("help", "chek").stderr
 
 
 def test_the_package_is_the_command():
     done = subprocess.run([sys.executable, "-m", "libgz", "models"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0
-    assert done.stdout == run("libgz", "models").stdout
+    assert done.stdout == run_libgz("models").stdout

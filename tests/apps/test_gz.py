@@ -1,10 +1,10 @@
 """The command gz, and `gazebo` with worlds of SDF: as those of Gazebo classic."""
 
 import os
-import subprocess
 import sys
 
 import pytest
+from commands import run_command, spawn_command
 from gzserver_process import new_environment
 
 from libgz.apps.gazebo import _is_classic
@@ -14,8 +14,7 @@ LEGACY = "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/></gz:world>
 
 
 def gz(*words, **variables):
-    command = [sys.executable, "-m", "libgz.apps.gz", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, env={**os.environ, **variables})
+    return spawn_command("gz", *words, env={**os.environ, **variables})
 
 
 def test_gz_has_the_subcommands_of_gazebo(tmp_path):
@@ -69,8 +68,8 @@ def test_the_file_decides_which_era_gazebo_is_of(words, classic, tmp_path, monke
 
 def test_gazebo_runs_an_sdf_world_as_classic_does(tmp_path):
     (tmp_path / "my.world").write_text(SDF)
-    command = [sys.executable, "-m", "libgz.apps.gazebo", str(tmp_path / "my.world"), "--verbose", "--iters", "10"]
-    done = subprocess.run(command, env=new_environment(tmp_path), capture_output=True, text=True, timeout=60)
+    words = (tmp_path / "my.world", "--verbose", "--iters", 10)
+    done = run_command("gazebo", *words, env=new_environment(tmp_path))
     assert done.returncode == 0, done
     assert done.stderr.startswith("Gazebo multi-robot simulator, version")
     assert "[Msg] Connected to gazebo master" in done.stdout

@@ -5,11 +5,11 @@ import json
 import os
 import re
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+from commands import command_line, run_libgz
 from master_uri import free_master_uri
 
 from libgz.apps.libgz import main
@@ -17,6 +17,7 @@ from libgz.apps.libgz import main
 ROBOTS = Path(__file__).parents[1] / "data" / "urdf"
 WORLD = """
 <sdf version='1.6'><world name='w'>
+  <physics type='ode'><max_step_size>0.01</max_step_size><real_time_update_rate>100</real_time_update_rate></physics>
   <model name='box'><pose>1 2 3 0 0 0</pose><static>1</static>
     <link name='link'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>
   </model>
@@ -37,7 +38,7 @@ def serve(folder):
     (folder / "w.world").write_text(WORLD)
     kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
     env = {**kept, "HOME": str(folder), "GAZEBO_MASTER_URI": free_master_uri()}
-    command = [sys.executable, "-m", "libgz.apps.gzserver", "--verbose", str(folder / "w.world")]
+    command = command_line("gzserver", "--verbose", folder / "w.world")
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as server:
         while "Publicized" not in server.stdout.readline():
             assert server.poll() is None
@@ -57,8 +58,7 @@ def place(tmp_path_factory):
 @pytest.fixture
 def libgz(place):
     def run(*words, code=0):
-        command = [sys.executable, "-m", "libgz.apps.libgz", *words]
-        done = subprocess.run(command, env=place, capture_output=True, text=True, timeout=60)
+        done = run_libgz(*words, env=place)
         assert done.returncode == code, done.stderr
         return done.stderr if code else done.stdout
 
@@ -131,13 +131,16 @@ def test_missing_arguments_are_reported(libgz):
 
 
 def test_statistics_end_with_the_server(tmp_path):
-    with serve(tmp_path) as (env, server):
-        command = [sys.executable, "-m", "libgz.apps.libgz", "stats"]
-        with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as stats:
-            assert stats.stdout.readline().startswith("Factor")
-            server.kill()
-            assert "the server has ended" in stats.communicate(timeout=30)[1]
-            assert stats.returncode == 1
+    with (
+        serve(tmp_path) as (env, server),
+        subprocess.Popen(
+            command_line("libgz", "stats"), env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        ) as stats,
+    ):
+        assert stats.stdout.readline().startswith("Factor")
+        server.kill()
+        assert "the server has ended" in stats.communicate(timeout=30)[1]
+        assert stats.returncode == 1
 
 
 def test_a_world_is_paused_stepped_and_reset(libgz):
@@ -160,7 +163,7 @@ def test_a_world_is_paused_stepped_and_reset(libgz):
         "iters": "70",
         "real_time_update_rate": "500",
     }
-    libgz("physics", "--gravity=0,0,-9.8", "-s", "0.001", "-i", "50", "-u", "1000")
+    libgz("physics", "--gravity=0,0,-9.8", "-s", "0.01", "-i", "50", "-u", "100")
     libgz("world", "-p", "0")
 
 

@@ -5,12 +5,11 @@ import signal
 import socket
 import stat
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
-from commands import run_libgz
+from commands import command_line, run_libgz
 from gzserver_process import SERVER, new_environment
 
 import libgz
@@ -53,7 +52,7 @@ def answers(wire):
 
 
 def gazebo(wire, *words):
-    return [sys.executable, "-m", "libgz.apps.gazebo", "-s", str(wire), *map(str, words)]
+    return command_line("gazebo", "-s", wire, *words)
 
 
 def wait(client, sim_time):

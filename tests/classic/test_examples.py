@@ -53,19 +53,6 @@ def test_hello_world_says_hello(capsys):
         assert capsys.readouterr().out == "Hello World!\n"
 
 
-def test_hello_world_runs_on_the_server(tmp_path):
-    command = [sys.executable, "-m", "libgz.apps.gzserver", str(EXAMPLES / "hello_world" / "hello.world")]
-    environment = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "GAZEBO_MASTER_URI": "http://127.0.0.1:0"}
-    run = subprocess.run(
-        [*command, "--verbose", "--iters", "10"], capture_output=True, text=True, timeout=60, env=environment
-    )
-    assert run.returncode == 0, run.stderr
-    assert "Hello World!" in run.stdout
-    assert "[Msg] Waiting for master." in run.stdout
-    assert "[Msg] Connected to gazebo master @ http://127.0.0.1:" in run.stdout
-    assert "Publicized address: " in run.stdout
-
-
 def test_world_edit_lets_the_ball_fall_as_on_the_moon(caplog):
     with example("world_edit") as (core, world):
         assert "max_step_size: 0.001 -> 0.002" in caplog.text

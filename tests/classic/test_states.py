@@ -31,7 +31,7 @@ MANY = [  # worlds, those of ready plugins as trials
     pytest.param(path, id=path.stem, marks=[pytest.mark.trial] if path.parent.name == "ready" else [])
     for path in WORLDS
 ]
-STEPS = 150
+STEPS = 60
 
 GROUND = """<model name='ground'><static>1</static><link name='l'><collision name='c'><geometry><plane/></geometry>
 </collision></link></model>"""
@@ -728,7 +728,7 @@ def test_contacts_of_a_removed_model_end_with_it():
     low, high = box("low", "0 0 0.2 0 0 0", link=sensor), box("high", "0 0 0.6 0 0 0")
 
     def touching(run):
-        run.steps(120)
+        run.steps(120, every=120)
         message = get_sensor("bump").Contacts()
         return {name for contact in message.contact for name in (contact.collision1, contact.collision2)}
 

@@ -491,12 +491,12 @@ RESTLESS = {("blimp", "robot1"), ("blimp", "camera1"), ("terrain", "ball")}  # o
 def test_ready_worlds_run_without_a_complaint_and_rest(name, caplog, tmp_path):
     worlds = shutil.copytree(installed_worlds(), tmp_path / "worlds")
     with caplog.at_level(logging.WARNING), libgz.World.from_file(worlds / name) as world:
-        world.run(5.0)
+        world.run(5.0 if name == "segwayrmp.world" else 2.0)  # it balances
         states = world.engine.states
         assert np.isfinite(states).all()
         assert states[:, 2].min() > -0.02  # nothing falls through the floor
         at_rest = [m for m in world.GetModels() if (name.removesuffix(".world"), m.GetId()) not in RESTLESS]
-        for _ in range(20):
+        for _ in range(5):
             world.run(0.1)
             for model in at_rest:
                 assert all(np.linalg.norm(body.GetLinearVel()) < 0.02 for body in model.bodies), model.GetId()

@@ -7,14 +7,13 @@ import json
 import os
 import re
 import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import run_libgz
+from commands import command_line, run_command, run_libgz
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
@@ -287,7 +286,7 @@ def test_textures_of_another_machine(world, tmp_path):
 
     def wait(step):
         if step == 2:  # looks are searched for changes at times
-            time.sleep(max(0.0, world._publication._next_look - time.monotonic()))
+            time.sleep(max(0.0, world.publication._next_look - time.monotonic()))
 
     record(world, tmp_path / "a.mcap", 5, wait)
     world.close()
@@ -421,14 +420,13 @@ def test_topics_of_a_classic_world(tmp_path):
 def test_the_commands(tmp_path):
     world, path = tmp_path / "a.world", tmp_path / "a.mcap"
     world.write_text(WORLD)
-    gazebo = [sys.executable, "-m", "libgz.apps.gazebo", "-n", "--steps", "40", "-s", str(SERVER_ID), "-d", "0"]
-    subprocess.run([*gazebo, "--mcap", path, world], check=True, timeout=60)
+    words = ("-n", "--steps", 40, "-s", SERVER_ID, "-d", 0, "--mcap", path, world)
+    assert run_command("gazebo", *words).returncode == 0
     info = run_libgz("play", path, "--info")
     assert "0.800 s" in info.stdout
     assert "/laser/laser1" in info.stdout
     assert run_libgz("play", path, "--speed", "0", "-s", SERVER_ID).returncode == 0
-    command = [sys.executable, "-m", "libgz.apps.libgz", "play", path, "-s", str(SERVER_ID), "--hold", "--pause"]
-    with subprocess.Popen(command) as player:
+    with subprocess.Popen(command_line("libgz", "play", path, "-s", SERVER_ID, "--hold", "--pause")) as player:
         try:
             with libgz.Observer(SERVER_ID, timeout=20.0) as observer:
                 status = run_libgz("play", "-s", SERVER_ID, "--seek", "0.5", "--speed", "2")

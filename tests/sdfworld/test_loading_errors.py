@@ -1,6 +1,5 @@
 """What goes wrong while a world of either era loads is one GazeboError with file and line."""
 
-import ast
 import re
 from pathlib import Path
 
@@ -238,16 +237,3 @@ def test_a_check_that_only_warns_never_ends_a_load(tmp_path, monkeypatch, caplog
     assert (
         "the check warn_of_contacts could not look at this world (ZeroDivisionError: float division by" in caplog.text
     )
-
-
-def test_checks_that_only_warn_run_under_advise():
-    """`advise` is the one place where they run: no module of the package calls a `warn_of_...` of another one."""
-    root = Path(__file__).parents[2] / "libgz"
-    calls = []
-    for path in root.rglob("*.py"):
-        tree = ast.parse(path.read_text())
-        own = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
-        called = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
-        names = {name.id for name in called if isinstance(name, ast.Name) and name.id.startswith("warn_of_")}
-        calls += [f"{path.name}: {name}" for name in names - own]
-    assert calls == []

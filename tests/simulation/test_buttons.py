@@ -38,8 +38,8 @@ def test_random_numbers_cost_python_only_what_is_logged(wire, monkeypatch, caplo
     with libgz.World(wire) as world:
         world.Initialize()
         world.step(2)
-        data, read, own = world.sim.data, [], world._read_buttons
-        monkeypatch.setattr(world, "_read_buttons", lambda: read.append(1) or own())
+        data, read, own = world.sim.data, [], world.buttons.read
+        monkeypatch.setattr(world.buttons, "read", lambda: read.append(1) or own())
         for name in ("pause", "reset", "save"):
             for number in range(2, 152):
                 setattr(data, name, number)

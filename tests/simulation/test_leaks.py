@@ -61,7 +61,7 @@ def test_a_closed_world_keeps_no_meshes_and_images(no_collection, name):
 def test_loads_and_closes_leave_no_objects():
     names = ("pioneer2at", "ptz", "gripper", "terrain", "factory")
     counts = []
-    for _ in range(4):
+    for _ in range(3):
         for name in names:
             load_and_close(name)
         gc.collect()

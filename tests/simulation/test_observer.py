@@ -464,7 +464,7 @@ def test_files_are_hidden_and_private(wire):
 def test_a_world_without_a_server_publishes_nothing():
     with legacy(SPHERE.format("a", "0 0 1")) as world:
         world.step()
-        assert world._publication is None
+        assert world.publication is None
 
 
 def test_observers_load_neither_ode_nor_opengl(wire):

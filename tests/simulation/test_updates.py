@@ -17,6 +17,7 @@ from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.bandit import JointServo
 from libgz.models.pioneer2at import Pioneer2AT
+from libgz.simulation.stepping import Stepping
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 SICK = "<model:SickLMS200><id>{}</id><xyz>0.1 0 {}</xyz><rangeCount>{}</rangeCount></model:SickLMS200>"
@@ -158,13 +159,13 @@ def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
 
 def python_of(world, monkeypatch):
     """The models whose rows Python does from now on, as a list that grows."""
-    called, own = [], world._call
+    called, own = [], world._stepping._call
 
     def call(entity, update, step):
         called.append(entity.GetId())
         return own(entity, update, step)
 
-    monkeypatch.setattr(world, "_call", call)
+    monkeypatch.setattr(world._stepping, "_call", call)
     return called
 
 
@@ -505,13 +506,13 @@ def test_locks_that_clients_keep_and_heads_that_they_overwrite_cost_little_pytho
     with libgz.World.from_string(text, server_id=wire) as world:
         world.step(20)
         served = {name: Path(f"{world.gz_server.path}/{name}") for name in ("joint.bandit", "laser.l")}
-        called, own = [], libgz.World._call
+        called, own = [], Stepping._call
 
         def call(entity, update, step):
             called.append(entity.GetId())
             return own(entity, update, step)
 
-        monkeypatch.setattr(libgz.World, "_call", staticmethod(call))
+        monkeypatch.setattr(Stepping, "_call", staticmethod(call))
         with served["joint.bandit"].open("rb") as one, served["laser.l"].open("rb") as other:
             for file in (one, other):
                 fcntl.flock(file, fcntl.LOCK_EX)

@@ -189,6 +189,17 @@ class Activity:
         if model in self._controllers:
             self._controllers[model].Reset()
 
+    @property
+    def idle(self) -> bool:
+        """Whether `update` has nothing to do."""
+        return not (
+            self._controllers
+            or self._attached
+            or self.joint_update
+            or self.animations.running
+            or self._batteries_of_all()
+        )
+
     def update(self) -> None:
         """Act for one iteration, before physics."""
         for controller in list(self._controllers.values()):

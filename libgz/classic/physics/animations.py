@@ -150,6 +150,11 @@ class Animations:
             run.load(one)
             self._runs[entity, what] = run
 
+    @property
+    def running(self) -> bool:
+        """Whether there are any."""
+        return bool(self._runs)
+
     def update(self) -> None:
         """Advance all animations to the present sim time; one that fails is logged, and ends."""
         now = self._world.core.GetSimTime()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import msgs
 from libgz.classic.names import takes_names
-from libgz.classic.physics.contact import Contact, contact_records, read_contacts
+from libgz.classic.physics.contact import RECORD, Contact, contact_records, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
 from libgz.simulation.event import unowned
@@ -31,6 +31,9 @@ class ContactManager:
         self._world = world
         self._read_at = (-1, -1)  # the step and the collision pass that `_contacts` are of
         self._contacts: list[Contact] = []
+        self._sorted_at = (-1, -1)  # likewise, of `_records`
+        self._records: list[bytes] = []
+        self._points_of: dict[int, set[int]] = {}  # the numbers of the records in which the geom of a row takes part
         self._never_drop = False
         self._requested = False
         self._holders: set[object] = set()
@@ -55,7 +58,7 @@ class ContactManager:
 
     def forget(self) -> None:
         """Read the contacts of the last step again: the engine has others."""
-        self._read_at = (-1, -1)
+        self._read_at = self._sorted_at = (-1, -1)
 
     def want(self) -> None:
         """Record contacts from the next step on."""
@@ -111,6 +114,21 @@ class ContactManager:
             self._contacts = read_contacts(self._world, contact_records(self._world, engine.contacts))
         return self._contacts
 
+    def records_of(self, rows: frozenset[int]) -> bytes:
+        """The recorded points of the last step in which geoms of these rows take part, see `contact_records`."""
+        engine = self._world.core.engine
+        now = engine.steps, engine.collisions
+        if self._sorted_at != now:
+            self._sorted_at, points = now, engine.contacts
+            records, size = contact_records(self._world, points).tobytes(), RECORD.itemsize
+            self._records = [records[i : i + size] for i in range(0, len(records), size)]
+            self._points_of = {}
+            for column in ("geom1", "geom2"):
+                for i, row in enumerate(points[column].tolist()):
+                    self._points_of.setdefault(row, set()).add(i)
+        found = sorted(set().union(*(self._points_of.get(row, ()) for row in rows)))
+        return b"".join([self._records[i] for i in found])
+
     # Filters -----------------------------------------------------------------------------------------------------
 
     def CreateFilter(self, name: str, collisions: str | Iterable[str]) -> str:
@@ -156,6 +174,11 @@ class ContactManager:
     def GetFilterCount(self) -> int:
         """The number of filters."""
         return len(self._filters)
+
+    @property
+    def filtered(self) -> bool:
+        """Whether there are filters."""
+        return bool(self._filters)
 
     def PublishContacts(self) -> None:
         """Publish the contacts of the last step on the topics that have subscribers; called in every iteration."""

@@ -11,7 +11,7 @@ import numpy as np
 from libgz.base.errors import StateError
 from libgz.classic import msgs
 from libgz.classic.names import takes_names
-from libgz.classic.physics.contact import RECORD, Contact, contact_records, read_contacts
+from libgz.classic.physics.contact import RECORD, Contact, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
@@ -44,6 +44,7 @@ class ContactSensor(LinkSensor):
         self._waiting: deque[bytes] = deque(maxlen=MOST_ITERATIONS)  # contact records of iterations
         self._taken = b""  # those of the last measurement
         self._read: tuple[int, list[Contact]] | None = None  # the contacts in those, and the count of geoms then
+        self._rows: tuple[int, frozenset[int]] | None = None  # of its collisions, and the count of geoms then
         self._manager = self.world.Physics().GetContactManager()
         self._filter = ""  # name of the topic of each iteration's contacts
 
@@ -105,12 +106,11 @@ class ContactSensor(LinkSensor):
 
     def gather(self) -> None:
         """Collect this iteration's contacts."""
-        points = self.world.core.engine.contacts
-        if len(points):
-            mine = [c.geom.row for c in self.link.GetCollisions() if c.GetScopedName() in self._collisions]
-            rows = zip(points["geom1"].tolist(), points["geom2"].tolist(), strict=True)
-            points = points[[row1 in mine or row2 in mine for row1, row2 in rows]]
-        self._waiting.append(contact_records(self.world, points).tobytes())
+        count = self.world.core.engine.tables.geoms.changes
+        if self._rows is None or self._rows[0] != count:
+            mine = (one.geom.row for one in self.link.GetCollisions() if one.GetScopedName() in self._collisions)
+            self._rows = count, frozenset(mine)
+        self._waiting.append(self._manager.records_of(self._rows[1]))
 
     def ready(self, elapsed: float) -> bool:
         """Whether there was an iteration since the last measurement."""

@@ -158,6 +158,21 @@ class WorldSensors:
         topics, inactive = TopicManager.Instance(), (s for s in self.sensors.values() if s not in self._active)
         self._idle = [(topics.topic(each.GetTopic()), one) for one in inactive for each in one.publishers]
 
+    def idle_until(self) -> float:
+        """The sim time [s] of the next measurement; -inf if there is something to do in each iteration."""
+        if not self.sensors:
+            return math.inf if self._next == -math.inf else -math.inf
+        if self._gathering or self.world.core.GetSimTime() < self._now or (self._unknown and self._asked()):
+            return -math.inf
+        if any(topic.subscribers or topic.remote for topic, _ in self._idle):
+            return -math.inf
+        return self._next
+
+    def skipped(self) -> None:
+        """Iterations have passed without `update`."""
+        if self.sensors:
+            self._now = self.world.core.GetSimTime()
+
     def update(self) -> None:
         """Let the sensors that are due measure, after an iteration."""
         if not self.sensors:
@@ -166,7 +181,7 @@ class WorldSensors:
         for topic, sensor in self._idle:
             if topic.subscribers or topic.remote:
                 self.reschedule(sensor)
-        if self._unknown:
+        if self._unknown and self._asked():
             self._announce()
         now = self.world.core.GetSimTime()
         if now < self._now:
@@ -214,12 +229,13 @@ class WorldSensors:
                 self._unknown.append(sensor)
         self._update_lists()
 
-    def _announce(self) -> None:
-        """Publish what describes new sensors, once somebody may want to know: it gives their links numbers."""
-        topics = TopicManager.Instance()
+    def _asked(self) -> bool:
+        """Whether somebody may want to know of new sensors; to describe them gives their links numbers."""
         announcer = self._unknown[0].announcer
-        if topics.remote is None and not (announcer is not None and announcer.HasConnections()):
-            return
+        return TopicManager.Instance().remote is not None or (announcer is not None and announcer.HasConnections())
+
+    def _announce(self) -> None:
+        """Publish what describes new sensors."""
         unknown, self._unknown = self._unknown, []
         for sensor in unknown:
             if sensor.announcer is not None:

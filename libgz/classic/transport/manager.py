@@ -15,6 +15,7 @@ from libgz.classic.msgs.message import Message
 from libgz.classic.names import takes_names
 from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
+from libgz.physics.lock import WorldLock
 
 __all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
 
@@ -67,6 +68,7 @@ class TopicManager:
         self.queue: deque[Callable[[], None]] = deque()
         self.delivering = threading.RLock()  # held while callbacks run
         self.received = Received()
+        self.locks: set[WorldLock] = set()  # of the worlds that are to deliver messages of other processes at once
         self.remote: Remote | None = None
         self.thread = DeliveryThread(self)
         self._namespaces: list[str] = []
@@ -208,6 +210,8 @@ class TopicManager:
         """Queue a message from another process; any thread may call this."""
         if self.received.add(topic, message):
             self.queue.append(functools.partial(_receive, topic, self.received))
+            for lock in list(self.locks):
+                lock.wanted.value = 1
 
     def link(self, remote: Remote) -> None:
         """Connect the topics to other processes."""

@@ -3,13 +3,12 @@
 import base64
 import bz2
 import json
-import subprocess
-import sys
 import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import run_libgz
 from gzserver_process import new_environment, run
 from sdf_worlds import GROUND, collision, inertial, link, model, world
 
@@ -58,14 +57,14 @@ def test_a_log_has_the_motion_of_a_falling_box(load, tmp_path):
         assert state.velocities["box::link"][0].z == pytest.approx(start[1] - 9.8e-3 * n, abs=1e-12)
 
 
-@pytest.mark.parametrize("encoding", ["zlib", "bz2", "txt"])
-def test_what_is_played_is_what_was_recorded(load, tmp_path, encoding):
+@pytest.mark.parametrize(("encoding", "steps"), [("zlib", 1500), ("bz2", 200), ("txt", 200)])
+def test_what_is_played_is_what_was_recorded(load, tmp_path, encoding, steps):
     nested = model("outer", link("base", inertial()), model("inner", link("arm", inertial(), pose="0 0 1 0 0 0")))
     core = load(world(GROUND, BOX, BALL, nested, LAMP))
     seen = []
     with LogRecord(core, tmp_path / "state.log", encoding=encoding):
         core.models[1].GetBody().SetAngularVel((1.0, 2.0, 3.0))
-        for _ in range(1500):
+        for _ in range(steps):
             core.step()
             seen.append((core.GetSimTime(), poses(core)))
     with LogPlay(tmp_path / "state.log") as play:
@@ -77,7 +76,7 @@ def test_what_is_played_is_what_was_recorded(load, tmp_path, encoding):
                 assert np.array((*pose.pos,)) == pytest.approx(np.array((*expected[name].pos,)), abs=1e-12), name
                 same = abs(np.dot((*pose.rot,), (*expected[name].rot,)))
                 assert same == pytest.approx(1.0, abs=1e-12), name
-        assert play.core.iterations == 1500
+        assert play.core.iterations == steps
         assert play.core.paused
         assert not play.Step()
 
@@ -318,13 +317,7 @@ def test_topics_begin_and_end_a_log(load, tmp_path, monkeypatch):
 
 
 def tool(place, *words):
-    done = subprocess.run(
-        [sys.executable, "-m", "libgz.apps.libgz", *map(str, words)],
-        env=place,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
+    done = run_libgz(*words, env=place)
     return done.returncode, done.stdout, done.stderr
 
 

@@ -1,0 +1,293 @@
+"""Stepping: what a step of a world consists of, and in which order."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, pass_interrupt
+from libgz.simulation.entity import Entity
+from libgz.simulation.exchange import Exchange
+from libgz.simulation.plugins import own_traceback
+from libgz.simulation.problems import NOTED, note
+from libgz.simulation.running_code import names
+
+if TYPE_CHECKING:
+    from libgz.simulation.world import World
+
+__all__ = ["Stepping"]
+
+log = logging.getLogger("libgz.simulation")
+
+FALL_PERIOD = 256  # steps between two looks for bodies that fell
+MOST_FREE = 1000  # steps between two looks at what runs beside the world
+STEP_TOLERANCE = 1e-6  # steps; so much earlier it is asked, because the sim time is a sum
+
+
+class Stepping:
+    """The steps of a world: buttons, entities, physics, followers, clock, companions, clients.
+
+    Native code does the rows of a step, and steps that consist of them alone; Python does what is left.
+
+    Args:
+        world: the world; whoever steps it holds its lock.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self._begin, self._contact, self._end = (
+            world.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
+        )
+        events = (self._begin, self._contact, self._end)
+        self._signals = [event for one in events for event in (one, one.above) if event is not None]
+
+    def run(self, most: int, pace: Any) -> int:
+        """One step, and more as long as native code does them alone; how many."""
+        rows, made = self.world.rows, 1
+        if not rows.valid:
+            self._build_rows()
+        self.world.lock.wanted.value = 0
+        if rows.native and (free := min(most, self._free_steps())) > 0:
+            self.world.engine.enter()
+            steps = rows.steps
+            steps.value = free
+            number = rows.run_all(pace)
+            made = free - steps.value
+            if made:
+                for companion in self.world.companions:
+                    companion.skipped()
+            if number < rows.count:
+                made += 1
+                self._continue_natively(number)
+        elif self.world.buttons.read():
+            self._pause()
+        else:
+            self.world.agenda.stepping = True
+            self._begin_step()
+            self._advance()
+            self._act()
+            self._end_step(paused=False)
+        return made
+
+    def _free_steps(self) -> int:
+        """How many of the next steps consist of what rows do, and nothing else."""
+        if not self.world.physics_enabled:
+            return 0
+        for signal in self._signals:
+            if signal.own:
+                return 0
+        free = math.inf
+        for companion in self.world.companions:
+            ahead = (companion.idle_until() - self.world.clock.sim_time) / self.world.engine.step_time
+            free = min(free, ahead - STEP_TOLERANCE)
+        return int(max(0.0, min(free, MOST_FREE)))
+
+    def _continue_natively(self, number: int) -> None:
+        """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
+        rows = self.world.rows
+        if number < rows.begin:
+            if number == 0 and self.world.buttons.read():
+                self._pause()
+                return
+            if rows.run(1, rows.begin) < rows.begin:
+                self._begin_step()
+            number = rows.begin
+        if number < rows.tail:
+            self.world.agenda.stepping = True
+            if number < rows.end:
+                self._run_rows(number)
+                number = rows.end
+            if number == rows.end and not self._free_steps():  # since an entity has connected to an event
+                self._advance_physics()
+            else:
+                self._run_own_rows(number, rows.tail)
+            self._act()
+            number = rows.tail
+            if not rows.valid or not self._free_steps():  # the interface that the last rows write to may have changed
+                self._end_step(paused=False)
+                return
+        self._run_own_rows(number, rows.count)
+
+    def _run_own_rows(self, begin: int, end: int) -> None:
+        """Do rows of the world itself."""
+        rows = self.world.rows
+        number = rows.run(begin, end)
+        while number < end:
+            rows.line(number).twin(self.world.engine.step_time)
+            number = rows.run(number + 1, end)
+
+    def _build_rows(self) -> None:
+        """Describe a step as rows, and find out which entities have something to do in it."""
+        world = self.world
+        times = Exchange(world.sim)
+        if world.sim.link.memory:
+            for name in ("sim_time", "pause_time"):
+                times.assign(times.field(name), times.number(world.clock, name))
+            times.real_time("real_time")
+        with world.rows.building() as rows:
+            rows.share(lambda _: None, world.buttons.exchange())
+            rows.begin_step(FALL_PERIOD, world.era.counts_at_start)
+            rows.entities()
+            rows.advance(lambda _: world.engine.finish())
+            if world.followers:
+                rows.python(lambda _: self._follow())
+            rows.end_physics()
+            rows.share(lambda _: self._write_times(), times)
+            if world.publication is not None:
+                publication = world.publication
+                rows.publish(lambda _: publication.publish(paused=False), publication.record)
+            rows.post(lambda _: world.gz_server.post())
+
+    def _pause(self) -> None:
+        """What a step does while the world is paused."""
+        self.world.agenda.stepping = True
+        self._update_entities(0.0)
+        self.world.clock.pause_time += self.world.engine.step_time
+        self._act()
+        self._end_step(paused=True)
+
+    def _act(self) -> None:
+        """Make the changes that were deferred to the end of the updates and of physics."""
+        if self.world.agenda.deferred:
+            self.world.agenda.act()
+        self.world.agenda.stepping = False
+
+    def _end_step(self, paused: bool) -> None:
+        """Update companions, and let others know of the step."""
+        agenda = self.world.agenda
+        agenda.stepping = bool(self.world.companions)
+        for companion in self.world.companions:
+            companion.step(paused)
+        if agenda.deferred:
+            agenda.act()
+        self._write_times()
+        if self.world.publication is not None:
+            self.world.publication.publish(paused)
+        self.world.gz_server.post()
+
+    def _write_times(self) -> None:
+        clock = self.world.clock
+        if self.world.sim.lock():
+            data = self.world.sim.data
+            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
+            self.world.sim.unlock()
+
+    def _begin_step(self) -> None:
+        """Count the step, and look for bodies that fell out of the world now and then."""
+        engine, clock = self.world.engine, self.world.clock
+        clock.iterations += 1
+        if not clock.iterations % FALL_PERIOD:
+            self.world.falls.report()
+        clock.sim_time += engine.step_time if self.world.era.counts_at_start else 0.0
+
+    def _advance(self) -> None:
+        """Advance everything by one step of sim time, and signal the events of a step."""
+        if self._begin:
+            self._begin(self._update_info())
+        self._update_entities(self.world.engine.step_time)
+        self._advance_physics()
+
+    def _advance_physics(self) -> None:
+        """The part of a step after the updates of the entities."""
+        engine, clock = self.world.engine, self.world.clock
+        clock.sim_time += 0.0 if self.world.era.counts_at_start else engine.step_time
+        for companion in self.world.companions:
+            companion.update()
+        moves = self.world.physics_enabled
+        if self._contact:
+            engine.collide()
+            self._contact(self._update_info())
+            if moves:
+                engine.solve()
+            else:
+                engine.drop_contacts()
+        elif moves:
+            engine.advance()
+        elif engine.record_contacts:  # as in Gazebo, what is moved by hand touches, too
+            engine.collide()
+            engine.drop_contacts()
+        self._follow()
+        if self._end:
+            self._end()
+
+    def _follow(self) -> None:
+        """Move the entities that follow their parents without a joint."""
+        try:
+            for entity in self.world.followers:
+                entity.follow()
+        except ParameterError as error:
+            raise GazeboError(f"{entity.MasterPlace()}{error}") from error
+
+    def _update_entities(self, step: float) -> None:
+        """Update all entities in order. One that raises is reported and stopped; the others are still updated."""
+        rows = self.world.rows
+        if not rows.valid:
+            self._build_rows()
+        if rows.native and step > 0.0:
+            if rows.begin < rows.end:
+                self.world.engine.enter()
+                self._run_rows(rows.begin)
+            return
+        failed = []
+        for entity in rows.updating:
+            present = rows.valid or entity in self.world.entities
+            if present and not self._call(entity, entity.MasterUpdate, step):
+                failed.append(entity)
+        self._stop_failed(failed)
+
+    def _run_rows(self, number: int) -> None:
+        """Do rows of the entities from one on; those that the native code cannot do, by their twins in Python."""
+        rows, step, failed = self.world.rows, self.world.engine.step_time, []
+        number = rows.run(number, rows.end)
+        while number < rows.end:
+            entity, twin, _ = rows.line(number)
+            done = self._call(entity, twin, step)
+            if rows.valid:
+                number = rows.run(number + 1, rows.end)
+                continue
+            # What rows depend on has changed: Python does what is left of this entity, and new rows are for the others.
+            while done and (number := rows.next_in_python(number)) < rows.end_of(entity):
+                done = self._call(entity, rows.line(number).twin, step)
+            if not done:
+                failed.append(entity)
+            following = rows.after(entity)
+            self._build_rows()
+            number = rows.run(rows.first_of(following), rows.end)
+        self._stop_failed(failed)
+
+    @staticmethod
+    def _call(entity: Entity, update: Callable[[float], object], step: float) -> bool:
+        """Call the update of an entity, or a part of it; whether that succeeded. If not, it is not updated any more."""
+        try:
+            update(step)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            entity.failed = error
+            entity.world.update_rows_changed()
+            note(f"model {entity.GetId()!r}", "its Update", error)
+            log.error(
+                "model %r stopped, its motors off: its Update failed with\n%s",
+                entity.GetId(),
+                own_traceback(error, called=getattr(entity, "Update", None)),
+                extra=NOTED,
+            )
+            return False
+        return True
+
+    def _stop_failed(self, entities: Iterable[Entity]) -> None:
+        """Switch off the motors of those whose update has just failed."""
+        for entity in entities:
+            entity.motors_off()
+            for interface in self.world.interfaces_of(entity):  # clients would wait for its locks without end
+                interface.unlock()
+
+    def _update_info(self) -> object:
+        """What the callbacks of update events are given."""
+        return type(self.world.events).update_info(
+            self.world.name, self.world.clock.sim_time, self.world.clock.real_time
+        )
+
+
+names(Stepping._call, lambda values: f"Update of model {values['entity'].GetId()!r}")

@@ -1,0 +1,70 @@
+"""Steps in which sensors, plugins and topics have nothing to do are made without them, and nobody can tell."""
+
+from sensor_worlds import box, get, imu, model, ray, sensor, world_of
+
+from libgz.classic import physics, transport
+from libgz.classic.server import attach
+from libgz.simulation.pacing import Pacer
+
+SCENE = (
+    model("m", imu(rate=100) + sensor("ray", ray(3, (-0.1, 0.1)), "laser", rate=33))
+    + box("b", "2 0 1 0.3 0.2 0")
+    + model("ground", "<collision name='c'><geometry><plane/></geometry></collision>", static=True)
+)
+
+
+def counted(world, monkeypatch):
+    """A list that grows with each step in which the server is called."""
+    server, calls = attach(world), []
+    real = server.step
+    monkeypatch.setattr(server, "step", lambda paused: (calls.append(world.iterations), real(paused)))
+    return calls
+
+
+def test_many_steps_of_one_call_are_single_steps(monkeypatch):
+    with world_of(SCENE) as world:
+        calls = counted(world, monkeypatch)
+        world.step(1000)
+        state, times = world.get_state(), [get(name).LastMeasurementTime() for name in ("s", "laser")]
+    assert 100 <= len(calls) < 200  # the measurements, and what looks for bodies that fell
+    with world_of(SCENE) as world:
+        for _ in range(1000):
+            world.Step()
+        assert [get(name).LastMeasurementTime() for name in ("s", "laser")] == times
+        assert world.get_state() == state
+
+
+def test_whoever_wants_something_is_called_in_each_step(monkeypatch):
+    with world_of(SCENE) as world:
+        calls = counted(world, monkeypatch)
+        begun = []
+        connection = physics.get_world().core.events["WorldUpdateBegin"].Connect(lambda info: begun.append(info))
+        world.step(20)
+        assert len(begun) == len(calls) == 20
+        connection.Disconnect()
+        physics.get_world().ModelByName("m").GetJointController()
+        world.step(20)
+        assert len(calls) == 40
+
+
+def test_a_subscriber_hears_of_the_next_step():
+    with world_of(SCENE) as world:
+        world.step(5)
+        node, heard = transport.Node(), []
+        node.Init("default")
+        kept = node.Subscribe("~/physics/contacts", heard.append)
+        world.step(10)
+        assert len(heard) >= 9
+        kept.Unsubscribe()
+
+
+def test_paced_steps_follow_each_other_without_python(monkeypatch):
+    monkeypatch.setattr("libgz.ode.step.LONGEST", 60.0)
+    with world_of(SCENE) as world:
+        world.step(11)  # then the IMU is due in 9 steps, at the earliest
+        pacer = Pacer(1e-3 / 2e-4)  # a step is due each 0.2 ms
+        while not pacer.sleep(world.GetSimTime()):
+            pass
+        begin = world.GetRealTime()
+        assert world.step_on(5, pacer) == 5
+        assert world.GetRealTime() - begin >= 4 * 2e-4

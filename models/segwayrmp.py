@@ -64,7 +64,6 @@ class SegwayRMP(DifferentialRobot):
 
     behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = SegwayRMPAttributes
-    values: SegwayRMPAttributes
     wheelSep, wheelDiam = 0.54, 0.48
     maxTorque = MAX_TORQUE / 2.0
     limits = (MAX_SPEED, MAX_TURN)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 
 from libgz._version import __version__
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.base.files import write_whole
+from libgz.base.python import run_module
 from libgz.ros.types import message_type, service_type, type_names
 
 __all__ = ["default_prefix", "install", "uninstall"]
@@ -80,7 +80,7 @@ SCRIPT = """\
 #!/bin/sh
 # of libgz; the paths of ROS's own Python are not those of this one
 unset PYTHONPATH
-exec {python} -P -m libgz.apps.{module} {words}"$@"
+exec {command} {words}"$@"
 """
 SCRIPTS = {
     "gzserver": ("gzserver", "--ros1 "),
@@ -156,9 +156,9 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     found[f"{share}/launch/empty_world.launch"] = EMPTY_WORLD, False
     for name in WORLDS:
         found[f"{share}/launch/{name}_world.launch"] = OTHER_WORLD.format(name=name), False
-    python = shlex.quote(sys.executable)
     for name, (module, words) in SCRIPTS.items():
-        found[f"{share}/scripts/{name}"] = SCRIPT.format(python=python, module=module, words=words), True
+        command = shlex.join(run_module(f"libgz.apps.{module}"))
+        found[f"{share}/scripts/{name}"] = SCRIPT.format(command=command, words=words), True
     found |= _messages()
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False

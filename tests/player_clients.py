@@ -125,7 +125,8 @@ class Client2(Client):
         self.socket.send(header + payload)
 
     def receive(self):
-        _, _, code, index, kind, subtype, self.time, _, size = struct.unpack(">6IdII", self.read(40))
+        host, robot, code, index, kind, subtype, self.time, _, size = struct.unpack(">6IdII", self.read(40))
+        assert (host, robot) == (0x0100007F, self.server.ports[0])  # by which clients find their device
         return kind, code, index, subtype, self.read(size)
 
     def request(self, interface, subtype, payload=b"", index=0):

@@ -261,9 +261,7 @@ class Conversation(ABC):
             declared, message = device.declared, self._data_message(device)
             payload = message.layout.encode(device.values, xdr=self._wire.xdr)
             taken = max(device.time, 0.0)
-            found = self._wire.pack_data(
-                subscription.code, declared.index, message.number, payload, taken, declared.port
-            )
+            found = self._wire.pack_data(subscription.code, declared.index, message.number, payload, taken)
             device.frames[name] = found
         return found
 
@@ -477,7 +475,7 @@ class Conversation2(Conversation):
     REPLACE, IGNORE = 1, 2
 
     def __init__(self, directory: Directory, port: int, channel: Channel, version: str = "") -> None:
-        self._framing = Wire2()
+        self._framing = Wire2(port)
         super().__init__(directory, port, channel, self._framing, version or "2.0")
         self._fixed, self._first = bool(version), True
         self._pull, self._asked = False, False

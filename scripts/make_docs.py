@@ -19,6 +19,7 @@ from pathlib import Path
 from libgz._version import __version__
 from libgz.apps.api_pages import api_pages
 from libgz.apps.command_line import EXIT_CODES, command_parsers
+from libgz.classic_cxx.pages import api_page
 from libgz.interfaces.reference import reference
 from libgz.reference.classic_pages import classic_pages
 from libgz.reference.markdown import NOTE, cell
@@ -35,8 +36,14 @@ def generated_pages() -> dict[str, str]:
     """Path below docs -> text of all generated pages."""
     folders = {"models": model_pages(), "api": api_pages(), "classic": classic_pages()}
     found = {f"{folder}/{name}": text for folder, pages in folders.items() for name, text in pages.items()}
-    found |= {"commands.md": commands_page(), "sdf_elements.md": sdf_elements_page(), "structs.md": reference()}
-    return {**found, "player_devices.md": player_devices_page()}
+    return {
+        "commands.md": commands_page(),
+        "cxx_api.md": api_page(),
+        "player_devices.md": player_devices_page(),
+        "sdf_elements.md": sdf_elements_page(),
+        "structs.md": reference(),
+        **found,
+    }
 
 
 def write_source(folder: Path) -> None:

@@ -15,7 +15,7 @@ from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginEr
 from libgz.base.trust import UntrustedError, check_trusted
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
-from libgz.classic.ros_names import absence, stand_in
+from libgz.classic.ros_names import absence, provided, providers, stand_in
 from libgz.classic.transport.subscriber import Subscriber
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Connection, Ends, WorldEvents, owner
@@ -32,6 +32,7 @@ __all__ = [
     "find_plugin",
     "is_ready",
     "new_plugin",
+    "register_compiled",
     "reload_all",
 ]
 
@@ -41,6 +42,21 @@ log = logging.getLogger("libgz.classic")
 READY = Path(__file__).parent / "plugins"
 
 _numbers = itertools.count()
+
+_is_compiled: Callable[[Path], bool] | None = None
+_load_compiled: Callable[[Path], PluginFile] = load_plugin
+SHARED = ".so"
+
+
+def register_compiled(is_plugin: Callable[[Path], bool], load: Callable[[Path], PluginFile]) -> None:
+    """Let worlds name shared objects.
+
+    Args:
+        is_plugin: whether a file is one that can be loaded.
+        load: loads it, again if it was built again.
+    """
+    global _is_compiled, _load_compiled
+    _is_compiled, _load_compiled = is_plugin, load
 
 
 class LoadedPlugin:
@@ -322,14 +338,15 @@ class Missing:
 
 def is_ready(path: Path) -> bool:
     """Whether a plugin's file is one of those that come with libgz."""
-    ready = READY / path.name
-    return path.exists() and ready.exists() and ready.samefile(path)  # an editable installation has links
+    folders = (READY, *(provider.folder for provider in providers))
+    ready = [folder / path.name for folder in folders]
+    return path.exists() and any(one.exists() and one.samefile(path) for one in ready)  # an editable one has links
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:
-    """The Python file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
+    """The file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
 
-    `libX.so` means `libX.py` or `X.py`.
+    `libX.so` is a shared object that was built with libgz, or means `libX.py` or `X.py`.
 
     Raises:
         MissingPluginError: there is no such file; the message is classic's, with every place that was searched.
@@ -339,9 +356,10 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
     places.append(("the current directory", Path()))
     if beside:
         places.append(("the world's directory", Path(beside).parent.resolve()))
-    places.append(("the plugins of libgz", READY))
     tried: list[str] = []
-    found = search(name, places, tried) if name else None
+    found = search(name, places, tried, _is_compiled) if name else None
+    if found is None and name:
+        found = provided(name) or search(name, [("the plugins of libgz", READY)], tried)
     if found is None and (ready := stand_in(name)) is not None:
         found = READY / f"{ready}.py"
     if found is None:
@@ -414,7 +432,7 @@ def _load_class(path: Path) -> type[PluginT]:
     """
     try:
         note_threads_of(path)
-        file = load_plugin(path)
+        file = _load_compiled(path) if path.suffix == SHARED else load_plugin(path)
     except PluginError as error:
         raise PluginError(f"Failed to load plugin {path}: {error}") from error
     return _only_class(file)
@@ -446,6 +464,7 @@ def reload_all(plugins: Sequence[LoadedPlugin]) -> None:
     for plugin in plugins:
         if plugin.path not in files:
             note_threads_of(plugin.path)
-            files[plugin.path] = reload_plugin(plugin.path)
+            reload = _load_compiled if plugin.path.suffix == SHARED else reload_plugin
+            files[plugin.path] = reload(plugin.path)
         plugin.reload(files[plugin.path])
     gc.collect()  # what the former instances hold ends with them, such as their loads of batteries

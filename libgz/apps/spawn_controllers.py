@@ -62,8 +62,14 @@ def _spawn(options: argparse.Namespace, client: RosClient) -> list[str]:
 
 def _switch(client: RosClient, space: str, start: Sequence[str] = (), stop: Sequence[str] = ()) -> None:
     kind, strictness = f"{MESSAGES}/SwitchController", STRICT if start else BEST_EFFORT
-    names = {"start_controllers": list(start), "stop_controllers": list(stop)}
-    if not client.call(f"{space}/switch_controller", kind, strictness=strictness, **names).ok:
+    answer = client.call(
+        f"{space}/switch_controller",
+        kind,
+        strictness=strictness,
+        start_controllers=list(start),
+        stop_controllers=list(stop),
+    )
+    if not answer.ok:
         raise GazeboError(f"Failed to start {', '.join(start)}; the server's log says why")
 
 

@@ -1,5 +1,7 @@
 """What C++ plugins cost: a call of the old API above the Python method itself, and an empty Update.
 
+Of classic's API: calls that plugins make in every step, by a plugin that measures itself, and an empty OnUpdate.
+
     python benchmarks/cxx.py
 
 Processor time of both in turn within one run; the median of their differences.
@@ -9,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -16,6 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import libgz
+from libgz.classic_cxx import build as classic
 from libgz.cxx.build import build
 
 ROUNDS = 100
@@ -92,6 +96,113 @@ GZ_REGISTER_PLUGIN( "Calls", Calls )
 WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>
 <model:Calls><id>m</id><plugin>Calls.so</plugin><which>{}</which></model:Calls></gz:world>"""
 
+# Of classic: a call, and the most that it may cost [us].
+CLASSIC = (
+    ("link->WorldPose()", 0.1),
+    ("link->WorldLinearVel()", 0.1),
+    ("link->RelativeAngularVel()", 0.1),
+    ("link->WorldCoGPose()", 0.1),
+    ("model->WorldPose()", 0.1),
+    ("joint->Position(0)", 0.1),
+    ("joint->GetVelocity(0)", 0.1),
+    ("world->SimTime()", 0.1),
+    ("link->AddForce(v)", 0.2),
+    ("link->AddRelativeTorque(v)", 0.2),
+    ("link->AddLinkForce(v)", 0.2),
+    ('joint->SetParam("vel", 0, 0.0)', 10.0),
+    ("joint->SetForce(0, 0.0)", 10.0),
+    ("link->GetName()", 1.0),
+)
+MOST_EMPTY = 0.3  # [us], of an empty OnUpdate
+CLASSIC_SOURCE = """
+#include <gazebo/gazebo.hh>
+#include <gazebo/physics/physics.hh>
+#include <time.h>
+
+static double Now()
+{
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return t.tv_sec * 1e6 + t.tv_nsec * 1e-3;
+}
+using namespace gazebo;
+class Calls : public ModelPlugin
+{
+ public:
+  void Load(physics::ModelPtr _model, sdf::ElementPtr _sdf)
+  {
+    this->model = _model;
+    this->link = _model->GetLink("b");
+    this->joint = _model->GetJoint("j");
+    this->world = _model->GetWorld();
+    this->measures = _sdf->Get<int>("measure") > 0;
+    if (_sdf->Get<int>("measure") >= 0)
+      this->connection = event::Events::ConnectWorldUpdateBegin(std::bind(&Calls::OnUpdate, this));
+  }
+  void OnUpdate()
+  {
+    if (!this->measures || ++this->updates < 50)
+      return;
+    ignition::math::Vector3d v;
+    double start;
+    CASES
+    this->connection.reset();
+  }
+  physics::ModelPtr model;
+  physics::LinkPtr link;
+  physics::JointPtr joint;
+  physics::WorldPtr world;
+  event::ConnectionPtr connection;
+  bool measures = false;
+  int updates = 0;
+};
+GZ_REGISTER_MODEL_PLUGIN(Calls)
+"""
+CLASSIC_CASE = """
+start = Now();
+for (int i = 0; i < COUNT; ++i) CALL;
+std::cout << NUMBER << " " << (Now() - start) / COUNT << std::endl;
+"""
+CLASSIC_WORLD = """<sdf version="1.6"><world name="default"><gravity>0 0 0</gravity><model name="m">
+<link name="a"/><link name="b"><pose>0 0 1 0 0 0</pose></link>
+<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>
+{}</model></world></sdf>"""
+PLUGIN = '<plugin name="calls" filename="{}/libcalls.so"><measure>{}</measure></plugin>'
+
+
+def _classic(folder: Path) -> bool:
+    """Print the rows of classic; whether one exceeds its limit."""
+    cases = "".join(
+        CLASSIC_CASE.replace("CALL", call).replace("NUMBER", str(i)).replace("COUNT", "20000")
+        for i, (call, _) in enumerate(CLASSIC)
+    )
+    (folder / "calls.cc").write_text(CLASSIC_SOURCE.replace("CASES", cases))
+    errors = classic.build([folder / "calls.cc"], folder / "libcalls.so")
+    if errors:
+        print(*errors, sep="\n", file=sys.stderr)
+        return True
+    (folder / "w.world").write_text(CLASSIC_WORLD.format(PLUGIN.format(folder, 1)))
+    program = "import libgz, sys\nwith libgz.World.from_file(sys.argv[1]) as world: world.step(60)"
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(folder / "w.world")], capture_output=True, text=True, check=True
+    )
+    failed = False
+    for line in done.stdout.splitlines():
+        number, cost = line.split()
+        call, most = CLASSIC[int(number)]
+        failed |= float(cost) > most
+        print(f"{call:32} C++ {float(cost):6.3f} us (at most {most:g})")
+    costs = []
+    for work in (-1, 0):  # without and with a callback
+        with libgz.World.from_string(CLASSIC_WORLD.format(PLUGIN.format(folder, work))) as world:
+            world.step(100)
+            samples = [_time(functools.partial(world.step, STEPS)) for _ in range(ROUNDS)]
+            costs.append(1e6 * min(samples) / STEPS)
+    empty = costs[1] - costs[0]
+    failed |= empty > MOST_EMPTY
+    print(f"{'an empty OnUpdate':32} C++ {empty:6.3f} us (at most {MOST_EMPTY:g})")
+    return failed
+
 
 def _time(work: Callable[[], object], count: int = 1) -> float:
     start = time.process_time()
@@ -140,6 +251,7 @@ def main() -> int:
             empty = 1e6 * statistics.median(_time(update, STEPS) for _ in range(ROUNDS))
         failed |= empty > MOST_UPDATE
         print(f"{'an empty Update':26} {empty:5.2f} us (at most {MOST_UPDATE:g})")
+        failed |= _classic(folder)
     return int(failed)
 
 

@@ -206,7 +206,9 @@ class World(world.World):
         """Attach Gazebo classic's plugins, sensors, views and topics to an SDF world. Can be called twice."""
         if self.sdf is not None:
             from libgz.classic.server import attach  # a world without plugins and sensors does not need it
+            from libgz.classic_cxx.registration import register
 
+            register()
             attach(self)
 
     @property

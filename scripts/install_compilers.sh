@@ -31,4 +31,9 @@ install() {
 
 has_cxx || install g++ "C++ plugins"
 has_m32 || install gcc-multilib "32-bit programs"
+installed() { dpkg-query -W "$@" >/dev/null 2>&1; }
+boost=$(printf "libboost-%s-dev " thread filesystem program-options regex iostreams date-time system)
+classic="pkg-config cmake python3-dev libsdformat-dev libignition-math-dev libprotobuf-dev protobuf-compiler $boost"
+# shellcheck disable=SC2086 # a list of words
+installed $classic || install "$classic" "C++ plugins of Gazebo classic"
 command -v ign >/dev/null || install "ignition-tools libsdformat-dev" "SDF that sdformat reads"

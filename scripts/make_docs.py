@@ -19,10 +19,12 @@ from pathlib import Path
 from libgz._version import __version__
 from libgz.apps.api_pages import api_pages
 from libgz.apps.command_line import EXIT_CODES, command_parsers
+from libgz.classic_cxx.pages import api_page
 from libgz.interfaces.reference import reference
 from libgz.reference.classic_pages import classic_pages
 from libgz.reference.markdown import NOTE, cell
 from libgz.reference.pages import pages as model_pages, write_changed
+from libgz.reference.player_devices import player_devices_page
 from libgz.reference.sdf_elements import sdf_elements_page
 
 ROOT = Path(__file__).parent.parent
@@ -34,7 +36,14 @@ def generated_pages() -> dict[str, str]:
     """Path below docs -> text of all generated pages."""
     folders = {"models": model_pages(), "api": api_pages(), "classic": classic_pages()}
     found = {f"{folder}/{name}": text for folder, pages in folders.items() for name, text in pages.items()}
-    return {"commands.md": commands_page(), "sdf_elements.md": sdf_elements_page(), "structs.md": reference(), **found}
+    return {
+        "commands.md": commands_page(),
+        "cxx_api.md": api_page(),
+        "player_devices.md": player_devices_page(),
+        "sdf_elements.md": sdf_elements_page(),
+        "structs.md": reference(),
+        **found,
+    }
 
 
 def write_source(folder: Path) -> None:

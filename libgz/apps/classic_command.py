@@ -17,8 +17,9 @@ from libgz.apps.ros_option import ros_wanted
 from libgz.base.closing import Closing
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import Missing, new_plugin
-from libgz.classic.server import system_plugins
 from libgz.classic.transport import Link, publicized_address
+from libgz.classic.world_plugins import system_plugins
+from libgz.classic_cxx.registration import register
 from libgz.rendering.choice import prefer
 
 __all__ = [
@@ -169,6 +170,7 @@ class SystemPlugins(Closing):
     """
 
     def __init__(self, filenames: Sequence[str]) -> None:
+        register()
         missing = Missing()
         for filename in filter(None, filenames):
             plugin = new_plugin("System", filename, filename, "System", None, missing=missing)

@@ -34,6 +34,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="write gazebo.h, libgazebo and gazebo.pc below a directory, for pkg-config and configure scripts",
     )
     parser.add_argument(
+        "--install-classic",
+        nargs="?",
+        type=Path,
+        const=Path(),
+        metavar="PREFIX",
+        help="build the library of Gazebo 11's C++ API, and install it for cmake's find_package(gazebo) and for "
+        "pkg-config below a directory (default: one below your home)",
+    )
+    parser.add_argument(
+        "--uninstall",
+        action="store_true",
+        help="with --install-classic [PREFIX]: remove what it has installed there",
+    )
+    parser.add_argument(
         "--wire-version",
         type=wire_version,
         default=LIBGAZEBO_VERSION,
@@ -49,6 +63,12 @@ def run(options: argparse.Namespace) -> int:
         LibraryError: the library cannot be compiled or installed.
         ParameterError: the options exclude each other.
     """
+    if options.install_classic is not None:
+        if options.cflags or options.libs or options.cxxflags or options.install is not None or options.m32:
+            raise ParameterError("--install-classic goes with PREFIX and --uninstall only")
+        return _install_classic(options.install_classic, remove=options.uninstall)
+    if options.uninstall:
+        raise ParameterError("--uninstall needs --install-classic [PREFIX]")
     if options.install is not None:
         if options.cflags or options.libs or options.cxxflags:
             raise ParameterError(
@@ -82,4 +102,21 @@ def _install(prefix: Path, version: int, *, i386: bool) -> int:
     if str(description.parent) not in os.environ.get("PKG_CONFIG_PATH", "").split(os.pathsep):
         command = f"export PKG_CONFIG_PATH={shlex.quote(str(description.parent))}"
         print(f"before configure and pkg-config, where they do not look there: {command}", file=sys.stderr)
+    return 0
+
+
+def _install_classic(prefix: Path, *, remove: bool) -> int:
+    """Install Gazebo's C++ API, and say how build systems find it; or remove it."""
+    from libgz.classic_cxx.library import default_prefix, install, uninstall
+
+    chosen = prefix if prefix != Path() else default_prefix()
+    if remove:
+        removed = uninstall(chosen)
+        print(f"{len(removed)} files removed from {chosen}" if removed else f"{chosen} has no installation")
+        return 0 if removed else 1
+    place, written = install(chosen, lambda line: print(line, file=sys.stderr, flush=True))
+    print(f"{place}: {len(written)} files; cmake's find_package(gazebo) finds them")
+    description = place / "lib" / "pkgconfig"
+    if str(description) not in os.environ.get("PKG_CONFIG_PATH", "").split(os.pathsep):
+        print(f"for pkg-config: export PKG_CONFIG_PATH={shlex.quote(str(description))}", file=sys.stderr)
     return 0

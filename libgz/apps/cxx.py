@@ -1,4 +1,4 @@
-"""libgz cxx: compile C++ plugin models of Gazebo 0.5 to 0.7: libgz cxx build MyRobot.cc -o MyRobot.so."""
+"""libgz cxx: compile C++ plugins: libgz cxx build MyRobot.cc -o MyRobot.so."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
+from libgz.classic_cxx.recognition import is_classic
 from libgz.cxx.build import STANDARD, CompileError, build, check
 
 __all__ = ["configure", "run"]
@@ -47,6 +48,8 @@ def run(options: argparse.Namespace) -> int:
         PluginError: the plugin that was built cannot be loaded.
     """
     flags = [f"-I{folder}" for folder in options.include] + [f"-D{name}" for name in options.define]
+    if is_classic(options.sources):
+        return _classic(options, flags)
     if options.action == "check":
         errors = check(options.sources, standard=options.std, options=flags)
         if not errors:
@@ -65,6 +68,39 @@ def run(options: argparse.Namespace) -> int:
         names = ", ".join(name for name, _ in load(output).registered)
         print(f"{output}: {names}")
     return _report(errors)
+
+
+def _classic(options: argparse.Namespace, flags: list[str]) -> int:
+    """The same for a plugin of Gazebo classic; the library that it needs is built first."""
+    from libgz.classic_cxx import build as classic
+
+    standard = None if options.std == STANDARD else options.std
+    if options.action == "check":
+        errors = classic.check(options.sources, standard=standard, options=flags, progress=_progress)
+        if not errors:
+            print(f"{', '.join(map(str, options.sources))}: no errors")
+        return _report(errors)
+    output: Path = options.output or classic.default_output(options.sources[0])
+    libraries = [f"-L{folder}" for folder in options.folders] + [f"-l{name}" for name in options.libraries]
+    errors = classic.build(
+        options.sources,
+        output,
+        debug=options.debug,
+        standard=standard,
+        options=flags,
+        libraries=libraries,
+        progress=_progress,
+    )
+    if not errors:
+        from libgz.classic_cxx.plugin import load  # which loads all that worlds need
+
+        (kind, _), *_ = load(output).registered
+        print(f"{output}: a {kind}Plugin")
+    return _report(errors)
+
+
+def _progress(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def _report(errors: list[CompileError]) -> int:

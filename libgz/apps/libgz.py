@@ -24,7 +24,7 @@ COMMANDS = {
     "completion": "print the completion of all commands for a shell",
     "config": "print compiler flags for C programs that use libgazebo, and for C++ plugins",
     "convert": "convert a worldfile to SDF 1.6",
-    "cxx": "compile C++ plugin models of Gazebo 0.5 to 0.7, and explain errors",
+    "cxx": "compile C++ plugins of both eras, and explain errors",
     "debug": "list the commands, or the options of one, as `gz debug` does for completion",
     "demo": "start a server with a robot, and drive the robot from a second process",
     "doctor": "check what libgz needs on this machine",

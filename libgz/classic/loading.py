@@ -32,6 +32,7 @@ __all__ = [
     "find_plugin",
     "is_ready",
     "new_plugin",
+    "register_compiled",
     "reload_all",
 ]
 
@@ -41,6 +42,21 @@ log = logging.getLogger("libgz.classic")
 READY = Path(__file__).parent / "plugins"
 
 _numbers = itertools.count()
+
+_is_compiled: Callable[[Path], bool] | None = None
+_load_compiled: Callable[[Path], PluginFile] = load_plugin
+SHARED = ".so"
+
+
+def register_compiled(is_plugin: Callable[[Path], bool], load: Callable[[Path], PluginFile]) -> None:
+    """Let worlds name shared objects.
+
+    Args:
+        is_plugin: whether a file is one that can be loaded.
+        load: loads it, again if it was built again.
+    """
+    global _is_compiled, _load_compiled
+    _is_compiled, _load_compiled = is_plugin, load
 
 
 class LoadedPlugin:
@@ -328,9 +344,9 @@ def is_ready(path: Path) -> bool:
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:
-    """The Python file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
+    """The file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
 
-    `libX.so` means `libX.py` or `X.py`.
+    `libX.so` is a shared object that was built with libgz, or means `libX.py` or `X.py`.
 
     Raises:
         MissingPluginError: there is no such file; the message is classic's, with every place that was searched.
@@ -341,7 +357,7 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
     if beside:
         places.append(("the world's directory", Path(beside).parent.resolve()))
     tried: list[str] = []
-    found = search(name, places, tried) if name else None
+    found = search(name, places, tried, _is_compiled) if name else None
     if found is None and name:
         found = provided(name) or search(name, [("the plugins of libgz", READY)], tried)
     if found is None and (ready := stand_in(name)) is not None:
@@ -416,7 +432,7 @@ def _load_class(path: Path) -> type[PluginT]:
     """
     try:
         note_threads_of(path)
-        file = load_plugin(path)
+        file = _load_compiled(path) if path.suffix == SHARED else load_plugin(path)
     except PluginError as error:
         raise PluginError(f"Failed to load plugin {path}: {error}") from error
     return _only_class(file)
@@ -448,6 +464,7 @@ def reload_all(plugins: Sequence[LoadedPlugin]) -> None:
     for plugin in plugins:
         if plugin.path not in files:
             note_threads_of(plugin.path)
-            files[plugin.path] = reload_plugin(plugin.path)
+            reload = _load_compiled if plugin.path.suffix == SHARED else reload_plugin
+            files[plugin.path] = reload(plugin.path)
         plugin.reload(files[plugin.path])
     gc.collect()  # what the former instances hold ends with them, such as their loads of batteries

@@ -57,6 +57,7 @@ STAND_INS = dict.fromkeys(
     ),
     SENSOR,
 ) | {
+    "gazebo_link_attacher": "gazebo_ros_link_attacher",
     "gazebo_ros2_control": "gazebo_ros_control",
     "gazebo_ros_elevator": "elevatorplugin",
     "gazebo_ros_force_based_move": "gazebo_ros_planar_move",
@@ -76,8 +77,6 @@ WITHOUT_EFFECT = {
     "gazebo_ros_force_system": "the services that apply efforts; use `libgz joint`",
     "gazebo_ros_init": "the clock of ROS, and services of the world; use `libgz stats` and the topic ~/world_control",
     "gazebo_ros_joint_pose_trajectory": "trajectories on a topic of ROS; use `libgz joint`",
-    "gazebo_ros_link_attacher": "services that attach links; use a <gripper> or a plugin",
-    "gazebo_link_attacher": "services that attach links; use a <gripper> or a plugin",
     "gazebo_ros_logical_camera": "messages of ROS; the sensor publishes on its own topic",
     "gazebo_ros_paths_plugin": "paths of packages; set GAZEBO_MODEL_PATH",
     "gazebo_ros_projector": "the projector's topic of ROS",

@@ -17,7 +17,17 @@ from libgz.base.errors import LibraryError, ParameterError, nearest
 from libgz.cxx import FOLDER
 from libgz.cxx.headers import INCLUDE
 
-__all__ = ["STANDARD", "CompileError", "build", "check", "compiler", "cxxflags", "for_installation"]
+__all__ = [
+    "STANDARD",
+    "CompileError",
+    "build",
+    "check",
+    "check_sources",
+    "compiler",
+    "cxxflags",
+    "for_installation",
+    "run_compiler",
+]
 
 STANDARD = "gnu++98"  # as which old sources are compiled
 # Casts of pointers to int, and other things that compilers of 2006 accepted. Python does not fuse multiply and add.
@@ -124,7 +134,7 @@ def build(
         LibraryError: there is no compiler.
         ParameterError: a source cannot be read, or the output cannot be written.
     """
-    _check_sources(sources)
+    check_sources(sources)
     quality = ["-g3", "-O0"] if debug else ["-O2"]
     try:
         with tempfile.TemporaryDirectory(dir=output.parent) as folder:
@@ -137,7 +147,7 @@ def build(
                 *map(str, sources),
                 *libraries,
             ]
-            errors = _run(command)
+            errors = run_compiler(command)
             if not errors:
                 new.replace(output)
             return errors
@@ -152,11 +162,20 @@ def check(sources: Sequence[Path], *, standard: str = STANDARD, options: Sequenc
         LibraryError: there is no compiler.
         ParameterError: a source cannot be read.
     """
-    _check_sources(sources)
-    return [error for source in sources for error in _run([*_command(standard, options), "-fsyntax-only", str(source)])]
+    check_sources(sources)
+    return [
+        error
+        for source in sources
+        for error in run_compiler([*_command(standard, options), "-fsyntax-only", str(source)])
+    ]
 
 
-def _check_sources(sources: Sequence[Path]) -> None:
+def check_sources(sources: Sequence[Path]) -> None:
+    """Check that files are there, and may be sources.
+
+    Raises:
+        ParameterError: one is not.
+    """
     for source in sources:
         if not source.is_file():
             raise ParameterError(f"there is no file {str(source)!r}")
@@ -164,7 +183,7 @@ def _check_sources(sources: Sequence[Path]) -> None:
             raise ParameterError(f"{str(source)!r} is no C++ source: it ends with none of {', '.join(SUFFIXES)}")
 
 
-def _run(command: list[str]) -> list[CompileError]:
+def run_compiler(command: list[str]) -> list[CompileError]:
     """Run the compiler; its errors, explained."""
     environment = {**os.environ, "LC_ALL": "C"}
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, env=environment)

@@ -219,6 +219,11 @@ class Event:
     def __bool__(self) -> bool:
         return bool(self.own or (self.above is not None and self.above.own))
 
+    @property
+    def gives(self) -> bool:
+        """Whether a callback takes arguments."""
+        return any(entry.parameters for entry in self._calls())
+
     def Connect(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` at each signal, as long as the connection is kept.
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Sequence
 from importlib import resources
 from typing import Any
 
@@ -19,7 +20,7 @@ from libgz.base.encoding import register
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.msgs.message import Message, extend
 
-__all__ = ["PREFIX", "declarations", "declare", "known_types", "message_type", "restored"]
+__all__ = ["PREFIX", "add_compiled", "declarations", "declare", "known_types", "message_type", "restored"]
 
 PREFIX = "gazebo.msgs."
 _FIELD = re.compile(
@@ -111,6 +112,38 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
     _add_fields(file, message, name, fields, local)
     _add_file(file, {f"{name}": _describe(name, fields)})
     return _types[name]
+
+
+def add_compiled(name: str, files: Sequence[bytes]) -> type[Message]:
+    """Declare a message type that C++ code has compiled, and return it.
+
+    Args:
+        name: its full name.
+        files: descriptors of its file and of those that it imports, each after what it imports itself. Classic's
+            messages in them are libgz's own.
+
+    Raises:
+        ParameterError: a name is used by another declaration.
+        NotFoundError: no file has it.
+    """
+    classic: dict[str, list[str]] = {}  # messages of classic by the name of their file
+    for data in files:
+        file = FileDescriptorProto.FromString(data)
+        kinds: list[Any] = [*file.message_type, *file.enum_type]
+        own = [f"{file.package}.{kind.name}".lstrip(".") for kind in kinds]
+        if own and all(one.removeprefix(PREFIX) in declarations() for one in own):
+            classic[file.name] = [one.removeprefix(PREFIX) for one in own]
+            continue
+        imports = list(file.dependency)
+        del file.dependency[:]
+        for imported in imports:
+            for message in classic.get(imported, ()):
+                _depend(file, message)
+            if imported not in classic:
+                file.dependency.append(imported)
+        if not all(one.removeprefix(PREFIX) in _types for one in own):
+            _add_file(file, {})
+    return message_type(name)
 
 
 def restored(name: str, data: bytes) -> Message:

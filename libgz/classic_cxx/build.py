@@ -1,0 +1,97 @@
+"""Compiles C++ plugins of Gazebo classic."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from libgz.base.errors import ParameterError
+from libgz.classic_cxx.library import STANDARD, built
+from libgz.classic_cxx.recognition import version_flags
+from libgz.cxx.build import CompileError, check_sources, compiler, run_compiler
+
+__all__ = ["build", "check", "default_output"]
+
+Progress = Callable[[str], None]
+
+
+def default_output(source: Path) -> Path:
+    """Where the plugin of a source is built: libpush.so beside push.cc, as worlds name it."""
+    stem = source.stem
+    return source.with_name(f"{stem if stem.startswith('lib') else f'lib{stem}'}.so")
+
+
+def build(
+    sources: Sequence[Path],
+    output: Path,
+    *,
+    debug: bool = False,
+    standard: str | None = None,
+    options: Sequence[str] = (),
+    libraries: Sequence[str] = (),
+    progress: Progress = lambda _line: None,
+) -> list[CompileError]:
+    """Compile and link a plugin; the errors, which are none if there is now a new file.
+
+    The library that it needs is built first, which takes about a minute once.
+
+    Args:
+        sources: C++ files.
+        output: the shared object; it is replaced as a whole, so that servers that use it run on.
+        debug: without optimization, and with all that gdb needs.
+        standard: of the language; None: that of the headers.
+        options: further ones of the compiler, such as ``-Ifolder``.
+        libraries: further ones of the linker, such as ``-lm``.
+        progress: is given a line now and then.
+
+    Raises:
+        LibraryError: there is no compiler, or a package is missing.
+        ParameterError: a source cannot be read, or the output cannot be written.
+    """
+    check_sources(sources)
+    library = built(progress)
+    quality = ["-g3", "-O0"] if debug else ["-O2"]
+    try:
+        with tempfile.TemporaryDirectory(dir=output.parent) as folder:
+            new = Path(folder) / output.name
+            own = [*quality, *version_flags(sources), *options]
+            command = [*_command(library.compiler_flags(), standard, own), "-shared", "-o", str(new)]
+            errors = run_compiler([*command, *map(str, sources), *libraries, *library.linker_flags()])
+            if not errors:
+                new.replace(output)
+            return errors
+    except OSError as error:
+        raise ParameterError(f"cannot write {output}: {error.strerror}") from None
+
+
+def check(
+    sources: Sequence[Path],
+    *,
+    standard: str | None = None,
+    options: Sequence[str] = (),
+    progress: Progress = lambda _line: None,
+) -> list[CompileError]:
+    """Compile only; the errors.
+
+    Raises:
+        LibraryError: there is no compiler, or a package is missing.
+        ParameterError: a source cannot be read.
+    """
+    check_sources(sources)
+    flags = built(progress).compiler_flags()
+    return [
+        error
+        for source in sources
+        for error in run_compiler(
+            [*_command(flags, standard, [*version_flags([source]), *options]), "-fsyntax-only", str(source)]
+        )
+    ]
+
+
+def _command(flags: Sequence[str], standard: str | None, options: Sequence[str]) -> list[str]:
+    own = [flag for flag in flags if not flag.startswith("-std=")]
+    chosen = [f"-std={standard or STANDARD}", "-w", "-ffp-contract=off", *own]
+    return [*compiler(), *chosen, *shlex.split(os.environ.get("CXXFLAGS", "")), *options]

@@ -1,0 +1,46 @@
+/* The surface of a collision, whose fields are those of an object of Python. License: Apache License 2.0. */
+#ifndef LIBGZ_SURFACE_HH
+#define LIBGZ_SURFACE_HH
+#include "gazebo/libgz/classes.hh"
+
+namespace gazebo {
+namespace physics {
+
+/* One number or text of an object of Python, which C++ code uses like a field. */
+template <typename T>
+class Field
+{
+ public:
+  Field(libgz::Object *owner, const char *name) : owner(owner), name(name) {}
+  operator T() const;
+  Field &operator=(const T &value);
+  Field &operator=(const Field &other) { return *this = static_cast<T>(other); }
+
+ private:
+  libgz::Object *owner;
+  const char *name;
+};
+
+class GAZEBO_VISIBLE SurfaceParams : public libgz::Object
+{
+ public:
+  explicit SurfaceParams(libgz::Adopt view) : Object(view) {}
+  virtual ~SurfaceParams() {}
+  virtual FrictionPyramidPtr FrictionPyramid() const;
+  Field<bool> collideWithoutContact{this, "collideWithoutContact"};
+  Field<unsigned int> collideWithoutContactBitmask{this, "collideWithoutContactBitmask"};
+  Field<unsigned int> collideBitmask{this, "collideBitmask"};
+};
+
+class GAZEBO_VISIBLE ODESurfaceParams : public SurfaceParams
+{
+ public:
+  explicit ODESurfaceParams(libgz::Adopt view) : SurfaceParams(view) {}
+  Field<double> bounce{this, "bounce"}, bounceThreshold{this, "bounceThreshold"}, kp{this, "kp"}, kd{this, "kd"};
+  Field<double> cfm{this, "cfm"}, erp{this, "erp"}, maxVel{this, "maxVel"}, minDepth{this, "minDepth"};
+  Field<double> slip1{this, "slip1"}, slip2{this, "slip2"};
+};
+typedef boost::shared_ptr<ODESurfaceParams> ODESurfaceParamsPtr;
+}  // namespace physics
+}  // namespace gazebo
+#endif

@@ -1,0 +1,209 @@
+"""CompiledPlugin: a shared object of classic's API, as a plugin class of `libgz.classic`."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import re
+import sys
+from ctypes import c_char_p, c_int, c_void_p, py_object
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from libgz.base.errors import PluginError
+from libgz.base.files import read_limited
+from libgz.base.trust import check_trusted
+from libgz.classic.plugin import GUIPlugin, ModelPlugin, SensorPlugin, SystemPlugin, VisualPlugin, WorldPlugin
+from libgz.classic.plugin_base import PluginT
+from libgz.classic_cxx import rows
+from libgz.classic_cxx.library import MESSAGES, SONAME, cache_folder, source_key
+from libgz.cxx.host import frames_address, install, loading
+from libgz.cxx.shared_object import SharedObject
+from libgz.simulation.plugins import Plugin
+
+__all__ = ["CompiledPlugin", "is_plugin", "load"]
+
+log = logging.getLogger("libgz.plugin")
+
+KINDS: dict[str, type[PluginT]] = {
+    "GUI": GUIPlugin,
+    "Model": ModelPlugin,
+    "Sensor": SensorPlugin,
+    "System": SystemPlugin,
+    "Visual": VisualPlugin,
+    "World": WorldPlugin,
+}
+MARK = re.compile(rb"libgz classic plugin: (\w{1,20}); ([0-9a-f]{1,40}-[0-9a-f]{1,40}); ([^;\0]{1,4096});")
+MESSAGES_OF_ITS_OWN = b"AddDescriptors"  # what registers them in protobuf
+INIT, RESET, DELETE = range(3)  # as in bridge.cc
+NOT_KEPT = "states and resets do not keep the variables of its C++ object, which libgz does not know"
+
+_loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
+_kept: dict[Path, SharedObject] = {}  # files with messages of their own, which protobuf cannot forget
+_library: list[tuple[str, Any]] = []  # key and functions of the one library of the process
+
+
+def _mark_of(path: Path) -> tuple[str, str, Path] | None:
+    """Kind, key of the library and its folder; None if a file is no plugin of classic that was built with libgz."""
+    try:
+        found = MARK.search(read_limited(path))
+    except OSError as error:
+        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
+    if found is None:
+        return None
+    kind, key, folder = (part.decode(errors="surrogateescape") for part in found.groups())
+    return kind, key, Path(folder)
+
+
+def is_plugin(path: Path) -> bool:
+    """Whether a file is a plugin of classic that was built with some libgz."""
+    return _mark_of(path) is not None
+
+
+def _functions(path: Path, key: str, folder: Path) -> Any:
+    """The library of a plugin: loaded once, so that all plugins share its classes."""
+    if key.partition("-")[0] != source_key():
+        raise PluginError(
+            f"error loading plugin: {path} was built with another version of libgz or Python; build it again: "
+            "libgz config --install-classic, then cmake or make; or libgz cxx build"
+        )
+    if _library:
+        if _library[0][0] != key:
+            raise PluginError(
+                f"error loading plugin: {path} was built with another compiler or distribution than the plugins before "
+                "it; build it again"
+            )
+        return _library[0][1]
+    folders = [folder, cache_folder() / key / "lib"]
+    place = next((one for one in folders if (one / SONAME).is_file()), None)
+    if place is None:
+        raise PluginError(
+            f"error loading plugin: {path} needs {SONAME}, which is not in {folder} any more; "
+            "libgz config --install-classic installs it"
+        )
+    install()
+    try:
+        ctypes.CDLL(str(place / MESSAGES), mode=os.RTLD_NOW | os.RTLD_GLOBAL)
+        functions = ctypes.PyDLL(str(place / SONAME), mode=os.RTLD_NOW | os.RTLD_GLOBAL)
+    except OSError as error:
+        raise PluginError(f"error loading plugin: {path} needs {SONAME}, which cannot be loaded: {error}") from None
+    kinds: dict[str, tuple[Any, list[Any]]] = {
+        "start": (None, [c_void_p]),
+        "create": (c_void_p, [c_void_p, c_char_p, c_char_p, c_char_p, py_object]),
+        "load": (None, [c_void_p, py_object, py_object]),
+        "call": (None, [c_void_p, c_int]),
+    }
+    for name, (result, arguments) in kinds.items():
+        function = functions[f"libgz_{name}"]
+        function.restype, function.argtypes = result, arguments
+        setattr(functions, name, function)
+    functions.start(frames_address())
+    rows.start(functions)
+    _library.append((key, functions))
+    return functions
+
+
+class CompiledPlugin:
+    """What the plugin classes of shared objects have in common: each call goes to the C++ object.
+
+    Attributes:
+        shared: the shared object, in memory as long as a class, an object or a callback of it.
+        maker: the address of the function that makes an object.
+        functions: those of the library.
+        path: the file.
+    """
+
+    shared: SharedObject
+    maker: int
+    functions: Any
+    path: Path
+    handleName: str
+    filename: str
+    not_kept = NOT_KEPT
+    _object: int | None = None
+
+    def __init__(self) -> None:
+        label = f"plugin {self.handleName!r} ({self.path})"
+        self._object = self.functions.create(
+            self.maker,
+            os.fsencode(self.filename),
+            self.handleName.encode(errors="surrogateescape"),
+            label.encode(errors="surrogateescape"),
+            self.shared,
+        )
+
+    def Load(self, *values: Any) -> None:
+        """Call the plugin's Load."""
+        holder, element = (None, *values) if len(values) == 1 else (*values, None)[:2]
+        self.functions.load(self._object, holder, element)
+
+    def Init(self) -> None:
+        """Call the plugin's Init."""
+        self.functions.call(self._object, INIT)
+
+    def Reset(self) -> None:
+        """Call the plugin's Reset."""
+        self.functions.call(self._object, RESET)
+
+    def __del__(self) -> None:
+        plugin, self._object = self._object, None
+        if plugin is None or sys.is_finalizing():
+            return
+        try:
+            self.functions.call(plugin, DELETE)
+        except PluginError as error:
+            log.error("the destructor of plugin %r (%s) failed: %s", self.handleName, self.path, error)
+
+
+@cache
+def _adapter(kind: str) -> type[Any]:
+    """The class of plugins of a kind, without a file."""
+    return type(f"Compiled{kind}Plugin", (CompiledPlugin, KINDS[kind]), {"__module__": "C++"})
+
+
+def load(path: Path) -> Plugin:
+    """Load a plugin. A file that was built again since is loaded again.
+
+    Raises:
+        PluginError: it was built with another libgz, or cannot be loaded.
+        LibraryError: libgz was installed without a C compiler.
+        UntrustedError: files are not trusted.
+    """
+    check_trusted(f"plugin {path}")
+    path = path.resolve()
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
+    edited = (status.st_mtime_ns, status.st_size)
+    known = _loaded.get(path)
+    if known is not None and known[0] == edited:
+        return known[1]
+    mark = _mark_of(path)
+    if mark is None or mark[0] not in KINDS:
+        raise PluginError(f"error loading plugin: {path} is no plugin that was built with libgz: libgz cxx build")
+    kind, key, folder = mark
+    if path in _kept:
+        raise PluginError(
+            f"error loading plugin: {path} has protobuf messages of its own, which a process can load only once; start "
+            "the server again"
+        )
+    functions = _functions(path, key, folder)
+    _loaded.pop(path, None)
+    with loading(path):
+        shared = SharedObject(path)
+        try:
+            maker = ctypes.cast(shared.library["libgz_new_plugin"], c_void_p).value
+        except AttributeError:
+            raise PluginError(
+                f"error loading plugin: {path} hides its RegisterPlugin; build it without -fvisibility"
+            ) from None
+    if MESSAGES_OF_ITS_OWN in read_limited(path):
+        _kept[path] = shared
+    values = {"shared": shared, "maker": maker, "functions": functions, "path": path, "__module__": "C++"}
+    plugin = Plugin(path, edited=edited)
+    plugin.registered = [(kind, type(path.stem, (_adapter(kind),), values))]
+    _loaded[path] = edited, plugin
+    return plugin

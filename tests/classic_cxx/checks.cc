@@ -1,0 +1,254 @@
+// A plugin of each kind; <check> says what it does. A check that fails throws.
+#include <gazebo/common/common.hh>
+#include <gazebo/gazebo.hh>
+#include <gazebo/physics/physics.hh>
+#include <gazebo/rendering/rendering.hh>
+#include <gazebo/sensors/sensors.hh>
+#include <gazebo/transport/transport.hh>
+#include <thread>
+
+#define EXPECT(condition) \
+  if (!(condition)) \
+  gzthrow("it does not hold that " #condition)
+
+using namespace gazebo;
+
+// A class with static variables of inline functions, which each copy of the file has for itself.
+inline int &Loads()
+{
+  static int number = 0;
+  return number;
+}
+
+class Checks : public ModelPlugin
+{
+ public:
+  Checks()
+  {
+    gzmsg << "made number " << ++Loads() << std::endl;
+  }
+  ~Checks()
+  {
+    this->stop = true;
+    if (this->thread.joinable())
+      this->thread.join();
+    gzmsg << "deleted" << std::endl;
+  }
+
+  void Load(physics::ModelPtr _model, sdf::ElementPtr _sdf) override
+  {
+    this->model = _model;
+    this->world = _model->GetWorld();
+    this->check = _sdf->Get<std::string>("check");
+    EXPECT(this->GetHandle() == "checks");
+    EXPECT(_sdf->GetName() == "plugin" && !_sdf->HasElement("nothing"));
+    EXPECT(_sdf->Get<int>("nothing", 7).first == 7);
+    if (this->check == "identity")
+      this->Identity();
+    else if (this->check == "values")
+      this->Values(_sdf);
+    else if (this->check == "events")
+      this->OwnEvents();
+    else if (this->check == "topics")
+      this->Topics();
+    else if (this->check == "threads")
+      this->thread = std::thread([this] { this->Publish(); });
+    else if (this->check == "throws")
+      throw std::runtime_error("no luck");
+    else if (this->check == "gzthrows")
+      gzthrow("none " << 3)
+    else if (this->check == "unknown")
+      throw 7;
+    else if (this->check == "null")
+      gzmsg << this->model->GetLink("none")->GetName();
+    else if (this->check == "libgz")
+      this->model->SetWorldPose(ignition::math::Pose3d(NAN, 0, 0, 0, 0, 0));
+    else if (this->check == "segv")
+      *reinterpret_cast<volatile int *>(8) = 1;
+    else if (this->check == "exit")
+      std::exit(3);
+    this->connection = event::Events::ConnectWorldUpdateBegin(std::bind(&Checks::OnUpdate, this, std::placeholders::_1));
+    this->other = event::Events::ConnectWorldUpdateEnd(boost::bind(&Checks::OnEnd, this));
+    gzmsg << this->check << " loaded" << std::endl;
+  }
+  void Init() override { gzmsg << "initialized" << std::endl; }
+  void Reset() override { gzmsg << "reset at " << this->updates << std::endl; }
+
+ private:
+  void Identity()
+  {
+    physics::LinkPtr link = this->model->GetLink("arm");
+    EXPECT(link && link == this->model->GetLink("arm") && link == this->model->GetChildLink("arm"));
+    EXPECT(this->model->shared_from_this() == this->model);
+    physics::BasePtr base = link;
+    EXPECT(boost::dynamic_pointer_cast<physics::Link>(base) == link);
+    EXPECT(boost::dynamic_pointer_cast<physics::Entity>(base));
+    EXPECT(!boost::dynamic_pointer_cast<physics::Model>(base));
+    EXPECT(link->GetModel() == this->model && link->GetWorld() == this->world);
+    EXPECT(base->HasType(physics::Base::LINK) && !base->HasType(physics::Base::MODEL));
+    EXPECT(boost::dynamic_pointer_cast<physics::Model>(link->GetParent()) == this->model);
+    EXPECT(this->model->GetLinks().size() == 2 && this->model->GetLinks()[1] == link);
+    EXPECT(!this->model->GetLink("none"));
+    EXPECT(physics::get_world(this->world->Name()) == this->world);
+    EXPECT(this->world->ModelByName("robot") == this->model);
+    auto shape = link->GetCollision("shape")->GetShape();
+    EXPECT(boost::dynamic_pointer_cast<physics::BoxShape>(shape));
+    auto surface = boost::dynamic_pointer_cast<physics::ODESurfaceParams>(link->GetCollision("shape")->GetSurface());
+    surface->slip1 = 0.25;
+    EXPECT(surface->slip1 == 0.25 && surface->FrictionPyramid()->MuPrimary() > 0);
+    const auto &paths = common::SystemPaths::Instance()->GetPluginPaths();
+    EXPECT(&paths == &common::SystemPaths::Instance()->GetPluginPaths() && paths.begin() != paths.end());
+    auto sensor = sensors::get_sensor("imu");
+    EXPECT(std::dynamic_pointer_cast<sensors::ImuSensor>(sensor) && sensor == sensors::get_sensor("imu"));
+    EXPECT(!std::dynamic_pointer_cast<sensors::RaySensor>(sensor));
+  }
+  void Values(sdf::ElementPtr _sdf)
+  {
+    EXPECT(_sdf->Get<ignition::math::Vector3d>("vector") == ignition::math::Vector3d(1, 2, 3));
+    EXPECT(_sdf->GetElement("vector")->GetAttribute("unit")->GetAsString() == "m");
+    EXPECT(common::Time(1.5) + common::Time(0, 600000000) == common::Time(2, 100000000));
+    common::PID pid(2, 1, 0.5, 1, -1);
+    EXPECT(pid.Update(1.0, common::Time(0.1)) == -2.0 - 0.1 - 5.0);
+    physics::JointPtr joint = this->model->GetJoint("hinge");
+    EXPECT(joint->UpperLimit(0) == 1.5 && joint->GetName() == "hinge" && joint->GetParent() == this->model->GetLink("base"));
+    this->model->GetJointController()->SetPositionPID(joint->GetScopedName(), pid);
+    EXPECT(this->model->GetJointController()->GetPositionPIDs().size() == 1);
+    physics::InertialPtr inertial = this->model->GetLink("arm")->GetInertial();
+    EXPECT(inertial->Mass() == 2 && inertial->Ign().MassMatrix().Mass() == 2);
+    auto box = this->model->GetLink("arm")->GetCollision("shape")->BoundingBox();
+    EXPECT(box.Max().X() > box.Min().X());
+    EXPECT(this->world->Gravity().Z() < -9 && this->world->Physics()->GetMaxStepSize() == 0.001);
+    msgs::Model message;
+    this->model->FillMsg(message);
+    EXPECT(message.name() == "robot" && message.link_size() == 2);
+    EXPECT(msgs::ConvertIgn(msgs::Convert(ignition::math::Vector3d(1, 2, 3))) == ignition::math::Vector3d(1, 2, 3));
+    EXPECT(common::SystemPaths::Instance()->GetPluginPaths().size() >= 1);
+    boost::recursive_mutex::scoped_lock lock(*this->world->Physics()->GetPhysicsUpdateMutex());
+    common::PoseAnimationPtr animation(new common::PoseAnimation("move", 1.0, false));
+    animation->CreateKeyFrame(0)->Translation(ignition::math::Vector3d(0, 0, 5));
+    EXPECT(animation->GetKeyFrameCount() == 1);
+    physics::ModelState state(this->model);
+    EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
+  }
+  void OwnEvents()
+  {
+    event::EventT<void(int)> own;
+    int sum = 0;
+    event::ConnectionPtr first = own.Connect([&sum](int value) { sum += value; });
+    {
+      event::ConnectionPtr second = own.Connect([&sum](int value) { sum += 10 * value; });
+      own(1);
+      EXPECT(sum == 11 && own.ConnectionCount() == 2);
+    }
+    own(1);
+    EXPECT(sum == 12);
+    first.reset();
+    own(1);
+    EXPECT(sum == 12);
+  }
+  void Topics()
+  {
+    this->node = transport::NodePtr(new transport::Node());
+    this->node->Init(this->world->Name());
+    this->subscriber = this->node->Subscribe("~/ping", &Checks::OnPing, this);
+    this->publisher = this->node->Advertise<msgs::Vector3d>("~/pong");
+  }
+  void OnPing(ConstVector3dPtr &_msg)
+  {
+    msgs::Vector3d answer(*_msg);
+    answer.set_x(_msg->x() + 1);
+    this->publisher->Publish(answer);
+  }
+  void Publish()
+  {
+    transport::NodePtr own(new transport::Node());
+    own->Init(this->world->Name());
+    auto pub = own->Advertise<msgs::Time>("~/ticks");
+    while (!this->stop)
+    {
+      std::lock_guard<std::mutex> lock(this->mutex);
+      pub->Publish(msgs::Convert(this->world->SimTime()));
+      this->published++;
+    }
+  }
+  void OnUpdate(const common::UpdateInfo &_info)
+  {
+    ++this->updates;
+    if (this->check == "fails later" && this->updates == 3)
+      this->model->GetLink("none")->GetName();
+    if (this->check == "threads")
+    {
+      std::lock_guard<std::mutex> lock(this->mutex);  // which the thread holds while it calls libgz
+    }
+    if (this->check != "step")
+      return;
+    physics::LinkPtr link = this->model->GetLink("arm");
+    EXPECT(_info.simTime == this->world->SimTime() && _info.worldName == this->world->Name());
+    link->AddForce(ignition::math::Vector3d(0, 3, 0));
+    link->AddRelativeTorque(ignition::math::Vector3d(0, 0.25, 0));
+    link->AddLinkForce(ignition::math::Vector3d(1, 0, 0), ignition::math::Vector3d(0, 0.1, 0));
+    if (this->updates % 10)
+      return;
+    std::cout.precision(17);
+    physics::JointPtr joint = this->model->GetJoint("hinge");
+    const auto pose = link->WorldPose(), frame = this->model->WorldPose(), centre = link->WorldCoGPose();
+    const double numbers[] = {pose.Pos().Y(), pose.Rot().W(), frame.Pos().X(), frame.Rot().Z(), centre.Pos().Z(),
+        link->WorldLinearVel().Y(), link->WorldCoGLinearVel().X(), link->WorldAngularVel().Z(),
+        link->RelativeLinearVel().X(), link->RelativeAngularVel().Y(), joint->Position(0), joint->GetVelocity(0)};
+    std::ostringstream line;
+    line.precision(17);
+    for (double number : numbers)
+      line << " " << number;
+    gzmsg << "numbers" << line.str() << std::endl;
+  }
+  void OnEnd() { ++this->ends; }
+
+  physics::ModelPtr model;
+  physics::WorldPtr world;
+  std::string check;
+  event::ConnectionPtr connection, other;
+  transport::NodePtr node;
+  transport::SubscriberPtr subscriber;
+  transport::PublisherPtr publisher;
+  std::thread thread;
+  std::mutex mutex;
+  std::atomic<bool> stop{false};
+  std::atomic<int> published{0};
+  int updates = 0, ends = 0;
+};
+
+class Hello : public WorldPlugin
+{
+ public:
+  void Load(physics::WorldPtr _world, sdf::ElementPtr) override { gzmsg << "Hello " << _world->Name() << std::endl; }
+};
+class Watcher : public SensorPlugin
+{
+ public:
+  void Load(sensors::SensorPtr _sensor, sdf::ElementPtr) override
+  {
+    this->imu = std::dynamic_pointer_cast<sensors::ImuSensor>(_sensor);
+    this->imu->SetActive(true);
+    this->connection = this->imu->ConnectUpdated(std::bind(&Watcher::OnUpdated, this));
+  }
+  void OnUpdated() { gzmsg << "imu " << this->imu->LinearAcceleration().Z() << std::endl; }
+  sensors::ImuSensorPtr imu;
+  event::ConnectionPtr connection;
+};
+class System : public SystemPlugin
+{
+ public:
+  void Load(int _argc, char **_argv) override { gzmsg << "system " << _argc << " " << _argv[_argc - 1] << std::endl; }
+};
+class Look : public VisualPlugin
+{
+ public:
+  void Load(rendering::VisualPtr _visual, sdf::ElementPtr) override { gzmsg << "visual " << _visual->Name() << std::endl; }
+};
+
+// Each kind is a file of its own, linked with this one: see conftest.py.
+libgz::PluginRoot *NewModel() { return new Checks; }
+libgz::PluginRoot *NewWorld() { return new Hello; }
+libgz::PluginRoot *NewSensor() { return new Watcher; }
+libgz::PluginRoot *NewSystem() { return new System; }
+libgz::PluginRoot *NewVisual() { return new Look; }

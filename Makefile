@@ -1,5 +1,5 @@
 # make demo: install what it needs and run a demonstration.  make test: install the rest, check and test.
-.PHONY: demo test check lint types trials fuzz bench bench-more docs wheel setup clean
+.PHONY: demo test tests check lint types trials fuzz bench bench-more docs wheel setup clean
 
 BIN := .venv/bin
 
@@ -7,9 +7,12 @@ demo:
 	@./scripts/setup.sh view
 	@$(BIN)/libgz demo
 
-test: lint types
+test: lint
 	@./scripts/install_chromium.sh
 	@./scripts/install_compilers.sh
+	@$(MAKE) --no-print-directory -j 2 types tests
+
+tests: setup
 	@$(BIN)/pytest -q -n 3 --dist worksteal -m "not trial"
 
 # While working: the tests of what differs from BASE only.
@@ -41,7 +44,7 @@ bench: setup
 
 # All other benchmarks.
 bench-more: setup
-	@for part in step lock ground wire hostile observer record camera plugins cxx sdf view state gym scale; do $(BIN)/python benchmarks/$$part.py || exit 1; done
+	@for part in step lock ground wire hostile player observer record camera plugins cxx sdf view state gym scale; do $(BIN)/python benchmarks/$$part.py || exit 1; done
 
 # The documents as a site, offline: build/site/index.html
 docs: setup

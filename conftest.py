@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -31,7 +31,14 @@ else:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """An option for the order of tests."""
+    """Options for the order of tests, and for their cost."""
+    parser.addoption(
+        "--cpu",
+        type=int,
+        default=0,
+        metavar="N",
+        help="show the N tests that take most processor time, children included",
+    )
     parser.addoption(
         "--shuffle",
         type=int,
@@ -72,6 +79,39 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 # Without bytecode each worker would compile all tests, and each process that a test starts the whole library.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+_used = [0.0]  # processor time of this process and its children [s], when the last report was made
+
+
+def _processor_time() -> float:
+    return sum(os.times()[:4])
+
+
+def pytest_runtest_logstart() -> None:
+    """A test begins."""
+    _used[0] = _processor_time()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Add the processor time of a set-up, test or teardown to its report."""
+    report = yield
+    now = _processor_time()
+    report.cpu, _used[0] = now - _used[0], now  # type: ignore[attr-defined]
+    return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """List the tests that took most processor time."""
+    costs: dict[str, float] = {}
+    for report in itertools.chain.from_iterable(terminalreporter.stats.values()):
+        if hasattr(report, "cpu"):
+            costs[report.nodeid] = costs.get(report.nodeid, 0.0) + report.cpu
+    if config.option.cpu:
+        terminalreporter.section(f"processor time: {sum(costs.values()):.0f} s in all tests")
+        for cost, name in sorted(((cost, name) for name, cost in costs.items()), reverse=True)[: config.option.cpu]:
+            terminalreporter.write_line(f"{cost:6.1f} s  {name}")
+
 
 _numbers = itertools.count()
 START = 30.0  # [s]

@@ -42,6 +42,7 @@ GENERATED = {  # page -> what is generated of its subject
     "docs/classic": "classic/README",
     "docs/interfaces": "structs",
     "docs/models": "models/README",
+    "docs/player": "player_devices",
     "docs/sdf": "sdf_elements",
     "docs/tools": "commands",
 }

@@ -25,7 +25,7 @@ def tests_of(files: list[str]) -> list[str]:
     found = {"tests/test_architecture.py", "tests/test_vocabulary.py"} if files else set()
     for top, *rest in (Path(file).parts for file in files):
         if top == "libgz" and rest:
-            found.add(f"tests/{rest[0]}")
+            found |= _of_package(Path("tests", *rest[:-1]))
         elif top in ("models", "interfaces", "docs"):
             found.add(f"tests/{top}")
         elif top == "tests" and rest and rest[-1].startswith("test_"):
@@ -34,6 +34,15 @@ def tests_of(files: list[str]) -> list[str]:
             found.add(f"tests/{rest[0]}")
     there = {one for one in found if (ROOT / one).exists() and not one.startswith("tests/trials")}
     return sorted(one for one in there if not any(str(above) in there for above in Path(one).parents))
+
+
+def _of_package(folder: Path) -> set[str]:
+    """The tests of a package; those of one in it, such as classic/sensors, are a folder and the files beside that."""
+    while folder.name != "tests" and not (ROOT / folder).is_dir():
+        folder = folder.parent
+    if len(folder.parts) < 3:
+        return {str(folder)} if folder.name != "tests" else set()
+    return {str(folder), *(str(file.relative_to(ROOT)) for file in (ROOT / folder.parent).glob("test_*.py"))}
 
 
 def main() -> None:

@@ -24,6 +24,7 @@ from libgz.interfaces.reference import reference
 from libgz.reference.classic_pages import classic_pages
 from libgz.reference.markdown import NOTE, cell
 from libgz.reference.pages import pages as model_pages, write_changed
+from libgz.reference.player_devices import player_devices_page
 from libgz.reference.sdf_elements import sdf_elements_page
 
 ROOT = Path(__file__).parent.parent
@@ -38,6 +39,7 @@ def generated_pages() -> dict[str, str]:
     return {
         "commands.md": commands_page(),
         "cxx_api.md": api_page(),
+        "player_devices.md": player_devices_page(),
         "sdf_elements.md": sdf_elements_page(),
         "structs.md": reference(),
         **found,

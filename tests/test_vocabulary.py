@@ -62,7 +62,7 @@ INSTEAD = {FORMS[word]: use for word, use in table() if word in FORMS} | ALSO
 ALLOWED = re.compile(
     r"\.tell\(\)|"  # the method of files
     r"draws? calls?|random|a draw|drawn? (lots|from the generator)|"  # random draws, draw calls
-    r"segmentation fault|gz_.*|"
+    r"segmentation fault|gz_.*|xmlrpc\.client\.Fault|"
     r"head ?room|class ?room|"
     r"living room|rooms</id>|a room with|the room: |hall and rooms|between houses",  # buildings in worlds
     re.IGNORECASE,

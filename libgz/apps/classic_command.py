@@ -13,11 +13,12 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import Hints, LogFile
+from libgz.apps.ros_option import ros_wanted
 from libgz.base.closing import Closing
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import Missing, new_plugin
-from libgz.classic.server import system_plugins
 from libgz.classic.transport import Link, publicized_address
+from libgz.classic.world_plugins import system_plugins
 from libgz.classic_cxx.registration import register
 from libgz.rendering.choice import prefer
 
@@ -101,6 +102,8 @@ def _parse(parser: Parser, words: Sequence[str], plugins: str) -> argparse.Names
     options: argparse.Namespace
     options, unknown = parser.parse_known_args(list(words))
     options.rest, others = _split(unknown)
+    if ros_wanted(options):  # whose session reads names and remappings
+        others = [word for word in others if ":=" not in word]
     if others and not getattr(options, plugins):
         log.warning("%s; there is no System plugin to use them", parser.unknown(others))
     elif others:

@@ -16,6 +16,7 @@ from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.record import VideoRecorder, record_videos
+from libgz.apps.ros_option import add_ros_options, start_ros
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.untrusted import add_untrusted_option, confined
@@ -39,6 +40,7 @@ from libgz.worldfile.search import find_worldfile, ready_worlds
 
 if TYPE_CHECKING:
     from libgz.recording.capture import Capture
+    from libgz.ros.server import Ros1
 
 __all__ = ["main"]
 
@@ -81,6 +83,7 @@ def make_parser() -> Parser:
     parser.add_macro_arguments()
     add_rewind_option(parser)
     add_mcap_option(parser)
+    add_ros_options(parser)
     add_view_options(parser, optional=True)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
@@ -121,6 +124,7 @@ class Server:
         self.options, self.words = options, ["gzserver", *words]
         self._stopped = False
         self._play: LogPlay | None = None
+        self._ros: Ros1 | None = None
 
     def run(self) -> int:
         """Run the world, with classic's order of events; return the exit code."""
@@ -131,7 +135,11 @@ class Server:
     def _run(self) -> None:
         # Of System plugins, which belong to no world.
         problems = Problems(lambda: True, self.options.strict, warnings=False)
-        with SystemPlugins(self.options.server_plugin) as plugins, serve(watch_only=self.options.watch_only) as link:
+        with (
+            start_ros(self.options, self.words) as self._ros,
+            SystemPlugins(self.options.server_plugin) as plugins,
+            serve(watch_only=self.options.watch_only) as link,
+        ):
             if get_master_uri().port == 0:
                 sys.stdout.write(f"GAZEBO_MASTER_URI={link.address.uri}\n")
                 sys.stdout.flush()
@@ -167,6 +175,8 @@ class Server:
                 core.starts_paused = True
             if core.sdf is not None:
                 self._choose_profile(attach(core).world)
+                if self._ros is not None:
+                    self._ros.attach(core)
             core.Initialize()
         except BaseException:
             self._watchdog.close()

@@ -42,6 +42,7 @@ COMMANDS = {
     "player": "serve client programs of Player 1.6 to 3 from a running or started server",
     "plot": "plot fields of a log or of a running server over time",
     "plugin": "load an edited plugin file again while its world runs",
+    "ros": "install the packages that launch files of ROS name",
     "schema": "print a RELAX NG grammar of worldfiles for editors",
     "sdf": "check, print or convert an SDF file of Gazebo classic, or list the elements of SDF",
     "set": "write fields of an interface of a running server",

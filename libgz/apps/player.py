@@ -9,6 +9,7 @@ import subprocess
 from collections.abc import Iterator
 
 from libgz.apps.console import whole_number
+from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ServerError
 from libgz.base.python import run_module
 from libgz.player.configuration import PORT, Configuration, read_configuration
@@ -51,6 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default="auto",
         help="version of clients of Player 2 and 3 (2.1: 3.0, too; default: 2.0 or 2.1, as they show)",
     )
+    add_untrusted_option(parser)
 
 
 def _port(text: str) -> int:

@@ -296,7 +296,7 @@ class WorldControl:
         drives = [
             model.GetName()
             for model in server.world.Models()
-            if any(isinstance(plugin.plugin, DrivePlugin) for plugin in server.model_plugins(model))
+            if any(isinstance(plugin.plugin, DrivePlugin) for plugin in server.plugins.of_model(model))
         ]
         from libgz.classic.transport import TopicManager
 

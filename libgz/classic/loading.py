@@ -15,7 +15,7 @@ from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginEr
 from libgz.base.trust import UntrustedError, check_trusted
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
-from libgz.classic.ros_names import absence, stand_in
+from libgz.classic.ros_names import absence, provided, providers, stand_in
 from libgz.classic.transport.subscriber import Subscriber
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Connection, Ends, WorldEvents, owner
@@ -338,8 +338,9 @@ class Missing:
 
 def is_ready(path: Path) -> bool:
     """Whether a plugin's file is one of those that come with libgz."""
-    ready = READY / path.name
-    return path.exists() and ready.exists() and ready.samefile(path)  # an editable installation has links
+    folders = (READY, *(provider.folder for provider in providers))
+    ready = [folder / path.name for folder in folders]
+    return path.exists() and any(one.exists() and one.samefile(path) for one in ready)  # an editable one has links
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:
@@ -355,9 +356,10 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
     places.append(("the current directory", Path()))
     if beside:
         places.append(("the world's directory", Path(beside).parent.resolve()))
-    places.append(("the plugins of libgz", READY))
     tried: list[str] = []
     found = search(name, places, tried, _is_compiled) if name else None
+    if found is None and name:
+        found = provided(name) or search(name, [("the plugins of libgz", READY)], tried)
     if found is None and (ready := stand_in(name)) is not None:
         found = READY / f"{ready}.py"
     if found is None:

@@ -1,19 +1,31 @@
 """Plugins that worlds of the ROS era name: what stands for them, and what is lost without them.
 
-libgz has no ROS: ready plugins that read the same elements work over topics of Gazebo and interfaces of libgazebo.
+Without ROS, ready plugins that read the same elements work over topics of Gazebo and interfaces of libgazebo. A
+`Provider` has plugins that speak ROS; it comes first.
 """
 
 from __future__ import annotations
 
 import logging
 import re
-from pathlib import PurePath
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from libgz.simulation.world import World
 
-__all__ = ["STAND_INS", "WITHOUT_EFFECT", "absence", "is_ros_name", "notice", "stand_in"]
+__all__ = [
+    "STAND_INS",
+    "WITHOUT_EFFECT",
+    "Provider",
+    "absence",
+    "is_ros_name",
+    "notice",
+    "provided",
+    "providers",
+    "stand_in",
+]
 
 log = logging.getLogger("libgz.classic")
 
@@ -45,6 +57,7 @@ STAND_INS = dict.fromkeys(
     ),
     SENSOR,
 ) | {
+    "gazebo_link_attacher": "gazebo_ros_link_attacher",
     "gazebo_ros2_control": "gazebo_ros_control",
     "gazebo_ros_elevator": "elevatorplugin",
     "gazebo_ros_force_based_move": "gazebo_ros_planar_move",
@@ -64,8 +77,6 @@ WITHOUT_EFFECT = {
     "gazebo_ros_force_system": "the services that apply efforts; use `libgz joint`",
     "gazebo_ros_init": "the clock of ROS, and services of the world; use `libgz stats` and the topic ~/world_control",
     "gazebo_ros_joint_pose_trajectory": "trajectories on a topic of ROS; use `libgz joint`",
-    "gazebo_ros_link_attacher": "services that attach links; use a <gripper> or a plugin",
-    "gazebo_link_attacher": "services that attach links; use a <gripper> or a plugin",
     "gazebo_ros_logical_camera": "messages of ROS; the sensor publishes on its own topic",
     "gazebo_ros_paths_plugin": "paths of packages; set GAZEBO_MODEL_PATH",
     "gazebo_ros_projector": "the projector's topic of ROS",
@@ -87,6 +98,33 @@ def is_ros_name(filename: str) -> bool:
     """Whether a plugin's file name is one of the ROS era."""
     stem = _stem(filename)
     return stem.startswith("gazebo_ros_") or stem in STAND_INS or stem in WITHOUT_EFFECT
+
+
+class Provider(NamedTuple):
+    """Plugins that speak ROS.
+
+    Attributes:
+        folder: where they are.
+        names: of files that have no file of their own there -> the files that stand for them.
+        notice: what is logged of a world with such plugins.
+    """
+
+    folder: Path
+    names: Mapping[str, str]
+    notice: str
+
+
+providers: list[Provider] = []  # of this process; the last one comes first
+
+
+def provided(filename: str) -> Path | None:
+    """The file of the plugin that speaks ROS; None if there is none."""
+    stem = _stem(filename)
+    for provider in reversed(providers):
+        path = provider.folder / f"{provider.names.get(stem, stem)}.py"
+        if not stem.startswith("_") and path.exists():
+            return path
+    return None
 
 
 def stand_in(filename: str) -> str | None:
@@ -112,12 +150,16 @@ class _Notice:
 
 
 def notice(world: World) -> None:
-    """Log, once a world, that there is no ROS."""
+    """Log, once a world, whether its plugins for ROS speak ROS."""
     kept = world.extension(_Notice)
-    if not kept.logged:
-        kept.logged = True
+    if kept.logged:
+        return
+    kept.logged = True
+    if providers:
+        log.info("world %r has plugins for ROS; %s", world.name, providers[-1].notice)
+    else:
         log.warning(
             "world %r has plugins for ROS; libgz runs them over its own topics (`libgz topic -l`) and interfaces: "
-            "see docs/plugins.md",
+            "see docs/plugins.md; `gzserver --ros1` connects them to ROS",
             world.name,
         )

@@ -339,7 +339,7 @@ class CxxModel(Model):
 
     # End -------------------------------------------------------------------------------------------------------------
 
-    def MasterEnd(self) -> None:
+    def _entity_end(self) -> None:
         """Delete the C++ objects."""
         self._delete()
         self._release()

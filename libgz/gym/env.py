@@ -234,6 +234,9 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._writers = [one.write for one in commands]
         self._all_seen = {one.label: one.value for one in self._readings}
         self._lasting = all(one.lasts for one in commands)
+        joints = [one.joint for one in commands if one.joint is not None]
+        # Two commands on one joint add up, step by step.
+        self._held = joints if len(set(joints)) == len(commands) else None
 
     def _space(self) -> spaces.Space[Any]:
         if "" in self._made:
@@ -311,7 +314,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             for write, value in zip(self._writers, values, strict=True):
                 write(value)
             world.step(self._count)
-        else:
+        elif not self._hold(values):
             for _ in range(self._count):
                 for write, value in zip(self._writers, values, strict=True):
                     write(value)
@@ -324,6 +327,20 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if self.render_mode == "human":
             self.render()
         return seen, reward, ended, truncated, self._information()
+
+    def _hold(self, values: Sequence[Any]) -> bool:
+        """Do all steps of a period at once where actions are efforts that native code can hold; whether they are."""
+        if self._held is None:
+            return False
+        found = [joint.held_effort(value) for joint, value in zip(self._held, values, strict=True)]
+        efforts = [effort for effort in found if effort is not None]
+        if len(efforts) < len(found):
+            return False
+        with self.world.engine.holding(efforts):
+            self.world.step(self._count)
+        for joint, effort in zip(self._held, efforts, strict=True):
+            joint.was_held(effort.effort, self._count)
+        return True
 
     def _clipped(self, action: Any) -> list[Any]:
         """The numbers of an action within their bounds; whole ones rounded."""

@@ -154,7 +154,7 @@ class Model(Entity):
         made = itertools.takewhile(lambda body: body is not before, reversed(self.world.engine.bodies.values()))
         return [body for body in made if body.model is None]
 
-    def MasterInit(self, file: WorldFile, node: WorldFileNode) -> None:
+    def _entity_init(self, file: WorldFile, node: WorldFileNode) -> None:
         """Call `Init`.
 
         Raises:
@@ -165,11 +165,11 @@ class Model(Entity):
         if result:
             raise GazeboError(f"it returned {result}, which is not 0")
 
-    def MasterPlace(self) -> str:
+    def _entity_place(self) -> str:
         """``file:line: <tag>: `` of its element, for messages; empty for a model that was not loaded from a file."""
         return f"{self.node.file.label}:{self.node.line}: <{self.node.tag}>: " if self.node is not None else ""
 
-    def MasterStart(self) -> None:
+    def _entity_start(self) -> None:
         """Call `Init`; what it raises becomes an error of the model's element.
 
         Raises:
@@ -179,16 +179,16 @@ class Model(Entity):
             return
         self.initialized = False
         server = self.world.gz_server
-        server.place = self.MasterPlace()
+        server.place = self._entity_place()
         try:
-            self.MasterInit(WorldFile.of(self.node), self.node)
+            self._entity_init(WorldFile.of(self.node), self.node)
         except GazeboError as error:
             reason = f"{error}{own_place(error)}"
-            raise PluginError(f"{self.MasterPlace()}Init of model {self.GetId()!r}: {reason}") from error
+            raise PluginError(f"{self._entity_place()}Init of model {self.GetId()!r}: {reason}") from error
         except USER_ERRORS as error:
             pass_interrupt(error)
             text = own_traceback(error, called=self.Init)
-            raise PluginError(f"{self.MasterPlace()}Init of model {self.GetId()!r} failed with\n{text}") from error
+            raise PluginError(f"{self._entity_place()}Init of model {self.GetId()!r} failed with\n{text}") from error
         finally:
             server.place = ""
         self.initialized = True
@@ -199,7 +199,7 @@ class Model(Entity):
             self.LogPose()
         self.Update(step)
 
-    def MasterPlan(self, plan: Plan) -> None:
+    def _entity_plan(self, plan: Plan) -> None:
         """Describe the update: by `plan_update`, where no subclass has an `Update` of its own."""
         self._watched = {"MasterUpdate", "Update", "LogPose", *_names_in_plans(type(self))}
         if overrides(self, Model, "MasterUpdate"):
@@ -328,7 +328,7 @@ class Model(Entity):
             weld.close()
         super().Detach()
 
-    def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
+    def _entity_attach(self, parent: Entity | None, body: Body | None) -> None:
         """Attach it to a body of another model, or to none."""
         self.Detach()
         if isinstance(parent, Model) and body is not None:
@@ -355,10 +355,10 @@ class Model(Entity):
 
     # End ---------------------------------------------------------------------------------------------------------
 
-    def MasterFini(self, *, removed: bool = False) -> None:
+    def _entity_fini(self, *, removed: bool = False) -> None:
         """Call `Fini`; at the end of the world not where the world's failing start never came to this `Init`."""
         if removed or self.node is None or self.initialized:
-            super().MasterFini(removed=removed)
+            super()._entity_fini(removed=removed)
         elif self.initialized is False:
             self._call_fini(logging.DEBUG)
 
@@ -387,5 +387,5 @@ def _names_in(code: CodeType) -> set[str]:
 
 
 names(Model.MasterLoad, lambda values: f"Load of model {values['self'].GetId()!r}")
-names(Model.MasterInit, lambda values: f"Init of model {values['self'].GetId()!r}")
+names(Model._entity_init, lambda values: f"Init of model {values['self'].GetId()!r}")
 names(Model._call_fini, lambda values: f"Fini of model {values['self'].GetId()!r}")

@@ -45,13 +45,13 @@ class Replacement:
                 try:
                     self._place(new)
                     doing = "Init"
-                    new.MasterStart()
+                    new._entity_start()
                     doing = "the return of its state"
                     self._carry(new, state)
                     doing = "the attachment of other models"
                     for child, body in holders:
                         kept = child.relPose
-                        child.MasterAttach(new, new.GetBody(body.bodyName if body is not None else None))
+                        child._entity_attach(new, new.GetBody(body.bodyName if body is not None else None))
                         child.relPose = kept  # where one without a weld follows
                 except BaseException:
                     self._undo(new, holders)
@@ -59,11 +59,11 @@ class Replacement:
                 self._exchange(new)
         except GazeboError as error:
             reason = f"{doing} of the edited model {old.GetId()!r}: {error}{own_place(error)}"
-            raise PluginError(f"{old.MasterPlace()}{reason}") from error
+            raise PluginError(f"{old._entity_place()}{reason}") from error
         except USER_ERRORS as error:
             pass_interrupt(error)
             text = f"{doing} of the edited model {old.GetId()!r} failed with\n{own_traceback(error)}"
-            raise PluginError(f"{old.MasterPlace()}{text}") from error
+            raise PluginError(f"{old._entity_place()}{text}") from error
         return new
 
     def _place(self, new: Model) -> None:
@@ -95,7 +95,7 @@ class Replacement:
         for child, body in holders:
             if child.parent is not self._old:
                 kept = child.relPose
-                child.MasterAttach(self._old, body)
+                child._entity_attach(self._old, body)
                 child.relPose = kept
         self._world.remove([new])
 

@@ -105,6 +105,19 @@ class StepContext(ctypes.Structure):
         ("earlier_count", c_int64),
         ("earlier_capacity", c_int64),
         ("earlier", c_void_p),
+        ("held_count", c_int64),
+        ("held", c_void_p),
+    ]
+
+
+class HeldEffort(ctypes.Structure):
+    """An effort on a hinge or slider that acts in each step; mirrors `held_effort` in step.h."""
+
+    _fields_ = [
+        ("joint", c_void_p),
+        ("type", c_int64),
+        ("effort", c_double),
+        ("bodies", c_void_p * 2),
     ]
 
 

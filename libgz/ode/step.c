@@ -85,7 +85,7 @@ static void note_rest(context *c)
  * that were woken past the tables. */
 static int rests(context *c)
 {
-    if (c->resting < RESTING || c->record_contacts)
+    if (c->resting < RESTING || c->record_contacts || c->held_count)
         return 0;
     if (!are_asleep(c, c->next_checked, CHECKED)) {
         c->resting = 0;
@@ -138,9 +138,28 @@ static int solve(context *c)
     return done != 0;
 }
 
+static void apply_held_efforts(const context *c)
+{
+    int64_t i;
+    int side;
+    for (i = 0; i < c->held_count; i++) {
+        const held_effort *h = c->held + i;
+        if (!h->joint)
+            continue; /* it was destroyed meanwhile */
+        for (side = 0; side < 2; side++)
+            if (h->bodies[side])
+                dBodyEnable(h->bodies[side]);
+        if (h->type == JOINT_SLIDER)
+            dJointAddSliderForce(h->joint, h->effort);
+        else
+            dJointAddHingeTorque(h->joint, h->effort);
+    }
+}
+
 void gz_collide(context *c)
 {
     enter_ode();
+    apply_held_efforts(c);
     find_contacts(c);
     carry_on(c);
     leave_ode();
@@ -163,6 +182,7 @@ int gz_step(context *c)
         return 1;
     }
     enter_ode();
+    apply_held_efforts(c);
     find_contacts(c);
     done = solve(c);
     leave_ode();

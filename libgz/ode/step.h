@@ -208,6 +208,13 @@ typedef struct {
 
 /* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
+    void *joint;
+    int64_t type;     /* JOINT_HINGE or JOINT_SLIDER */
+    double effort;    /* [N m or N] */
+    void *bodies[2];  /* which it wakes; NULL: none */
+} held_effort;
+
+typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
     int64_t no_cylinder_pairs; /* 1: boxes stand in for a cylinder against cylinders and capsules */
     double step;
@@ -258,6 +265,8 @@ typedef struct {
     touch_point *points;      /* of the touches */
     int64_t earlier_count, earlier_capacity;
     contact_record *earlier;  /* the records of the step before */
+    int64_t held_count;
+    const held_effort *held;  /* applied in each step, for as long as they are there */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };

@@ -7,6 +7,7 @@ native call fills after each step; bodies, joints and sensors read the tables, n
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import logging
 import math
 import weakref
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import VectorLike
-from libgz.ode.context import RayScan, StepContext
+from libgz.ode.context import HeldEffort, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
 from libgz.ode.nearby import geoms_near
@@ -144,6 +145,7 @@ class Engine:
         self.attached: dict[Any, None] = {}
         self.couplings: list[Coupling] = []
         self._state = EngineState(self, self._context)
+        self._held: Sequence[HeldEffort] | ctypes.Array[HeldEffort] = ()
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
@@ -353,6 +355,24 @@ class Engine:
         """Contact points in the last step."""
         return int(self._context.contact_count)
 
+    @contextlib.contextmanager
+    def holding(self, efforts: Sequence[HeldEffort]) -> Iterator[None]:
+        """Apply efforts in each step meanwhile, in this order; see `Joint.held_effort`."""
+        self._held = (HeldEffort * len(efforts))(*efforts)
+        with self.lock:
+            self._context.held, self._context.held_count = ctypes.addressof(self._held), len(efforts)
+        try:
+            yield
+        finally:
+            with self.lock:
+                self._context.held_count, self._context.held, self._held = 0, None, ()
+
+    def drop_held(self, handle: int | None) -> None:
+        """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""
+        for effort in self._held:
+            if handle in (effort.joint, *effort.bodies):
+                effort.joint = None
+
     @property
     def record_contacts(self) -> bool:
         """Whether `contacts` is filled; off by default, and then it costs nothing."""
@@ -521,6 +541,11 @@ class Engine:
         """The second half of a step."""
         self._finish(self.native.solve())
 
+    @exclusive
+    def drop_contacts(self) -> None:
+        """End a step after `collide` without a second half: nothing moves, and what was recorded stays."""
+        ode().dJointGroupEmpty(self._context.contacts)
+
     def _finish(self, done: int) -> None:
         """Note which rows are fresh now, and recover from what went wrong."""
         if self.tables.touched:
@@ -541,7 +566,7 @@ class Engine:
         if not most:
             return "ODE ran out of memory in a step: the world is too large"
         geom = geoms[crowds.index(most)]
-        where = geom.body.model.MasterPlace() if hasattr(geom.body.model, "MasterPlace") else ""
+        where = geom.body.model._entity_place() if hasattr(geom.body.model, "_entity_place") else ""
         return (
             f"{where}ODE ran out of memory in a step: too many contacts at once; {geom.label} is where {most} other "
             "shapes are, too"

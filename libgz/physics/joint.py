@@ -18,6 +18,7 @@ from typing import Any, ClassVar, NamedTuple
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import GzVector, VectorLike
 from libgz.base.law import constant
+from libgz.ode.context import HeldEffort
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import clear_joint
 from libgz.ode.types import (
@@ -173,6 +174,7 @@ class Joint:
             return
         self._forget_bodies()
         self._table.remove(self.row)
+        self.engine.drop_held(self._id)
         ode().dJointDestroy(self._id)
         self._id = None
 
@@ -383,6 +385,12 @@ class Joint:
     def _put(self, parameter: int, value: float) -> None:
         number = joint_value(parameter, value)
         self._set_param(self.id, int(parameter), number)
+
+    def held_effort(self, effort: float, bodies: Iterable[Body] = ()) -> HeldEffort:
+        """An effort [N m or N] on a hinge or slider, for `Engine.holding`; it wakes bodies."""
+        waking = [body.id for body in bodies]
+        effort = finite(effort, "effort [N m or N]")
+        return HeldEffort(self.id, int(self.kind), effort, (ctypes.c_void_p * 2)(*waking))
 
     @property
     def setter(self) -> int:

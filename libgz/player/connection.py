@@ -21,7 +21,7 @@ log = logging.getLogger("libgz.player")
 CHUNK = 64 << 10  # [byte] that are read at a time
 MOST_UNSENT = 2 << 20  # [byte] of a client, above which it is sent no data and nothing of it is read
 MOST_UNSENT_IN_ALL = 64 << 20
-MOST_IN_TURN = 32  # frames of a client, before it is the turn of others
+MOST_IN_TURN = 8  # frames of a client, before it is the turn of others
 MOST_UNUSABLE = 1 << 20  # [byte] that a client may send without a frame among them
 
 Defer = Callable[["Connection", Frame, Device, Message, Values], None]

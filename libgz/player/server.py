@@ -22,6 +22,8 @@ from libgz.player.messages import Message
 from libgz.player.records import Values
 from libgz.player.simulator import Simulator
 from libgz.player.wire import ACK, NACK, Frame
+from libgz.transport.peers import PeerCheck
+from libgz.transport.tally import Tally
 
 __all__ = ["LOOPBACK", "PlayerServer"]
 
@@ -31,6 +33,7 @@ LOOPBACK = "127.0.0.1"
 PERIOD = 0.004  # [s] between two looks at the interfaces, while somebody subscribes to them
 IDLE = 0.25  # [s] while nobody does
 MOST_CONNECTIONS = 400
+KERNEL_BUFFER = 128 << 10  # [byte] that the system holds for a client
 BANNER = b"Player v.2.1.3 (libgz)".ljust(32, b"\0")  # clients read 32 bytes before they send the first
 
 _Slow = tuple[Connection, Frame, Device, Message, Values]
@@ -70,7 +73,8 @@ class PlayerServer(Closing):
         self._devices = [Device(declared, simulator) for declared in configuration.devices]
         by_address = {(d.declared.port, d.declared.driver.kind, d.declared.index): d for d in self._devices}
         self._directory = Directory(simulator, by_address, key)
-        self._version, self._totals = version, Totals()
+        self._version, self._totals, self._peers = version, Totals(), PeerCheck()
+        self._tally = Tally(100)
         self._selector = selectors.DefaultSelector()
         self._connections: OrderedDict[int, Connection] = OrderedDict()  # by descriptor, the oldest first
         self._listeners: dict[socket.socket, int] = {}
@@ -170,23 +174,34 @@ class PlayerServer(Closing):
         except BlockingIOError:
             return
         except OSError as error:  # no descriptors are left
-            log.warning("cannot accept a client: %s", error.strerror)
+            self._warn(f"cannot accept a client: {error.strerror}")
             self._make_room()
             self._accepts_from = time.monotonic() + IDLE
             return
         if len(self._connections) >= MOST_CONNECTIONS and not self._make_room():
-            log.warning("refused a client: there are %d already", MOST_CONNECTIONS)
+            self._warn(f"refused a client: there are {MOST_CONNECTIONS} already")
+            sock.close()
+            return
+        refused = self._peers.refusal(sock)
+        if refused:
+            self._warn(f"refused a client: {refused}")
             sock.close()
             return
         sock.setblocking(False)
         with contextlib.suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
         port = self._listeners[listener]
         connection = Connection(sock, port, self._directory, self._totals, self._version, self._defer)
         self._connections[sock.fileno()] = connection
         self._selector.register(sock, selectors.EVENT_READ)
         connection.send(BANNER)
         self._update(connection)
+
+    def _warn(self, message: str) -> None:
+        """Log what a client did, the first time, then at growing counts."""
+        if self._tally.due(message):
+            log.warning("%s%s", message, self._tally.times(message))
 
     def _make_room(self) -> bool:
         """Close the oldest connection that has said nothing usable; whether there was one."""

@@ -395,9 +395,9 @@ class SdfActor(SdfModel):
         self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom = state
         self._last = None if last is None else (last[0], GzVector(*last[1]))
 
-    def MasterDescribe(self, store: Any) -> dict[str, Any]:
+    def _entity_describe(self, store: Any) -> dict[str, Any]:
         """As of all models; its pose changes, though nothing pushes it."""
-        return {**super().MasterDescribe(store), "static": False}
+        return {**super()._entity_describe(store), "static": False}
 
 
 def _is_motion(element: Element) -> bool:

@@ -22,6 +22,7 @@ from libgz.base.geometry import (
     GzVectorSub,
     rotate,
 )
+from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
 from libgz.physics.couplings import Gears
@@ -368,12 +369,7 @@ class SdfJoint:
         Raises:
             ParameterError: there is no such axis, or the effort is not finite.
         """
-        effort = finite(effort, "effort [N m or N]")
-        self.release_deleted()
-        self._check_index(index)
-        axis = self._axis_of(index)
-        if axis.effort >= 0.0:
-            effort = max(-axis.effort, min(axis.effort, effort))
+        effort, axis = self._within_limit(effort, index)
         if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
             effort = 0.0
         if self._applied_at != self.engine.steps:
@@ -381,6 +377,29 @@ class SdfJoint:
             self._applied, self._applied_at = [0.0, 0.0], self.engine.steps
         self._applied[index] += effort
         self._apply(effort, index)
+
+    def _within_limit(self, effort: float, index: int) -> tuple[float, Axis]:
+        """(an effort within the limit of its axis, the axis)."""
+        effort = finite(effort, "effort [N m or N]")
+        self.release_deleted()
+        self._check_index(index)
+        axis = self._axis_of(index)
+        return (max(-axis.effort, min(axis.effort, effort)) if axis.effort >= 0.0 else effort), axis
+
+    def held_effort(self, effort: float, index: int = 0) -> HeldEffort | None:
+        """What `add_force` does, for `Engine.holding`; None where that depends on more than the effort."""
+        effort, axis = self._within_limit(effort, index)
+        mechanism = self._mechanism
+        if axis.velocity >= 0.0 or type(mechanism) not in (HingeMechanism, SliderMechanism) or mechanism.joint is None:
+            return None
+        waking = [body for body in (self.parent, self.child) if body is not None and body.auto_disable]
+        return mechanism.joint.held_effort(effort, waking)
+
+    def was_held(self, effort: float, steps: int) -> None:
+        """Note the effort of a number of steps that are over, as `add_force` notes it."""
+        last = self.engine.steps - 1
+        self._before, self._before_at = ([effort, 0.0], last - 1) if steps > 1 else (self._applied, self._applied_at)
+        self._applied, self._applied_at = [effort, 0.0], last
 
     def force(self, index: int = 0) -> float:
         """The effort of the last step in which one was applied [N m] or [N]."""

@@ -46,10 +46,10 @@ class SdfLight(Entity):
         """Whether bodies cast shadows in its light."""
         return self.light.cast_shadows
 
-    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+    def _entity_describe(self, store: Store) -> dict[str, Any]:
         """As of all entities, and whether it casts shadows."""
-        return {**super().MasterDescribe(store), "cast_shadows": self.cast_shadows}
+        return {**super()._entity_describe(store), "cast_shadows": self.cast_shadows}
 
-    def MasterPlace(self) -> str:
+    def _entity_place(self) -> str:
         """``file:line: <tag>: `` of its element, for messages."""
         return f"{self.sdf.where}: <{self.sdf.name}>: "

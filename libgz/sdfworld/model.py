@@ -420,7 +420,7 @@ class SdfModel(Entity):
         """Destroy a joint; false if there is none of this name."""
         return self.sdf_joints.remove(name)
 
-    def MasterPlan(self, plan: Plan) -> None:
+    def _entity_plan(self, plan: Plan) -> None:
         """A line for joints that act or follow others, grippers, and what a subclass does."""
         acting = any(joint.acts for joint in self.sdf_joints.values())
         if acting or self.mimics or self.grippers or overrides(self, SdfModel, "MasterUpdate"):
@@ -438,7 +438,7 @@ class SdfModel(Entity):
             for gripper in self.grippers.values():
                 gripper.update()
 
-    def MasterPlace(self) -> str:
+    def _entity_place(self) -> str:
         """``file:line: <tag>: `` of its element, for messages."""
         return f"{self.sdf.where}: <{self.sdf.name}>: "
 
@@ -496,7 +496,7 @@ class SdfModel(Entity):
             self.set_self_collide(body, name in (colliding or ()))
         self._coming = joints or NO_JOINTS, None
 
-    def MasterStatesSet(self) -> None:
+    def _entity_states_set(self) -> None:
         """Take the joints of a state: now all models have their links."""
         if self._coming is not None:
             (joints, motion), self._coming = self._coming, None
@@ -524,15 +524,15 @@ class SdfModel(Entity):
         for gripper, one in zip(self.grippers.values(), held, strict=False):
             gripper.load(one)
 
-    def MasterJoints(self) -> list[Joint]:
+    def _entity_joints(self) -> list[Joint]:
         """What ODE has of the joints of the file."""
         return ode_joints(self.sdf_joints.values())
 
-    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+    def _entity_describe(self, store: Store) -> dict[str, Any]:
         """As of all entities; joints by SDF's kinds, sensors, and the names of collisions and visuals."""
         links = ((self.links.get(link.Get(str, "name")), link) for link in self.sdf.named("link"))
         return {
-            **super().MasterDescribe(store),
+            **super()._entity_describe(store),
             "static": self.static,
             "joints": [describe_sdf_joint(joint) for joint in self.sdf_joints.values()],
             "sensors": [s for body, link in links if body is not None for s in describe_sensors(body, link)],

@@ -62,7 +62,7 @@ class WorldJoints(Entity):
             self.sdf_joints.load(decode(joints))
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
 
-    def MasterPlan(self, plan: Plan) -> None:
+    def _entity_plan(self, plan: Plan) -> None:
         """Updated in Python while a joint acts by itself."""
         if any(joint.acts for joint in self.sdf_joints.values()):
             plan.do(self.MasterUpdate)
@@ -74,14 +74,14 @@ class WorldJoints(Entity):
                 if joint.acts:
                     joint.update()
 
-    def MasterJoints(self) -> list[Joint]:
+    def _entity_joints(self) -> list[Joint]:
         """What ODE has of the joints of the file."""
         return ode_joints(self.sdf_joints.values())
 
-    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+    def _entity_describe(self, store: Store) -> dict[str, Any]:
         """As of all entities; joints by SDF's kinds."""
         joints = [describe_sdf_joint(joint) for joint in self.sdf_joints.values()]
-        return {**super().MasterDescribe(store), "joints": joints}
+        return {**super()._entity_describe(store), "joints": joints}
 
     def find_link(self, name: str) -> Body:
         """A link by `model::link`; a model's name alone is its first link.

@@ -57,8 +57,9 @@ class _Error:
 class Entity:
     """Base of what stands in a world: bodies in a space of their own, a name, a place, perhaps a parent.
 
-    A world calls `MasterStart`, then `MasterUpdate` in each step, and at the end `MasterFini` and `close`. Their
-    names are the old API's, or made like it, for models of users must be free to name their own methods as they like.
+    A world calls `_entity_start`, then `MasterUpdate` in each step, and at the end `_entity_fini` and `close`. Names
+    that only the library calls begin with `_entity_`, unless the old API had them (`MasterLoad`, `MasterUpdate`), for
+    models of users must be free to name their own methods as they like.
 
     Args:
         world: the World.
@@ -101,13 +102,13 @@ class Entity:
     def __repr__(self) -> str:
         return f"<{self._name} {self._id!r}{place_of(self)}>"
 
-    def MasterPlace(self) -> str:
+    def _entity_place(self) -> str:
         """``file:line: <tag>: `` of its element, for messages; empty for what was not loaded from a file."""
         return ""
 
     # Life ----------------------------------------------------------------------------------------------------------
 
-    def MasterStart(self) -> None:
+    def _entity_start(self) -> None:
         """Start; all entities of the file are loaded by now.
 
         Raises:
@@ -117,7 +118,7 @@ class Entity:
     def MasterUpdate(self, step: float) -> None:
         """Act. Called once per step with the step's length [s], and with 0 while the world is paused."""
 
-    def MasterPlan(self, plan: Plan) -> None:
+    def _entity_plan(self, plan: Plan) -> None:
         """Describe `MasterUpdate` line by line, for native code; an entity without lines is not updated.
 
         By default one line, which calls `MasterUpdate`, if a subclass has it. Plans are not used while the world is
@@ -129,8 +130,8 @@ class Entity:
     def Fini(self) -> int | None:
         """Release what Initialize made."""
 
-    def MasterFini(self, *, removed: bool = False) -> None:
-        """Call `Fini`. It may fail where `MasterStart` did not come to its end; else an error of it is logged as one.
+    def _entity_fini(self, *, removed: bool = False) -> None:
+        """Call `Fini`. It may fail where `_entity_start` did not come to its end; else an error of it is logged as one.
 
         Args:
             removed: it is taken out of a running world; otherwise the world ends.
@@ -147,7 +148,7 @@ class Entity:
             text = own_traceback(error, called=self.Fini)
             log.log(level, "Fini of model %r failed with\n%s", self.GetId(), text, extra=NOTED)
 
-    def MasterEnd(self) -> None:
+    def _entity_end(self) -> None:
         """The world is about to be closed as a whole: release what its engine does not."""
 
     def close(self) -> None:
@@ -185,10 +186,10 @@ class Entity:
     def _homes(self, packed: bytes) -> None:
         self.initPose, self.relPose = _unpacked(packed[: _HOME.size]), _unpacked(packed[_HOME.size :])
 
-    def MasterStatesSet(self) -> None:
+    def _entity_states_set(self) -> None:
         """All entities have taken what a state has of them; what reaches into others of them follows here."""
 
-    def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
+    def _entity_attach(self, parent: Entity | None, body: Body | None) -> None:
         """Attach it to the body of another entity that a state has as its parent, or to none.
 
         Raises:
@@ -264,13 +265,13 @@ class Entity:
             )
         return names[name]
 
-    def MasterJoints(self) -> list[Joint]:
+    def _entity_joints(self) -> list[Joint]:
         """The joints that observers find with it: those whose first body is its own."""
         found = {joint.row: joint for body in self.bodies for joint in tuple(body.joints)}
         own = set(self.bodies)
         return [j for _, j in sorted(found.items()) if next((b for b in j.bodies if b is not None), None) in own]
 
-    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+    def _entity_describe(self, store: Store) -> dict[str, Any]:
         """What observers are to know of it beside its bodies; see docs/observer.md.
 
         Args:
@@ -282,7 +283,7 @@ class Entity:
         return {
             "kind": "model" if self.is_model else self._name,
             "static": all(body.dummy for body in self.bodies),
-            "joints": [describe_joint(joint) for joint in self.MasterJoints()],
+            "joints": [describe_joint(joint) for joint in self._entity_joints()],
             "sensors": [sensor for body in self.bodies for sensor in describe_rays(body, store)],
             "shape_names": {},
         }

@@ -3,7 +3,7 @@
 - Observers see copies (`libgz/simulation/publication.py`, `libgz/transport/tables.py`). At the end of each step of a
   served world, paused ones included, one native call copies the tables to shared memory, with a sequence counter. Stale
   rows are read from ODE into the copy, never into the tables: reading would count turns of joints. `Table.changes` and
-  `Appearance.version` say when the scene has to be written again; each entity describes itself (`MasterDescribe`).
+  `Appearance.version` say when the scene has to be written again; each entity describes itself (`_entity_describe`).
 """
 
 from __future__ import annotations
@@ -282,13 +282,13 @@ class Publication:
 
     def _entity_key(self, entity: Entity) -> tuple[Any, ...]:
         versions = self.world.engine.tables.joints.versions
-        joints = [(joint.row, int(versions[joint.row])) for joint in entity.MasterJoints()]
+        joints = [(joint.row, int(versions[joint.row])) for joint in entity._entity_joints()]
         return entity.GetId(), entity.GetParentIntId(), entity.parentBody, joints
 
     def _chunk(self, key: Any, entity: Entity, interfaces: list[dict[str, str]]) -> tuple[Any, str, set[str]]:
         """What the scene says of an entity, and the data files that it names."""
         self._used = set()
-        own = entity.MasterDescribe(self._store)
+        own = entity._entity_describe(self._store)
         names = own.pop("shape_names", {})
         body, pose = None, None
         try:

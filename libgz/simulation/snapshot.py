@@ -13,7 +13,7 @@ A state is read when it is asked for: nothing notices what is assigned, nothing 
    meanwhile (`keep_released`).
 3. The world's attributes, random numbers and the count of insertions.
 4. Entities: of each the attributes of `STATE`, then `LoadState`. That may make and remove links. Then come the joints
-   of models (`MasterStatesSet`), for those hold links of other models.
+   of models (`_entity_states_set`), for those hold links of other models.
 5. Companions and extensions. Classic's companion (`classic/server.py`) has names first, by which others are found, then
    sensors, controllers, animations, what plugins changed of visuals, waiting messages, and plugins.
 6. The engine: it overwrites whatever the phases before did, and closes bodies, geoms and joints that came since.
@@ -290,7 +290,7 @@ class Snapshots:
         for entity, own in zip(entities, rows, strict=True):
             self._load_own_state(entity, own)
         for entity in entities:
-            entity.MasterStatesSet()
+            entity._entity_states_set()
 
     def _load_own_state(self, entity: Entity, own: Sequence[Any]) -> None:
         """Set the state of an entity; what fails is kept, and the other entities are set all the same."""
@@ -391,7 +391,7 @@ def _load_relatives(world: World, entity: Entity, row: _Listed) -> None:
     parent = world.entities[row.parent] if row.parent is not None else None
     body = parent.bodies[row.body] if parent is not None and row.body is not None else None
     if parent is not entity.parent or body is not entity.parentBody:
-        entity.MasterAttach(parent, body)
+        entity._entity_attach(parent, body)
     for name, text in (("failed", row.failed), ("plugin_error", row.plugin_error)):
         if _text_of(getattr(entity, name)) != text:
             setattr(entity, name, StoppedError(text) if text is not None else None)

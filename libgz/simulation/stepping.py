@@ -195,12 +195,18 @@ class Stepping:
         clock.sim_time += 0.0 if self.world.era.counts_at_start else engine.step_time
         for companion in self.world.companions:
             companion.update()
-        if self._contact and self.world.physics_enabled:
+        if self._contact:
             engine.collide()
             self._contact(self._update_info() if self._contact.gives else None)
-            engine.solve()
+            if self.world.physics_enabled:
+                engine.solve()
+            else:
+                engine.drop_contacts()
         elif self.world.physics_enabled:
             engine.advance()
+        elif engine.record_contacts:  # as in Gazebo, what is moved by hand touches, too
+            engine.collide()
+            engine.drop_contacts()
         self._follow()
         if self._end:
             self._end()
@@ -211,7 +217,7 @@ class Stepping:
             for entity in self.world.followers:
                 entity.follow()
         except ParameterError as error:
-            raise GazeboError(f"{entity.MasterPlace()}{error}") from error
+            raise GazeboError(f"{entity._entity_place()}{error}") from error
 
     def _update_entities(self, step: float) -> None:
         """Update all entities in order. One that raises is reported and stopped; the others are still updated."""

@@ -37,7 +37,7 @@ class Updated(Protocol):
     def GetId(self) -> str:
         """Its name."""
 
-    def MasterPlan(self, plan: Plan) -> None:
+    def _entity_plan(self, plan: Plan) -> None:
         """Add what it does in a step."""
 
     def MasterUpdate(self, step: float) -> None:
@@ -140,7 +140,7 @@ class UpdateRows:
     def _add_plan(self, entity: Updated) -> None:
         """The rows of an entity."""
         plan, first = Plan(), len(self._rows)
-        entity.MasterPlan(plan)
+        entity._entity_plan(plan)
         if not all(line.rate is None or _is_known(line.rate) for line in plan.lines):
             self.python(entity.MasterUpdate)
             return

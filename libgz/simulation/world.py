@@ -418,7 +418,7 @@ class World(Closing):
         """Destroy entities at once: their interfaces, then their bodies and joints. Absent ones are passed over."""
         leaving = [entity for entity in entities if entity in self.entities]
         for entity in leaving:
-            entity.MasterFini(removed=True)
+            entity._entity_fini(removed=True)
             for interface in self.interfaces_of(entity):  # that its Fini forgot
                 interface.destroy()
         for kept in (self.entities, self.models, self.followers):
@@ -520,7 +520,7 @@ class World(Closing):
         # An Init may insert models, which are initialized then, and delete some.
         for entity in list(entities) if self.running else ():
             if entity in self.entities:
-                entity.MasterStart()
+                entity._entity_start()
 
     @exclusive
     def Finalize(self) -> int:
@@ -534,7 +534,7 @@ class World(Closing):
         for companion in self.companions:
             companion.close()
         for entity in self.entities:
-            entity.MasterFini()
+            entity._entity_fini()
         self.sim.destroy()
         self.gz_server.stop()
         return 0
@@ -556,7 +556,7 @@ class World(Closing):
         self.gz_server.stop()
         self.events.close()
         for entity in reversed(self.entities):
-            entity.MasterEnd()
+            entity._entity_end()
         self.engine.close()
         self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes

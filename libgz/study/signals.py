@@ -129,6 +129,7 @@ class Command:
         low, high: bounds.
         whole: whether it is an integer.
         lasts: whether it holds until the next one; else it is for one step.
+        joint: on which it is an effort, if that can be held for several steps; see `SdfJoint.held_effort`.
     """
 
     label: str
@@ -137,6 +138,7 @@ class Command:
     high: float
     whole: bool = False
     lasts: bool = True
+    joint: SdfJoint | None = field(default=None, repr=False)
 
 
 def split_signal(text: str) -> tuple[str, str]:
@@ -511,7 +513,7 @@ def _bounded(command: Command, bounds: tuple[float, float] | None) -> Command:
             f"{command.label!r}: bounds {low:g} to {high:g} are beyond {command.low:g} to {command.high:g}, "
             "which is what the world obeys"
         )
-    return Command(command.label, command.write, low, high, command.whole, command.lasts)
+    return replace(command, low=low, high=high)
 
 
 def _interface_commands(
@@ -658,7 +660,8 @@ def _sdf_joint_command(joint: SdfJoint, name: str, index: int, label: str) -> Co
     axis = joint.axes[min(index, len(joint.axes) - 1)]
     if name == "effort":
         limit = axis.effort if axis.effort >= 0.0 else math.inf
-        return Command(label, lambda value: joint.add_force(value, index), -limit, limit, lasts=False)
+        held = joint if joint.dof == 1 else None
+        return Command(label, lambda value: joint.add_force(value, index), -limit, limit, lasts=False, joint=held)
     limit = axis.velocity if axis.velocity >= 0.0 else math.inf
     strength = axis.effort if 0.0 <= axis.effort < UNLIMITED else 1e6  # [N m or N]
 

@@ -209,7 +209,9 @@ def test_a_model_to_add_that_is_no_text(tmp_path):
     path = tmp_path / "model.sdf"
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ParameterError, match=r"cannot be read from .*model\.sdf"):
-        model._factory(None, argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name=""), None)
+        model._factory(
+            None, argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name="", arguments={}), None
+        )
 
 
 @pytest.mark.parametrize("text", ["<gz:world xmlns:gz='g'/>", "no XML", "<model name='m'/>"])
@@ -218,7 +220,7 @@ def test_a_model_to_add_that_is_no_sdf(tmp_path, text):
     path.write_text(text)
     for given in ({"spawn_string": None, "spawn_file": str(path)}, {"spawn_string": text, "spawn_file": None}):
         with pytest.raises(ParameterError, match=r"is no model: its root must be <sdf version="):
-            model._factory(None, argparse.Namespace(**given, model_name=""), None)
+            model._factory(None, argparse.Namespace(**given, model_name="", arguments={}), None)
 
 
 def test_stepping_a_world_that_does_not_run_raises():

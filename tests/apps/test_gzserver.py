@@ -73,7 +73,7 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
         (["--steps", "1"], 0, "stderr", ""),
         (["--step", "1", "nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
         (["--itres", "5", "--iters", "1"], 0, "stderr", "unrecognized arguments: --itres 5; did you mean '--iters'"),
-        (["--ros", "nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
+        (["--rso", "nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
         (["--iters", "1", "--gl", "glx"], 255, "stderr", "'glx' is not allowed; allowed are auto"),
         (["--seed", "many"], 255, "stderr", "Error. Invalid arguments"),
         (["nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),

@@ -68,18 +68,18 @@ def test_no_plugin_of_an_sdf_world_is_loaded_not_even_by_a_state(untrusted, capl
     with World() as world:
         world.LoadFile(untrusted / "new.world")
         world.Initialize()
-        assert len(list(world.companions[0].plugins())) == 2
+        assert len(list(world.companions[0].plugins.running())) == 2
         state = world.get_state()
     monkeypatch.setenv(UNTRUSTED, "1")
     with World() as world:
         world.LoadFile(untrusted / "new.world")
         world.Initialize()
-        assert not list(world.companions[0].plugins())
+        assert not list(world.companions[0].plugins.running())
         assert caplog.text.count("files are untrusted") == 2
         assert ":2: <plugin>" in caplog.text
         with contextlib.suppress(GazeboError):  # as the worlds differ
             world.set_state(state)
-        assert not list(world.companions[0].plugins())
+        assert not list(world.companions[0].plugins.running())
 
 
 def test_files_of_code_are_refused_wherever_they_are_loaded(untrusted):

@@ -146,7 +146,7 @@ def Load(self, world, sdf):
 def fail(self):
     raise ValueError("no")"""
     with plugin(body) as core:
-        seen = next(iter(core.companions)).world_plugins["p"].plugin_class.notes
+        seen = next(iter(core.companions)).plugins.of_world["p"].plugin_class.notes
         core.step(3)
         assert seen == []
     assert caplog.text.count("Exception occured in a callback of event WorldUpdateBegin") == 1
@@ -364,7 +364,7 @@ def test_an_edited_plugin_is_run_again(plugin, tmp_path):
         with plugin(f"number = {number}\ndef Load(self, world, sdf):\n    pass") as core:
             os.utime(tmp_path / "p.py", ns=(number, number))
             (server,) = core.companions
-            assert server.world_plugins["p"].plugin.number == number
+            assert server.plugins.of_world["p"].plugin.number == number
 
 
 def test_profiles_are_created_used_and_suggested(view):

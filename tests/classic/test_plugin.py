@@ -171,7 +171,7 @@ def test_a_plugin_that_raises_is_named_and_stopped_and_the_world_runs_on(stage, 
     assert caplog.text.count(words) == 1
     assert "ZeroDivisionError" in caplog.text
     server = world.companions[0]
-    assert server.world_plugins["good"].plugin.count == 5
+    assert server.plugins.of_world["good"].plugin.count == 5
     assert world.events["WorldUpdateBegin"].ConnectionCount() == 1
 
 
@@ -237,7 +237,7 @@ def test_plugins_receive_events_of_their_own_world_only(plugin, run):
     one, two = run(element("count")), run(element("count"))
     one.step(3)
     two.step(1)
-    assert [w.companions[0].world_plugins["count"].plugin.count for w in (one, two)] == [3, 1]
+    assert [w.companions[0].plugins.of_world["count"].plugin.count for w in (one, two)] == [3, 1]
 
 
 def test_world_plugins_are_loaded_and_removed_at_run_time(plugin, run):
@@ -256,7 +256,7 @@ def test_world_plugins_are_loaded_and_removed_at_run_time(plugin, run):
     world = run(BOX.format(name="box", pose="0 0 1 0 0 0", inside=""))
     view = physics.get_world()
     view.LoadPlugin("liblate.so", "late")
-    kind = type(world.companions[0].world_plugins["late"].plugin)
+    kind = type(world.companions[0].plugins.of_world["late"].plugin)
     world.step(2)
     view.RemovePlugin("late")
     world.step(2)

@@ -6,7 +6,8 @@ import pytest
 
 import libgz
 from libgz.base.errors import GazeboError, NotFoundError, PluginError
-from libgz.classic.server import attach, system_plugins
+from libgz.classic.server import attach
+from libgz.classic.world_plugins import system_plugins
 
 BEGIN = "from libgz.classic import *\nfrom libgz.classic.event import Events\n"
 WORLD_PLUGIN = """
@@ -46,7 +47,7 @@ def run(tmp_path, monkeypatch):
 
 
 def counter(world):
-    return attach(world).world_plugins["count"].plugin
+    return attach(world).plugins.of_world["count"].plugin
 
 
 @pytest.fixture
@@ -123,7 +124,7 @@ def test_a_plugin_that_has_failed_runs_again(run, tmp_path):
     assert world.reload_plugin("count") == ["World plugin count"]
     assert world.reload_plugin("late") == ["World plugin late"]
     world.step()
-    found = attach(world).world_plugins
+    found = attach(world).plugins.of_world
     assert (found["count"].plugin.steps, found["late"].plugin.steps) == (1, 2)
 
 
@@ -190,7 +191,7 @@ def test_model_plugins_of_one_file_are_replaced_with_their_topics(run, tmp_path)
     write(tmp_path, "push", begin + textwrap.dedent(MODEL_PLUGIN), topic="old")
     world = run(model.format("a") + model.format("b"))
     server = attach(world)
-    olds = [server.model_plugins(server.world.ModelByName(name))[0].plugin for name in "ab"]
+    olds = [server.plugins.of_model(server.world.ModelByName(name))[0].plugin for name in "ab"]
     write(tmp_path, "push", begin + textwrap.dedent(MODEL_PLUGIN), topic="new")
     assert world.reload_plugin("a::push") == ["Model plugin a::push"]
     assert world.reload_plugin("push") == ["Model plugin a::push", "Model plugin b::push"]
@@ -201,7 +202,7 @@ def test_model_plugins_of_one_file_are_replaced_with_their_topics(run, tmp_path)
     publisher = node.Advertise(msgs.Int, "~/go")
     publisher.Publish(msgs.Int(data=5))
     world.step()
-    news = [server.model_plugins(server.world.ModelByName(name))[0].plugin for name in "ab"]
+    news = [server.plugins.of_model(server.world.ModelByName(name))[0].plugin for name in "ab"]
     assert [one.got for one in news] == [5, 5]
     assert [one.got for one in olds] == [0, 0]
     del olds

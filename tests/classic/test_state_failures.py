@@ -97,7 +97,7 @@ def server(world):
 
 
 def plugin(world, model, number=0):
-    return server(world).model_plugins(world.facade.ModelByName(model))[number].plugin
+    return server(world).plugins.of_model(world.facade.ModelByName(model))[number].plugin
 
 
 ERRORS = [ValueError("odd"), SystemExit(5), KeyboardInterrupt(), GazeboError("odd"), Unforeseen("odd")]
@@ -123,7 +123,7 @@ def test_what_these_raise_is_an_error_and_changes_nothing(world, control, where,
 
 
 def remove_world_plugin(world):
-    server(world).remove_world_plugin("w1")
+    server(world).plugins.remove_from_world("w1")
 
 
 def remove_model(world):
@@ -194,13 +194,17 @@ def test_a_strict_world_ends_at_a_failing_reset(control):
         remove_world_plugin,
         remove_model,
         lambda world: world.DeleteModel("b"),
-        lambda world: server(world).model_plugins(world.facade.ModelByName("a"))[0].drop(),
-        lambda world: (server(world).remove_world_plugin("late"), remove_world_plugin(world), remove_model(world)),
+        lambda world: server(world).plugins.of_model(world.facade.ModelByName("a"))[0].drop(),
+        lambda world: (
+            server(world).plugins.remove_from_world("late"),
+            remove_world_plugin(world),
+            remove_model(world),
+        ),
         lambda world: world.Reset(),
     ],
 )
 def test_callbacks_are_called_in_the_same_order(world, control, change):
-    server(world).load_world_plugin("libodd_world.so", "late", None)
+    server(world).plugins.load_for_world("libodd_world.so", "late", None)
     order = order_of_calls(world, control)
     assert len(order) == 14
     state = world.get_state()
@@ -255,8 +259,8 @@ def test_calls_within_callbacks_are_errors(world, control, call):
         "Reset a1": world.Reset,
         "SaveState": world.get_state,
         "LoadState": lambda: world.set_state(state),
-        "Load new": lambda: server(world).load_world_plugin("libodd_world.so", "new", None),
-        "Init newer": lambda: server(world).load_world_plugin("libodd_world.so", "newer", None),
+        "Load new": lambda: server(world).plugins.load_for_world("libodd_world.so", "new", None),
+        "Init newer": lambda: server(world).plugins.load_for_world("libodd_world.so", "newer", None),
     }
     for where, act in actions.items():
         control.where, control.what = where, attack

@@ -435,7 +435,7 @@ def with_plugin(tmp_path, monkeypatch):
         worlds.append(World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{models}</world></sdf>"))
         run = Run(worlds[0])
         server = attach(worlds[0])
-        return run, lambda name: server.model_plugins(run.view.ModelByName(name))[0].plugin
+        return run, lambda name: server.plugins.of_model(run.view.ModelByName(name))[0].plugin
 
     yield make
     for world in worlds:
@@ -488,13 +488,13 @@ def test_what_a_plugin_does_that_a_state_loads_again_is_undone(tmp_path, monkeyp
         view.SetGravityMode(True)
         run.steps(20)
         state = world.get_state()
-        (loaded,) = server.model_plugins(view)
+        (loaded,) = server.plugins.of_model(view)
         loaded.drop()
         run.steps(20)
         run.view.RemoveModel("new")
         world.set_state(state)
         assert world.get_state() == state
-        (again,) = server.model_plugins(run.view.ModelByName("a"))
+        (again,) = server.plugins.of_model(run.view.ModelByName("a"))
         assert (again.plugin.count, world.model("a").GetId()) == (20, "a")
         assert len(world.models) == 3
 
@@ -595,7 +595,7 @@ def test_plugins_of_a_clone_find_its_topics_by_the_name_of_the_world():
         topics = TopicManager.Instance().topics
         for space in (world.topic_space, clone.topic_space):
             assert len(topics[f"/gazebo/{space}/pioneer2dx/vel_cmd"].live_subscribers()) == 1
-        plugin = next(attach(clone).plugins())
+        plugin = next(attach(clone).plugins.running())
         token = owner.set(plugin)
         try:
             node = Node()
@@ -849,11 +849,11 @@ def test_a_plugin_that_made_a_joint_and_ended_is_loaded_again(tmp_path, at_run_t
         run = Run(world)
         view = run.view.ModelByName("a")
         if at_run_time:
-            attach(world).load_model_plugin(view, str(path), "r", None)
+            attach(world).plugins.load_for_model(view, str(path), "r", None)
         run.steps(10)
         state = world.get_state()
         first = run.steps(20)
-        (loaded,) = attach(world).model_plugins(view)
+        (loaded,) = attach(world).plugins.of_model(view)
         loaded.plugin_class.ends = True
         run.steps(2)
         assert len(world.errors) == 1

@@ -22,7 +22,9 @@ import sys
 import time
 from pathlib import Path
 
-ENDLESS = re.compile(r"(\w+=\S+ )*(gazebo|gzserver) (?!.*(--steps|--iters| -h\b|--help|--version))")
+ENDLESS = re.compile(
+    r"(\w+=\S+ )*(gazebo|gzserver|libgz player(?! wrong)) (?!.*(--steps|--iters| -h\b|--help|--version))"
+)
 INSTALLS = re.compile(r"(python3 -m venv|\. \S+/bin/activate|pip install|sudo )")
 WITHOUT_CHECK = re.compile(r"<!-- not run: .*-->")
 FILE = re.compile(r"[Ss]ave\s(?:\w+\s)*?as\s`([\w./-]+)`|`([\w./-]+\.\w+)`(?:, in the same directory)?:$")

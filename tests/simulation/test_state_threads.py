@@ -109,7 +109,7 @@ def test_clones_in_threads_do_what_each_does_alone(make, run, pushes):
 
 def test_a_plugin_of_a_clone_may_wait_for_a_thread_that_uses_the_original(pushes):
     with classic() as world:
-        plugin = world.facade.server.model_plugins(world.facade.ModelByName("box"))[0].plugin
+        plugin = world.facade.server.plugins.of_model(world.facade.ModelByName("box"))[0].plugin
         module, begun = sys.modules[type(plugin).__module__], threading.Event()
 
         class Barrier:
@@ -133,7 +133,7 @@ def test_a_plugin_of_a_clone_may_wait_for_a_thread_that_uses_the_original(pushes
 def test_worlds_that_load_at_once_do_not_wait_for_each_other(pushes):
     with classic() as world:
         module = sys.modules[
-            type(world.facade.server.model_plugins(world.facade.ModelByName("box"))[0].plugin).__module__
+            type(world.facade.server.plugins.of_model(world.facade.ModelByName("box"))[0].plugin).__module__
         ]
         state = world.get_state()
         module.barrier = threading.Barrier(2)  # both hold their locks when they look for a world

@@ -268,7 +268,7 @@ def test_a_plugin_and_its_attribute_are_named(tmp_path, monkeypatch):
     plugin = "<plugin name='p' filename='libodd.so'/>"
     text = f"<sdf version='1.6'><world name='default'><model name='m'><link name='l'/>{plugin}</model></world></sdf>"
     with libgz.World.from_string(text) as world:
-        plugin = world.facade.server.model_plugins(world.facade.ModelByName("m"))[0].plugin
+        plugin = world.facade.server.plugins.of_model(world.facade.ModelByName("m"))[0].plugin
         plugin.thing = Own(3)
         state = world.get_state()
         plugin.thing = Goal()

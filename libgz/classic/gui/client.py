@@ -132,7 +132,7 @@ class Client(Closing):
             PluginError: an edited file fails; what ran before runs on.
         """
         own = [plugin for plugin in self.plugins if plugin.called(name, "")]
-        others = self.world.server
+        others = self.world.server.plugins
         if not own and not others.has_plugin(name):
             names = [*(plugin.name for plugin in self.plugins), *others.plugin_names()]
             raise NotFoundError(f"the client has no plugin {name!r}; it has {', '.join(names) or 'none'}")

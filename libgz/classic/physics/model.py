@@ -165,7 +165,7 @@ class Model(Entity):
         for joint in self.GetJoints():
             joint.Reset()
         self._world.server.activity.reset_model(self)
-        self._world.server.reset_plugins(self)
+        self._world.server.plugins.reset_of(self)
 
     def GetWorldEnergyPotential(self) -> float:
         """Potential energy of its own links and of the springs of its own joints [J]."""
@@ -472,4 +472,4 @@ class Model(Entity):
 
     def AttachPlugin(self, filename: str, name: str, sdf: Element | None = None) -> bool:
         """Load a plugin for it now; returns whether it runs."""
-        return self._world.server.load_model_plugin(self, filename, name, sdf)
+        return self._world.server.plugins.load_for_model(self, filename, name, sdf)

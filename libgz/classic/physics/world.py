@@ -451,7 +451,7 @@ class World(Base):
 
     def LoadPlugin(self, filename: str, name: str, sdf: Element | None = None) -> None:
         """Load a World plugin now."""
-        self.server.load_world_plugin(filename, name, sdf)
+        self.server.plugins.load_for_world(filename, name, sdf)
 
     def RemovePlugin(self, name: str) -> None:
         """Remove a World plugin; its connections and subscriptions end.
@@ -459,7 +459,7 @@ class World(Base):
         Raises:
             NotFoundError: there is none of this name.
         """
-        self.server.remove_world_plugin(name)
+        self.server.plugins.remove_from_world(name)
 
     # Physics -----------------------------------------------------------------------------------------------------
 

@@ -17,7 +17,43 @@ if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.physics.world import World
 
-__all__ = ["WorldServices"]
+__all__ = ["PluginServices", "WorldServices"]
+
+
+class PluginServices(Protocol):
+    """The plugins of a world, as its views use them: `libgz.classic.world_plugins.WorldPlugins`."""
+
+    def new(self, kind: str, filename: str, name: str, holder: str, sdf: Element | None) -> LoadedPlugin | None:
+        """A plugin of this world, constructed; None if that fails, which is logged."""
+
+    def load_for_world(self, filename: str, name: str, sdf: Element | None) -> bool:
+        """Load a World plugin; returns whether it runs."""
+
+    def load_for_model(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
+        """Load a Model plugin; returns whether it runs."""
+
+    def remove_from_world(self, name: str) -> None:
+        """Remove a World plugin.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+
+    def plugin_names(self) -> list[str]:
+        """What the plugins of this world are called."""
+
+    def has_plugin(self, name: str) -> bool:
+        """Whether a plugin, or a plugin's file, is called this."""
+
+    def reload_plugin(self, name: str) -> list[str]:
+        """Load the edited files of plugins again; what was replaced.
+
+        Raises:
+            PluginError: one of them fails.
+        """
+
+    def reset_of(self, model: Model) -> None:
+        """Reset the Model plugins of a model."""
 
 
 class WorldServices(Protocol):
@@ -45,6 +81,10 @@ class WorldServices(Protocol):
     scene: Any
     stopped: bool
 
+    @property
+    def plugins(self) -> PluginServices:
+        """The plugins of the world."""
+
     def described(self, entity: object) -> Any:
         """The message that describes a model, link, joint, collision or light; None for anything else."""
 
@@ -59,38 +99,6 @@ class WorldServices(Protocol):
 
     def serve_visuals(self) -> Any:
         """The Visual plugins, created on first use."""
-
-    def new_plugin(self, kind: str, filename: str, name: str, holder: str, sdf: Element | None) -> LoadedPlugin | None:
-        """A plugin of this world, constructed; None if that fails, which is logged."""
-
-    def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:
-        """Load a World plugin; returns whether it runs."""
-
-    def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
-        """Load a Model plugin; returns whether it runs."""
-
-    def remove_world_plugin(self, name: str) -> None:
-        """Remove a World plugin.
-
-        Raises:
-            NotFoundError: there is none of this name.
-        """
-
-    def plugin_names(self) -> list[str]:
-        """What the plugins of this world are called."""
-
-    def has_plugin(self, name: str) -> bool:
-        """Whether a plugin, or a plugin's file, is called this."""
-
-    def reload_plugin(self, name: str) -> list[str]:
-        """Load the edited files of plugins again; what was replaced.
-
-        Raises:
-            PluginError: one of them fails.
-        """
-
-    def reset_plugins(self, model: Model) -> None:
-        """Reset the Model plugins of a model."""
 
     def finish_added(self) -> None:
         """Create sensors and plugins of models that were inserted."""

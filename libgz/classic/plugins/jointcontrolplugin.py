@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from libgz.base.errors import ParameterError, nearest
-from libgz.classic.common import PID
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.classic.common import PID, gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.classic.plugins._names import named_joint
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import Joint, Model
+    from libgz.classic.physics import Joint, JointController, Model
     from libgz.sdf.element import Element
 
 KINDS = ("force", "position", "velocity")
@@ -22,8 +22,8 @@ class JointControlPlugin(ModelPlugin):
     """Gives joints to the model's joint controller, with a target each.
 
     Elements:
-        controller: one a joint, with an attribute `type`: force, position or velocity (force).
-            joint: its name.
+        controller: several, with an attribute `type`: force, position or velocity (force).
+            joint: a regular expression that matches the whole names of joints, or a name; several.
             target: the effort [N m] or [N], position [rad] or [m], or velocity [rad/s] or [m/s] (0).
             pid: the gains P I D; of Gazebo's own if it is missing. Also pid_gains.
     """
@@ -45,28 +45,56 @@ class JointControlPlugin(ModelPlugin):
                     f"{element.where}: <controller> has type {kind!r}; allowed are {', '.join(KINDS)}"
                     + nearest(kind, KINDS)
                 )
-            joint, target = named_joint(model, element, "joint"), element.Get(float, "target")
-            if kind == "force":
-                self.efforts.append((joint, target))
-                continue
-            name = joint.GetScopedName()
-            tag = next((tag for tag in ("pid", "pid_gains") if element.HasElement(tag)), None)
-            pid = PID(*element.Get(Vector3d, tag)) if tag is not None else None
-            if kind == "position":
-                if pid is not None:
-                    controller.SetPositionPID(name, pid)
-                controller.SetPositionTarget(name, target)
-            else:
-                if pid is not None:
-                    controller.SetVelocityPID(name, pid)
-                controller.SetVelocityTarget(name, target)
+            for joint in _matching(model, element):
+                self._control(controller, joint, kind, element)
         if self.efforts:
             self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def _control(self, controller: JointController, joint: Joint, kind: str, element: Element) -> None:
+        """Set the target of a joint."""
+        name, target = joint.GetScopedName(), element.Get(float, "target")
+        if kind == "force":
+            self.efforts.append((joint, target))
+            return
+        tag = next((tag for tag in ("pid", "pid_gains") if element.HasElement(tag)), None)
+        pid = PID(*element.Get(Vector3d, tag)) if tag is not None else None
+        if kind == "position":
+            if pid is not None:
+                controller.SetPositionPID(name, pid)
+            controller.SetPositionTarget(name, target)
+        else:
+            if pid is not None:
+                controller.SetVelocityPID(name, pid)
+            controller.SetVelocityTarget(name, target)
 
     def OnUpdate(self) -> None:
         """Apply the efforts, which last one iteration."""
         for joint, target in self.efforts:
             joint.SetForce(0, target)
+
+
+def _matching(model: Model, element: Element) -> list[Joint]:
+    """The joints that the `<joint>` of a controller match, each once; one that matches none is a warning.
+
+    Raises:
+        NotFoundError: there is no `<joint>`.
+    """
+    patterns = list(element.named("joint"))
+    if not patterns:
+        raise NotFoundError(f"{element.where}: <joint> is missing and must name a joint")
+    joints = {joint.GetScopedName().removeprefix(f"{model.GetScopedName()}::"): joint for joint in model.all_joints()}
+    found: dict[str, Joint] = {}
+    for pattern in patterns:
+        text = pattern.Get(str).strip()
+        try:
+            matches = [name for name in joints if name == text or re.fullmatch(text, name)]
+        except (re.error, OverflowError, RecursionError):
+            matches = [name for name in joints if name == text]
+        if not matches:
+            known = ", ".join(joints) or "none"
+            gzwarn(f"{pattern.where}: <joint> {text!r} matches no joint; there are {known}{nearest(text, joints)}")
+        found.update((name, joints[name]) for name in matches)
+    return list(found.values())
 
 
 GZ_REGISTER_MODEL_PLUGIN(JointControlPlugin)

@@ -13,13 +13,7 @@ __all__ = ["bytes_per_pixel", "check_format", "pack"]
 
 Pixels = NDArray[np.uint8]  # shape (height, width, 3), red, green, blue
 
-LUMA = np.array((0.299, 0.587, 0.114))  # ITU-R BT.601
 RED, GREEN, BLUE = 0, 1, 2
-
-
-def _gray(pixels: Pixels) -> NDArray[np.float64]:
-    gray: NDArray[np.float64] = pixels @ LUMA
-    return gray
 
 
 def _bayer(order: str) -> Callable[[Pixels], NDArray[np.uint8]]:
@@ -40,11 +34,11 @@ def _rgb(pixels: Pixels) -> Pixels:
 
 
 def _gray8(pixels: Pixels) -> NDArray[np.uint8]:
-    return np.rint(_gray(pixels)).astype(np.uint8)
+    return pixels[:, :, 0]  # not the brightness: OGRE, Gazebo's renderer, keeps red
 
 
 def _gray16(pixels: Pixels) -> NDArray[np.uint16]:
-    return np.rint(_gray(pixels) * 257.0).astype(np.uint16)  # 255 becomes 65535
+    return pixels[:, :, 0].astype(np.uint16) * np.uint16(257)  # 255 becomes 65535
 
 
 def _color16(pixels: Pixels) -> NDArray[np.uint16]:

@@ -277,7 +277,7 @@ class Visual:
 
     def begin_plugin(self, filename: str, name: str, sdf: Element) -> None:
         """Construct a plugin and Load it."""
-        plugin = self._scene.world.server.new_plugin("Visual", filename, name, f"Visual[{self._name}]", sdf)
+        plugin = self._scene.world.server.plugins.new("Visual", filename, name, f"Visual[{self._name}]", sdf)
         if plugin is not None and plugin.load(self, sdf):
             self.plugins.append(plugin)
 

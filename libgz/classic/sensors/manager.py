@@ -126,7 +126,7 @@ class WorldSensors:
     def load_plugin(self, sensor: Sensor, element: Element) -> bool:
         """Load a plugin of a sensor; whether it runs."""
         filename, name = element.Get(str, "filename"), element.Get(str, "name")
-        plugin = self.world.server.new_plugin("Sensor", filename, name, f"Sensor[{sensor.Name()}]", element)
+        plugin = self.world.server.plugins.new("Sensor", filename, name, f"Sensor[{sensor.Name()}]", element)
         if plugin is None or not plugin.start(sensor, element):
             return False
         self._plugins.setdefault(sensor, []).append(plugin)

@@ -140,6 +140,14 @@ class RaySensor(LinkSensor):
         """All readings of the last scan [m], row after row."""
         return self._ranges.tolist()  # type: ignore[no-any-return]
 
+    def ranges(self) -> NDArray[np.float64]:
+        """All readings of the last scan [m], row after row, as an array that is not to be changed."""
+        return self._ranges
+
+    def intensities(self) -> NDArray[np.float64]:
+        """How much of the laser came back, for each reading, as an array that is not to be changed."""
+        return self._retros
+
     def Range(self, index: int) -> float:
         """One reading of the last scan [m]; 0 before there was one."""
         return self._reading(self._ranges, index, "range")

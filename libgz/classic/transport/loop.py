@@ -18,8 +18,8 @@ from typing import Any
 from libgz.base.errors import ParameterError
 from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
-from libgz.classic.transport.peers import PeerCheck
 from libgz.classic.transport.topic import log
+from libgz.transport.peers import PeerCheck
 
 __all__ = ["Connection", "SocketLoop"]
 

@@ -76,6 +76,13 @@ def test_settings_are_those_of_the_engine(world):
     world.Step(10)
     assert world.ModelByName("a").WorldPose().Pos().Z() == 1.0
     assert (world.PhysicsEnabled(), world.SimTime()) == (False, Time(0, 10000000))
+    contacts = world.Physics().GetContactManager()
+    contacts.SetNeverDropContacts(True)
+    world.ModelByName("a").SetWorldPose(world.ModelByName("b").WorldPose())
+    world.Step(1)
+    assert contacts.GetContactCount() == 1
+    world.Step(1)
+    assert contacts.GetContactCount() == 1
     world.SetMagneticField((1, 2, 3))
     assert world.MagneticField() == Vector3d(1, 2, 3)
     with pytest.raises(ParameterError, match="magnetic field"):

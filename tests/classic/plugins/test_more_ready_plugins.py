@@ -62,6 +62,21 @@ def test_joint_control_applies_a_force_in_each_iteration(run):
     assert world.ModelByName("m").GetJoint("j").GetVelocity(0) == pytest.approx(3.0 / 2.0 * 1.0, rel=1e-3)
 
 
+def test_joint_control_takes_several_regular_expressions(run, caplog):
+    joints = "<joint>arm_[0-9]</joint><joint>leg</joint><joint>arm</joint><joint>lge</joint><joint>(</joint>"
+    inside = f"<controller type='force'>{joints}<target>2</target></controller>"
+    element = f"<plugin name='c' filename='libJointControlPlugin.so'>{inside}</plugin>"
+    parts = "".join(slider(name, "1 0 0") for name in ("arm_1", "arm_2", "leg", "arm_12", "tail"))
+    core, world = run(f"<model name='m'>{parts}{element}</model>")
+    core.run(0.5)
+    moving = {joint.GetName(): joint.GetVelocity(0) > 0.1 for joint in world.ModelByName("m").GetJoints()}
+    assert moving == {"arm_1": True, "arm_2": True, "leg": True, "arm_12": False, "tail": False}
+    assert (
+        "<joint> 'lge' matches no joint; there are arm_1, arm_2, leg, arm_12, tail; did you mean 'leg'?" in caplog.text
+    )
+    assert "<joint> '(' matches no joint" in caplog.text
+
+
 # Ground
 
 

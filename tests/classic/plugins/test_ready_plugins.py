@@ -129,11 +129,11 @@ def test_position_is_served_by_a_plugin_that_took_the_place_of_another(run, capl
     core.run(0.1)
     state = core.get_state()
     for name in ("other", "libgz_position"):  # as in the state of a world that was changed so
-        (loaded,) = attach(core).model_plugins(world.ModelByName("pioneer2dx"))
+        (loaded,) = attach(core).plugins.of_model(world.ModelByName("pioneer2dx"))
         loaded.name = name
         core.set_state(state)
         assert core.get_state() == state
-    (loaded,) = attach(core).model_plugins(world.ModelByName("pioneer2dx"))
+    (loaded,) = attach(core).plugins.of_model(world.ModelByName("pioneer2dx"))
     loaded.drop()
     assert "robot1" not in {name for _, name in core.gz_server.interfaces}
     core.set_state(state)
@@ -463,7 +463,7 @@ def test_a_battery_is_used_up_by_its_consumers(run):
         voltages.append(battery.Voltage())
         core.Reset()
     assert voltages[0] == pytest.approx(voltages[1], abs=1e-9)
-    world.server.model_plugins(world.ModelByName("robot"))[-1].drop()
+    world.server.plugins.of_model(world.ModelByName("robot"))[-1].drop()
     gc.collect()
     core.run(1.0)
     assert battery.PowerLoads() == {}

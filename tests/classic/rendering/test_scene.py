@@ -54,7 +54,7 @@ def test_frames_come_to_callbacks_and_files(world_of, tmp_path):
     [
         ("R8G8B8", 3, [255, 0, 0]),
         ("B8G8R8", 3, [0, 0, 255]),
-        ("L8", 1, [76]),
+        ("L8", 1, [255]),
         ("RGB_INT16", 6, [255, 255, 0, 0, 0, 0]),
         ("BAYER_RGGB8", 1, [255]),
         ("BAYER_BGGR8", 1, [0]),

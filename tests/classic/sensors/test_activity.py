@@ -180,7 +180,7 @@ GZ_REGISTER_MODEL_PLUGIN(P)
     content = model("m", imu(), more="<plugin name='p' filename='libfinds.so'/>")
     with world_of(content), world_of(content):
         for view in physics.worlds():
-            (loaded,) = view.server.model_plugins(view.ModelByName("m"))
+            (loaded,) = view.server.plugins.of_model(view.ModelByName("m"))
             (own,) = view.server.sensors.sensors.values()
             assert loaded.plugin.found == [own, own]
         assert "multiple sensors" not in caplog.text

@@ -16,8 +16,9 @@ from gzserver_process import SERVER, new_environment
 from master_uri import free_master_uri
 
 import libgz
-from libgz.classic.transport import Node, peers, serve
-from libgz.classic.transport.peers import TABLES, PeerCheck
+from libgz.classic.transport import Node, serve
+from libgz.transport import peers
+from libgz.transport.peers import TABLES, PeerCheck
 
 OTHER = 65534  # nobody
 PATIENCE = 20.0  # [s]: a machine under load

@@ -276,7 +276,7 @@ GZ_REGISTER_WORLD_PLUGIN(P)
     sdf = "<sdf version='1.6'><world name='{}'><plugin name='p' filename='libnamed.so'/></world></sdf>"
     with libgz.World.from_string(sdf.format("one")) as one, libgz.World.from_string(sdf.format("two")) as two:
         servers = [companion for world in (one, two) for companion in world.companions]
-        nodes = [server.world_plugins["p"].plugin.node for server in servers]
+        nodes = [server.plugins.of_world["p"].plugin.node for server in servers]
         assert [node.GetTopicNamespace() for node in nodes] == ["one", "two"]
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import ipaddress
+import logging
 import os
 import socket
 import struct
 from pathlib import Path
 
-from libgz.classic.transport.topic import log
-
 __all__ = ["PeerCheck"]
+
+log = logging.getLogger("libgz.transport")
 
 TABLES = (Path("/proc/net/tcp"), Path("/proc/net/tcp6"))
 ATTEMPTS = 3  # the kernel may leave a row out while others come and go

@@ -1,0 +1,520 @@
+"""WorldApi: the services of /gazebo, with the answers of the original."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from libgz.base.errors import GazeboError, NotFoundError
+from libgz.classic.common import Color
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.physics.base import Base, Entity
+from libgz.classic.physics.link import Link
+from libgz.ros.packages import with_paths
+from libgz.ros.plugin import set_pose, set_twist
+from libgz.ros.session import Later, Session, finite, set_stamp
+from libgz.ros.spawning import prepare_model, root_tag
+from libgz.ros.types import Message, service_type
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Joint, World
+
+__all__ = ["SERVICES", "WorldApi"]
+
+log = logging.getLogger("libgz.ros")
+
+INERTIAL = ("", "world", "map", "/map")  # names of the world's frame
+SPAWN_PATIENCE, DELETE_PATIENCE = 10.0, 60.0  # [s]
+MOST_JOBS = 1000
+
+# Services of /gazebo -> their types.
+SERVICES = {
+    "apply_body_wrench": "gazebo_msgs/ApplyBodyWrench",
+    "apply_joint_effort": "gazebo_msgs/ApplyJointEffort",
+    "clear_body_wrenches": "gazebo_msgs/BodyRequest",
+    "clear_joint_forces": "gazebo_msgs/JointRequest",
+    "delete_light": "gazebo_msgs/DeleteLight",
+    "delete_model": "gazebo_msgs/DeleteModel",
+    "get_joint_properties": "gazebo_msgs/GetJointProperties",
+    "get_light_properties": "gazebo_msgs/GetLightProperties",
+    "get_link_properties": "gazebo_msgs/GetLinkProperties",
+    "get_link_state": "gazebo_msgs/GetLinkState",
+    "get_model_properties": "gazebo_msgs/GetModelProperties",
+    "get_model_state": "gazebo_msgs/GetModelState",
+    "get_physics_properties": "gazebo_msgs/GetPhysicsProperties",
+    "get_world_properties": "gazebo_msgs/GetWorldProperties",
+    "pause_physics": "std_srvs/Empty",
+    "reset_simulation": "std_srvs/Empty",
+    "reset_world": "std_srvs/Empty",
+    "set_joint_properties": "gazebo_msgs/SetJointProperties",
+    "set_light_properties": "gazebo_msgs/SetLightProperties",
+    "set_link_properties": "gazebo_msgs/SetLinkProperties",
+    "set_link_state": "gazebo_msgs/SetLinkState",
+    "set_model_configuration": "gazebo_msgs/SetModelConfiguration",
+    "set_model_state": "gazebo_msgs/SetModelState",
+    "set_physics_properties": "gazebo_msgs/SetPhysicsProperties",
+    "spawn_sdf_model": "gazebo_msgs/SpawnModel",
+    "spawn_urdf_model": "gazebo_msgs/SpawnModel",
+    "unpause_physics": "std_srvs/Empty",
+}
+
+
+class _Refused(Exception):
+    """A request that cannot be granted; its text is the status message."""
+
+
+class _Job:
+    """A wrench or effort that is applied for a time.
+
+    Args:
+        name: of its link or joint.
+        apply: applies it once.
+        begin, duration: when [s]; a negative duration lasts until it is cleared.
+    """
+
+    def __init__(self, name: str, apply: Callable[[], object], begin: float, duration: float) -> None:
+        self.name, self.apply, self.begin = name, apply, begin
+        self.end = math.inf if duration < 0.0 else begin + duration
+
+
+class WorldApi:
+    """Serves the services of /gazebo, and its topics set_model_state and set_link_state.
+
+    Attributes:
+        jobs: the wrenches and efforts that are applied.
+    """
+
+    def __init__(self, session: Session, world: World) -> None:
+        self._session, self._world = session, world
+        self.jobs: list[_Job] = []
+        self._asked: dict[str, int] = {}  # how often the state of each model was asked for
+        self._services = [session.serve(f"~{name}", kind, self._handler(name, kind)) for name, kind in SERVICES.items()]
+        self._topics = [
+            session.subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10),
+            session.subscribe("~set_link_state", "gazebo_msgs/LinkState", self._on_link_state, 10),
+        ]
+
+    def _handler(self, name: str, kind: str) -> Callable[[Any], Message | Later]:
+        """What answers a service: its method fills the response; a refusal is a response, too."""
+        method, response = getattr(self, f"_{name}"), service_type(kind).response
+
+        def handle(request: Any) -> Message | Later:
+            answer = response()
+            if not finite(request):
+                return _refuse(answer, f"{name}: the request has a number that is not finite")
+            try:
+                later = method(request, answer)
+            except _Refused as refusal:
+                return _refuse(answer, str(refusal))
+            except GazeboError as error:
+                return _refuse(answer, f"{name}: {error}")
+            return later if isinstance(later, Later) else answer
+
+        return handle
+
+    # Models ------------------------------------------------------------------------------------------------------
+
+    def _spawn_urdf_model(self, request: Any, answer: Any) -> Later:
+        if root_tag(request.model_xml) != "robot":
+            raise _Refused("SpawnModel: Failure - entity format is invalid.")
+        try:
+            request.model_xml = with_paths(request.model_xml)
+        except NotFoundError as error:
+            raise _Refused(f"urdf reference package name does not exist: {error}") from None
+        return self._spawn_sdf_model(request, answer)
+
+    def _spawn_sdf_model(self, request: Any, answer: Any) -> Later:
+        world, name = self._world, request.model_name
+        if root_tag(request.model_xml) not in ("robot", "sdf", "gazebo", "model", "light"):
+            raise _Refused(
+                "GazeboRosApiPlugin SpawnModel Failure: input model_xml not SDF or URDF, or cannot be converted to"
+                " Gazebo compatible format."
+            )
+        missing = "SpawnModel: reference reference_frame not found, did you forget to scope the link by model name?"
+        frame = self._frame(request.reference_frame, missing)
+        pose = _pose(request.initial_pose)
+        if frame is not None:
+            pose = pose + frame.WorldPose()
+        if world.BaseByName(name) is not None:
+            raise _Refused("SpawnModel: Failure - entity already exists.")
+        document = prepare_model(request.model_xml, name, pose, request.robot_namespace)
+        errors = len(world.core.problems.errors)
+        world.InsertModelSDF(document)
+
+        def poll() -> Message | None:
+            if world.BaseByName(name) is not None:
+                answer.success, answer.status_message = True, "SpawnModel: Successfully spawned entity"
+                return answer  # type: ignore[no-any-return]
+            if len(world.core.problems.errors) > errors:
+                return _refuse(answer, f"SpawnModel: {world.core.problems.errors[-1]}")
+            return None
+
+        overdue = "SpawnModel: Entity pushed to spawn queue, but spawn service timed out waiting for entity to appear"
+        late = service_type("gazebo_msgs/SpawnModel").response(
+            status_message=f"{overdue} in simulation under the name {name}"
+        )
+        return Later(poll, SPAWN_PATIENCE, late)
+
+    def _delete_model(self, request: Any, answer: Any) -> Later:
+        world, name = self._world, request.model_name
+        model = world.ModelByName(name)
+        if model is None:
+            raise _Refused("DeleteModel: model does not exist")
+        for link in model.GetLinks():
+            self._clear(link.GetScopedName())
+        for joint in model.GetJoints():
+            self._clear(joint.GetName())
+        world.RemoveModel(model)
+
+        def poll() -> Message | None:
+            if world.ModelByName(name) is not None:
+                return None
+            answer.success, answer.status_message = True, "DeleteModel: successfully deleted model"
+            return answer  # type: ignore[no-any-return]
+
+        overdue = "DeleteModel: Model pushed to delete queue, but delete service timed out waiting for model to"
+        late = service_type("gazebo_msgs/DeleteModel").response(status_message=f"{overdue} disappear from simulation")
+        return Later(poll, DELETE_PATIENCE, late)
+
+    def _get_model_state(self, request: Any, answer: Any) -> None:
+        world, name, relative = self._world, request.model_name, request.relative_entity_name
+        model = world.ModelByName(name)
+        if model is None:
+            raise _Refused("GetModelState: model does not exist")
+        self._asked[name] = answer.header.seq = self._asked.get(name, 0) + 1
+        set_stamp(answer.header.stamp, world.core.GetSimTime())
+        answer.header.frame_id = relative
+        missing = (
+            "GetModelState: reference relative_entity_name not found, did you forget to scope the body by model name?"
+        )
+        _fill_state(answer, model, self._frame(relative, missing))
+        answer.success, answer.status_message = True, "GetModelState: got properties"
+
+    def _get_model_properties(self, request: Any, answer: Any) -> None:
+        model = self._world.ModelByName(request.model_name)
+        if model is None:
+            raise _Refused("GetModelProperties: model does not exist")
+        parent = model.GetParentModel()
+        answer.parent_model_name = parent.GetName() if parent is not None and parent is not model else ""
+        answer.body_names = [link.GetName() for link in model.GetLinks()]
+        answer.geom_names = [one.GetName() for link in model.GetLinks() for one in link.GetCollisions()]
+        answer.joint_names = [joint.GetName() for joint in model.GetJoints()]
+        answer.child_model_names = [one.GetName() for one in model.NestedModels()]
+        answer.is_static = model.IsStatic()
+        answer.success, answer.status_message = True, "GetModelProperties: got properties"
+
+    def _set_model_state(self, request: Any, answer: Any) -> None:
+        state = request.model_state
+        model = self._world.ModelByName(state.model_name)
+        if model is None:
+            raise _Refused("SetModelState: model does not exist")
+        frame = self._frame(state.reference_frame, "SetModelState: specified reference frame entity does not exist")
+        pose, linear, angular = _pose(state.pose), _vector(state.twist.linear), _vector(state.twist.angular)
+        if frame is not None:
+            place = frame.WorldPose()
+            pose = pose + place
+            linear, angular = place.Rot().RotateVector(linear), place.Rot().RotateVector(angular)
+        model.SetWorldPose(pose)
+        model.SetLinearVel(linear)
+        model.SetAngularVel(angular)
+        answer.success, answer.status_message = True, "SetModelState: set model state done"
+
+    def _set_model_configuration(self, request: Any, answer: Any) -> None:
+        model = self._world.ModelByName(request.model_name)
+        if model is None:
+            raise _Refused("SetModelConfiguration: model does not exist")
+        if len(request.joint_names) != len(request.joint_positions):
+            raise _Refused("SetModelConfiguration: joint name and position list have different lengths")
+        known = [model.GetJoint(name) is not None for name in request.joint_names]
+        positions = map(float, request.joint_positions)
+        model.SetJointPositions(
+            {name: at for name, at, good in zip(request.joint_names, positions, known, strict=True) if good}
+        )
+        answer.success, answer.status_message = True, "SetModelConfiguration: success"
+
+    def _on_model_state(self, state: Any) -> None:
+        self._set_by_topic("set_model_state", state)
+
+    def _on_link_state(self, state: Any) -> None:
+        self._set_by_topic("set_link_state", state)
+
+    def _set_by_topic(self, name: str, state: Any) -> None:
+        kind = service_type(SERVICES[name])
+        request = kind.request(**{name.removeprefix("set_"): state})
+        answer: Any = self._handler(name, SERVICES[name])(request)
+        if not answer.success:
+            log.error("topic %s: %s", name, answer.status_message)
+
+    # Links -------------------------------------------------------------------------------------------------------
+
+    def _link(self, name: str, missing: str) -> Link:
+        found = self._world.EntityByName(name) if name else None
+        if not isinstance(found, Link):
+            raise _Refused(missing)
+        return found
+
+    def _get_link_properties(self, request: Any, answer: Any) -> None:
+        link = self._link(
+            request.link_name, "GetLinkProperties: link not found, did you forget to scope the link by model name?"
+        )
+        inertial = link.GetInertial()
+        answer.gravity_mode, answer.mass = link.GetGravityMode(), inertial.GetMass()
+        for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
+            setattr(answer, name, getattr(inertial, name.upper())())
+        answer.com.position.x, answer.com.position.y, answer.com.position.z = inertial.CoG()
+        answer.com.orientation.w = 1.0
+        answer.success, answer.status_message = True, "GetLinkProperties: got properties"
+
+    def _set_link_properties(self, request: Any, answer: Any) -> None:
+        link = self._link(
+            request.link_name, "SetLinkProperties: link not found, did you forget to scope the link by model name?"
+        )
+        inertial = link.GetInertial()
+        inertial.SetCoG(_vector(request.com.position))
+        inertial.SetInertiaMatrix(request.ixx, request.iyy, request.izz, request.ixy, request.ixz, request.iyz)
+        inertial.SetMass(request.mass)
+        link.SetInertial(inertial)
+        link.SetGravityMode(bool(request.gravity_mode))
+        answer.success, answer.status_message = True, "SetLinkProperties: properties set"
+
+    def _get_link_state(self, request: Any, answer: Any) -> None:
+        missing = "GetLinkState: link not found, did you forget to scope the link by model name?"
+        link = self._link(request.link_name, missing)
+        missing = "GetLinkState: reference reference_frame not found, did you forget to scope the link by model name?"
+        _fill_state(answer.link_state, link, self._frame(request.reference_frame, missing))
+        answer.link_state.link_name, answer.link_state.reference_frame = request.link_name, request.reference_frame
+        answer.success, answer.status_message = True, "GetLinkState: got state"
+
+    def _set_link_state(self, request: Any, answer: Any) -> None:
+        state = request.link_state
+        link = self._link(state.link_name, "SetLinkState: link does not exist")
+        frame = self._frame(state.reference_frame, "SetLinkState: failed")
+        pose, linear, angular = _pose(state.pose), _vector(state.twist.linear), _vector(state.twist.angular)
+        if frame is not None:
+            pose = pose + frame.WorldPose()
+            linear, angular = linear - frame.WorldLinearVel(), angular - frame.WorldAngularVel()
+        link.SetWorldPose(pose)
+        link.SetLinearVel(linear)
+        link.SetAngularVel(angular)
+        answer.success, answer.status_message = True, "SetLinkState: success"
+
+    def _apply_body_wrench(self, request: Any, answer: Any) -> None:
+        link = self._link(request.body_name, "ApplyBodyWrench: body does not exist")
+        force, torque = _vector(request.wrench.force), _vector(request.wrench.torque)
+        torque = torque + _vector(request.reference_point).Cross(force)
+        frame = self._frame(request.reference_frame, "ApplyBodyWrench: reference_frame not found")
+        if frame is not None:
+            way = frame.WorldPose() - link.WorldPose()
+            force, torque = way.Rot().RotateVector(force), way.Rot().RotateVector(torque)
+            torque = torque + way.Pos().Cross(force)
+
+        def apply() -> None:
+            link.SetForce(force)
+            link.SetTorque(torque)
+
+        self._add_job(link.GetScopedName(), apply, request)
+        answer.success = True
+
+    def _clear_body_wrenches(self, request: Any, _answer: Any) -> None:
+        self._clear(request.body_name)
+
+    # Joints ------------------------------------------------------------------------------------------------------
+
+    def _joint(self, name: str, missing: str) -> Joint:
+        for model in self._world.Models():
+            joint: Joint | None = model.GetJoint(name)
+            if joint is not None:
+                return joint
+        raise _Refused(missing)
+
+    def _get_joint_properties(self, request: Any, answer: Any) -> None:
+        joint = self._joint(request.joint_name, "GetJointProperties: joint not found")
+        answer.type = answer.REVOLUTE
+        if joint.DOF():
+            answer.position, answer.rate = [joint.Position(0)], [joint.GetVelocity(0)]
+        answer.success, answer.status_message = True, "GetJointProperties: got properties"
+
+    def _set_joint_properties(self, request: Any, answer: Any) -> None:
+        joint = self._joint(request.joint_name, "SetJointProperties: joint not found")
+        config, axes = request.ode_joint_config, range(joint.DOF())
+        for index, value in zip(axes, config.damping, strict=False):
+            joint.SetDamping(index, float(value))
+        keys = {"hiStop": "hi_stop", "loStop": "lo_stop"}
+        for field in ("hiStop", "loStop", "erp", "cfm", "stop_erp", "stop_cfm", "fudge_factor", "fmax", "vel"):
+            for index, value in zip(axes, getattr(config, field), strict=False):
+                joint.SetParam(keys.get(field, field), index, float(value))
+        answer.success, answer.status_message = True, "SetJointProperties: properties set"
+
+    def _apply_joint_effort(self, request: Any, answer: Any) -> None:
+        joint = self._joint(request.joint_name, "ApplyJointEffort: joint not found")
+        effort = request.effort
+        self._add_job(joint.GetName(), lambda: joint.SetForce(0, effort), request)
+        answer.success, answer.status_message = True, "ApplyJointEffort: effort set"
+
+    def _clear_joint_forces(self, request: Any, _answer: Any) -> None:
+        self._clear(request.joint_name)
+
+    def _add_job(self, name: str, apply: Callable[[], object], request: Any) -> None:
+        if len(self.jobs) >= MOST_JOBS:
+            raise _Refused(f"there are {MOST_JOBS} wrenches and efforts already; clear some")
+        begin = max(request.start_time.seconds, self._world.core.GetSimTime())
+        self.jobs.append(_Job(name, apply, begin, request.duration.seconds))
+
+    def _clear(self, name: str) -> None:
+        self.jobs = [job for job in self.jobs if job.name != name]
+
+    def apply(self, now: float) -> None:
+        """Apply the wrenches and efforts of sim time `now` [s], and forget those that are over."""
+        self.jobs = [job for job in self.jobs if now <= job.end]
+        for job in list(self.jobs):
+            if job.begin > now:
+                continue
+            try:
+                job.apply()
+            except GazeboError as error:  # its link or joint is gone
+                log.warning("the effort on %s ends: %s", job.name, error)
+                self.jobs.remove(job)
+
+    # World -------------------------------------------------------------------------------------------------------
+
+    def _get_world_properties(self, _request: Any, answer: Any) -> None:
+        answer.sim_time = self._world.core.GetSimTime()
+        answer.model_names = [model.GetName() for model in self._world.Models()]
+        answer.rendering_enabled = answer.success = True
+        answer.status_message = "GetWorldProperties: got properties"
+
+    def _get_physics_properties(self, _request: Any, answer: Any) -> None:
+        engine, config = self._world.Physics(), answer.ode_config
+        answer.time_step, answer.pause = engine.GetMaxStepSize(), self._world.IsPaused()
+        answer.max_update_rate = engine.GetRealTimeUpdateRate()
+        answer.gravity.x, answer.gravity.y, answer.gravity.z = self._world.Gravity()
+        config.auto_disable_bodies = engine.GetAutoDisableFlag()
+        for field, key in _PHYSICS.items():
+            value = engine.GetParam(key)
+            setattr(config, field, int(value) if field in _WHOLE else float(value))
+        answer.success, answer.status_message = True, "GetPhysicsProperties: got properties"
+
+    def _set_physics_properties(self, request: Any, answer: Any) -> None:
+        engine, config = self._world.Physics(), request.ode_config
+        self._world.SetGravity(_vector(request.gravity))
+        engine.SetMaxStepSize(request.time_step)
+        engine.SetRealTimeUpdateRate(request.max_update_rate)
+        engine.SetAutoDisableFlag(bool(config.auto_disable_bodies))
+        for field, key in _PHYSICS.items():
+            value = getattr(config, field)
+            engine.SetParam(key, int(value) if field in _WHOLE else value)
+        answer.success, answer.status_message = True, "physics engine updated"
+
+    def _pause_physics(self, _request: Any, _answer: Any) -> None:
+        self._world.SetPaused(True)
+
+    def _unpause_physics(self, _request: Any, _answer: Any) -> None:
+        self._world.SetPaused(False)
+
+    def _reset_simulation(self, _request: Any, _answer: Any) -> None:
+        self._world.Reset()
+
+    def _reset_world(self, _request: Any, _answer: Any) -> None:
+        self._world.ResetEntities(Base.MODEL)
+
+    # Lights ------------------------------------------------------------------------------------------------------
+
+    def _light(self, name: str, missing: str) -> Any:
+        light = self._world.LightByName(name)
+        if light is None:
+            raise _Refused(missing)
+        return light
+
+    def _delete_light(self, request: Any, answer: Any) -> Later:
+        world, name = self._world, request.light_name
+        self._light(name, f"DeleteLight: Requested light {name} not found!")
+        world.RemoveModel(name)
+
+        def poll() -> Message | None:
+            if world.LightByName(name) is not None:
+                return None
+            answer.success, answer.status_message = True, f"DeleteLight: {name} successfully deleted"
+            return answer  # type: ignore[no-any-return]
+
+        late = service_type("gazebo_msgs/DeleteLight").response(
+            status_message=f'DeleteLight: Timeout reached while removing light "{name}"'
+        )
+        return Later(poll, SPAWN_PATIENCE, late)
+
+    def _get_light_properties(self, request: Any, answer: Any) -> None:
+        light = self._light(request.light_name, f"getLightProperties: Requested light {request.light_name} not found!")
+        colour, fades = light.DiffuseColor(), light.Attenuation()
+        answer.diffuse.r, answer.diffuse.g, answer.diffuse.b, answer.diffuse.a = colour
+        answer.attenuation_constant, answer.attenuation_linear, answer.attenuation_quadratic = fades[:3]
+        answer.success = True
+
+    def _set_light_properties(self, request: Any, answer: Any) -> None:
+        light = self._light(request.light_name, f"setLightProperties: Requested light {request.light_name} not found!")
+        light.SetCastShadows(bool(request.cast_shadows))
+        for part, give in ((request.diffuse, light.SetDiffuseColor), (request.specular, light.SetSpecularColor)):
+            give(Color(part.r, part.g, part.b, part.a))
+        light.SetAttenuation(request.attenuation_constant, request.attenuation_linear, request.attenuation_quadratic)
+        direction = _vector(request.direction)
+        if direction.Length() > 0.0:
+            light.SetDirection(direction)
+        light.SetWorldPose(_pose(request.pose))
+        answer.success = True
+
+    # Frames ------------------------------------------------------------------------------------------------------
+
+    def _frame(self, name: str, missing: str) -> Entity | None:
+        """The entity of a name; None for the world's frame."""
+        found = self._world.EntityByName(name) if name else None
+        if isinstance(found, Entity):
+            return found
+        if name not in INERTIAL:
+            raise _Refused(missing)
+        return None
+
+
+# Fields of gazebo_msgs/ODEPhysics -> parameters of the engine.
+_PHYSICS = {
+    "sor_pgs_precon_iters": "precon_iters",
+    "sor_pgs_iters": "iters",
+    "sor_pgs_w": "sor",
+    "contact_surface_layer": "contact_surface_layer",
+    "contact_max_correcting_vel": "contact_max_correcting_vel",
+    "cfm": "cfm",
+    "erp": "erp",
+    "max_contacts": "max_contacts",
+}
+_WHOLE = ("sor_pgs_precon_iters", "sor_pgs_iters", "max_contacts")
+
+
+def _refuse(answer: Any, text: str) -> Message:
+    log.error("%s", text)
+    if hasattr(answer, "success"):
+        answer.success, answer.status_message = False, text
+    return answer  # type: ignore[no-any-return]
+
+
+def _vector(value: Any) -> Vector3d:
+    return Vector3d(value.x, value.y, value.z)
+
+
+def _pose(value: Any) -> Pose3d:
+    """A pose; a quaternion of zeros is no rotation."""
+    turn = value.orientation
+    numbers = turn.w, turn.x, turn.y, turn.z
+    rotation = Quaterniond(*numbers) if any(numbers) else Quaterniond(1.0, 0.0, 0.0, 0.0)
+    rotation.Normalize()
+    return Pose3d(_vector(value.position), rotation)
+
+
+def _fill_state(target: Any, entity: Any, frame: Any) -> None:
+    """Set pose and twist of an entity, relative to another one if that is given."""
+    pose, linear, angular = entity.WorldPose(), entity.WorldLinearVel(), entity.WorldAngularVel()
+    if frame is not None:
+        place = frame.WorldPose()
+        pose = pose - place
+        linear = place.Rot().RotateVectorReverse(linear - frame.WorldLinearVel())
+        angular = place.Rot().RotateVectorReverse(angular - frame.WorldAngularVel())
+    set_pose(target.pose, pose)
+    set_twist(target.twist, linear, angular)

@@ -1,0 +1,246 @@
+"""Installation of what robots' launch files name: the packages gazebo_ros and gazebo_msgs for a ROS 1."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+from libgz._version import __version__
+from libgz.base.errors import LibraryError, NotFoundError
+from libgz.base.files import write_whole
+from libgz.ros.types import message_type, service_type, type_names
+
+__all__ = ["default_prefix", "install", "uninstall"]
+
+MANIFEST = "libgz-ros.manifest"
+
+PACKAGE = """\
+<?xml version="1.0"?>
+<package format="2">
+  <name>{name}</name>
+  <version>{version}</version>
+  <description>{about}</description>
+  <maintainer email="nobody@localhost">libgz</maintainer>
+  <license>Apache 2.0</license>
+</package>
+"""
+
+EMPTY_WORLD = """\
+<?xml version="1.0"?>
+<!-- A world, with the arguments of gazebo_ros's file of this name. -->
+<launch>
+  <arg name="world_name" default="worlds/empty.world"/>
+  <arg name="paused" default="false"/>
+  <arg name="use_sim_time" default="true"/>
+  <arg name="gui" default="true"/>
+  <arg name="headless" default="false"/>
+  <arg name="recording" default="false"/>
+  <arg name="debug" default="false"/>
+  <arg name="physics" default="ode"/>
+  <arg name="verbose" default="false"/>
+  <arg name="output" default="screen"/>
+  <arg name="extra_gazebo_args" default=""/>
+  <arg name="respawn_gazebo" default="false"/>
+  <arg name="use_clock_frequency" default="false"/>
+  <arg name="pub_clock_frequency" default="100"/>
+  <arg name="enable_ros_network" default="true"/>
+  <arg name="server_required" default="false"/>
+  <arg name="gui_required" default="false"/>
+
+  <arg name="pause_word" value="$(eval '-u' if paused else '')"/>
+  <arg name="record_word" value="$(eval '-r' if recording else '')"/>
+  <arg name="verbose_word" value="$(eval '--verbose' if verbose else '')"/>
+  <arg name="server" value="$(eval 'debug' if debug else 'gzserver')"/>
+
+  <param name="/use_sim_time" value="$(arg use_sim_time)"/>
+  <param name="gazebo/pub_clock_frequency" value="$(arg pub_clock_frequency)" if="$(arg use_clock_frequency)"/>
+  <param name="gazebo/enable_ros_network" value="$(arg enable_ros_network)"/>
+
+  <node name="gazebo" pkg="gazebo_ros" type="$(arg server)" output="$(arg output)" respawn="$(arg respawn_gazebo)"
+    required="$(arg server_required)"
+    args="$(arg pause_word) $(arg record_word) $(arg verbose_word) -e $(arg physics) $(arg extra_gazebo_args) \
+$(arg world_name)"/>
+  <node name="gazebo_gui" pkg="gazebo_ros" type="gzclient" output="$(arg output)" respawn="false" if="$(arg gui)"
+    required="$(arg gui_required)" args="$(arg verbose_word)"/>
+</launch>
+"""
+
+OTHER_WORLD = """\
+<?xml version="1.0"?>
+<launch>
+  <include file="$(find gazebo_ros)/launch/empty_world.launch" pass_all_args="true">
+    <arg name="world_name" value="worlds/{name}.world"/>
+  </include>
+</launch>
+"""
+WORLDS = ("mud", "rubble", "shapes", "willowgarage")
+
+SCRIPT = """\
+#!/bin/sh
+# of libgz; the paths of ROS's own Python are not those of this one
+unset PYTHONPATH
+exec {python} -P -m libgz.apps.{module} {words}"$@"
+"""
+SCRIPTS = {
+    "gzserver": ("gzserver", "--ros1 "),
+    "debug": ("gzserver", "--ros1 --verbose "),
+    "gazebo": ("gzserver", "--ros1 --view "),
+    "gzclient": ("gzclient", ""),
+    "spawn_model": ("spawn_model", ""),
+}
+
+# gazebo_msgs in Python, made by the user's own genpy from the texts of the types when it is imported.
+MODULE = '''\
+"""Messages and services of Gazebo, made by genpy from their definitions."""
+
+import genpy.dynamic
+
+MESSAGES = {messages!r}
+SERVICES = {services!r}
+
+
+def message(name, text):
+    """The class of a message."""
+    return genpy.dynamic.generate_dynamic(name, text)[name]
+
+
+def service(name, md5, request, response):
+    """The class of a service."""
+    values = {{"_type": name, "_md5sum": md5}}
+    values["_request_class"] = message(name + "Request", request)
+    values["_response_class"] = message(name + "Response", response)
+    return type(name.partition("/")[2], (object,), values)
+'''
+MESSAGE_MODULE = '''\
+"""Messages of Gazebo."""
+
+from gazebo_msgs import MESSAGES, message
+
+for _name, _text in MESSAGES.items():
+    globals()[_name.partition("/")[2]] = message(_name, _text)
+'''
+SERVICE_MODULE = '''\
+"""Services of Gazebo."""
+
+from gazebo_msgs import SERVICES, service
+
+for _name, _values in SERVICES.items():
+    _class = globals()[_name.partition("/")[2]] = service(_name, *_values)
+    globals()[_class.__name__ + "Request"] = _class._request_class
+    globals()[_class.__name__ + "Response"] = _class._response_class
+'''
+
+SETUP = """\
+# Read by a shell: . {prefix}/setup.sh
+export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}
+export PYTHONPATH={prefix}/python${{PYTHONPATH:+:$PYTHONPATH}}
+"""
+
+
+def default_prefix() -> Path:
+    """Where the packages are installed, unless another folder is given."""
+    return Path.home() / ".local" / "share" / "libgz" / "ros"
+
+
+def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
+    """Paths below the prefix -> (text, whether it is a program)."""
+    share, found = "share/gazebo_ros", {}
+    about = {
+        "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
+        "gazebo_msgs": "Messages and services of Gazebo.",
+        "gazebo_plugins": "Plugins of Gazebo, which libgz has.",
+    }
+    for name, text in about.items():
+        found[f"share/{name}/package.xml"] = PACKAGE.format(name=name, version=_release(), about=text), False
+    found[f"{share}/launch/empty_world.launch"] = EMPTY_WORLD, False
+    for name in WORLDS:
+        found[f"{share}/launch/{name}_world.launch"] = OTHER_WORLD.format(name=name), False
+    python = shlex.quote(sys.executable)
+    for name, (module, words) in SCRIPTS.items():
+        found[f"{share}/scripts/{name}"] = SCRIPT.format(python=python, module=module, words=words), True
+    found |= _messages()
+    place = shlex.quote(str(prefix))
+    found["setup.sh"] = SETUP.format(prefix=place), False
+    found["setup.bash"] = f". {place}/setup.sh\n", False
+    return found
+
+
+def _release() -> str:
+    """A version as package.xml needs it: three numbers."""
+    numbers = [part for part in __version__.replace("+", ".").split(".") if part.isdigit()]
+    return ".".join([*numbers, "0", "0", "0"][:3])
+
+
+def _messages() -> dict[str, tuple[str, bool]]:
+    """The files of gazebo_msgs: definitions, and its Python package."""
+    messages, services, found = {}, {}, {}
+    for name in type_names():
+        package, _, base = name.partition("/")
+        if package != "gazebo_msgs":
+            continue
+        try:
+            kind = message_type(name)
+        except NotFoundError:
+            service = service_type(name)
+            services[name] = service.md5, service.request.text, service.response.text
+            text = f"{service.request.own_text}---\n{service.response.own_text}"
+            found[f"share/gazebo_msgs/srv/{base}.srv"] = text, False
+        else:
+            messages[name] = kind.text
+            found[f"share/gazebo_msgs/msg/{base}.msg"] = kind.own_text, False
+    own = MODULE.format(messages=messages, services=services)
+    for path, text in {"": own, "msg/": MESSAGE_MODULE, "srv/": SERVICE_MODULE}.items():
+        found[f"python/gazebo_msgs/{path}__init__.py"] = text, False
+    return found
+
+
+def install(prefix: Path) -> list[Path]:
+    """Write the packages below a folder, which is made; the paths of their files.
+
+    Raises:
+        LibraryError: the folder cannot be written.
+    """
+    prefix = prefix.expanduser().absolute()
+    contents = _contents(prefix)
+    try:
+        for path, (text, program) in contents.items():
+            target = prefix / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(target, text.encode())
+            if program:
+                target.chmod(0o755)
+        write_whole(prefix / MANIFEST, "".join(f"{path}\n" for path in contents).encode())
+    except OSError as error:
+        raise LibraryError(f"the packages for ROS cannot be installed in {prefix}: {error.strerror}") from None
+    return [prefix / path for path in contents]
+
+
+def uninstall(prefix: Path) -> int:
+    """Remove what `install` wrote, by its manifest, and the folders that are empty then; how many files.
+
+    Raises:
+        NotFoundError: there is no manifest.
+        LibraryError: a file cannot be removed.
+    """
+    prefix = prefix.expanduser().absolute()
+    try:
+        listed = (prefix / MANIFEST).read_text().splitlines()
+    except OSError:
+        raise NotFoundError(f"{prefix} has no {MANIFEST}: libgz installed nothing there") from None
+    known = set(_contents(prefix)) & set(listed)  # a changed manifest removes nothing else
+    try:
+        for path in known:
+            (prefix / path).unlink(missing_ok=True)
+        (prefix / MANIFEST).unlink()
+        folders = {folder for path in known for folder in (prefix / path).parents if folder.is_relative_to(prefix)}
+        caches = {folder / "__pycache__" for folder in folders}
+        for folder in sorted(caches, reverse=True):
+            for compiled in folder.glob("__init__.*.pyc"):
+                compiled.unlink()
+        for folder in sorted({*folders, *caches}, reverse=True):
+            if folder.is_dir() and not any(folder.iterdir()):
+                folder.rmdir()
+    except OSError as error:
+        raise LibraryError(f"the packages for ROS cannot be removed from {prefix}: {error.strerror}") from None
+    return len(known)

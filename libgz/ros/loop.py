@@ -1,0 +1,290 @@
+"""Loop: the one thread that reads from and writes to the sockets of ROS, so that no step waits for a peer."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["Connection", "Listener", "Loop"]
+
+log = logging.getLogger("libgz.ros")
+
+READ_SIZE = 1 << 18
+SEND_AT_ONCE = 1 << 18  # bytes that are joined for one call
+MOST_CONNECTIONS = 1024
+GREETING_TIME = 5.0  # [s] in which a peer must say what it wants
+
+
+class Loop:
+    """Waits for sockets in its thread. `call` and `wake` may be used from any thread, all else from that one."""
+
+    def __init__(self, name: str) -> None:
+        self._selector = selectors.DefaultSelector()
+        self._inside, self._outside = socket.socketpair()
+        for end in (self._inside, self._outside):
+            end.setblocking(False)
+        self._selector.register(self._inside, selectors.EVENT_READ, None)
+        self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
+        self._woken = self._ended = False
+        self.connections: dict[Connection, None] = {}
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def call(self, function: Callable[..., object], *values: Any) -> None:
+        """Have a function called in the loop's thread, soon."""
+        self._calls.append((function, values))
+        self.wake()
+
+    def wake(self) -> None:
+        """Let the thread look at once at what waits for it."""
+        if not self._woken:
+            self._woken = True
+            with contextlib.suppress(OSError):
+                self._outside.send(b"x")
+
+    def close(self) -> None:
+        """End the thread, and close all connections."""
+        self._ended = True
+        self._woken = False
+        self.wake()
+        self._thread.join(2.0)
+
+    def watch(self, one: Connection | Listener, events: int) -> None:
+        """Wait for events of a socket: reading, writing, both."""
+        try:
+            self._selector.modify(one.socket, events, one)
+        except KeyError:
+            self._selector.register(one.socket, events, one)
+
+    def add(self, connection: Connection) -> None:
+        """Serve a connection; one too many is closed."""
+        if len(self.connections) >= MOST_CONNECTIONS:
+            log.warning("ROS: there are %d connections; that of %s is refused", MOST_CONNECTIONS, connection.peer)
+            connection.socket.close()
+            return
+        self.connections[connection] = None
+        self.watch(connection, selectors.EVENT_READ)
+
+    def remove(self, one: Connection | Listener) -> None:
+        """Serve a socket no longer."""
+        with contextlib.suppress(KeyError, ValueError):
+            self._selector.unregister(one.socket)
+        if isinstance(one, Connection):
+            self.connections.pop(one, None)
+
+    def _run(self) -> None:
+        while not self._ended:
+            for key, events in self._selector.select(1.0):
+                if key.data is None:
+                    with contextlib.suppress(OSError):
+                        self._inside.recv(4096)
+                else:
+                    self._serve(key.data, events)
+            self._woken = False
+            while self._calls:
+                function, values = self._calls.popleft()
+                try:
+                    function(*values)
+                except Exception:
+                    log.exception("ROS: a call failed")
+            self._expire()
+        for connection in list(self.connections):
+            connection.close()
+        self._selector.close()
+        self._inside.close()
+        self._outside.close()
+
+    def _serve(self, one: Connection | Listener, events: int) -> None:
+        try:
+            if events & selectors.EVENT_READ:
+                one.readable()
+            if events & selectors.EVENT_WRITE and isinstance(one, Connection):
+                one.flush()
+        except (OSError, ValueError) as error:
+            if isinstance(one, Connection):
+                one.close(str(error))
+        except Exception:
+            log.exception("ROS: a connection failed")
+            if isinstance(one, Connection):
+                one.close("an error")
+
+    def _expire(self) -> None:
+        """Close the connections of peers that did not greet in time."""
+        now = time.monotonic()
+        for connection in [one for one in self.connections if one.deadline is not None and now > one.deadline]:
+            connection.close("it said nothing")
+
+
+class Listener:
+    """A socket that accepts connections.
+
+    Args:
+        loop: serves it.
+        address: where it listens.
+        accepted: makes the connection of a new socket.
+    """
+
+    def __init__(self, loop: Loop, address: str, accepted: Callable[[socket.socket, str], Connection]) -> None:
+        family = socket.AF_INET6 if ":" in address else socket.AF_INET
+        self.socket = socket.create_server((address, 0), family=family, backlog=128)
+        self.socket.setblocking(False)
+        self.port: int = self.socket.getsockname()[1]
+        self._loop, self._accepted = loop, accepted
+
+    def start(self) -> None:
+        """Begin to accept."""
+        self._loop.call(self._loop.watch, self, selectors.EVENT_READ)
+
+    def readable(self) -> None:
+        """Accept a connection."""
+        try:
+            accepted, address = self.socket.accept()
+        except OSError:
+            return
+        self._loop.add(self._accepted(accepted, f"{address[0]}:{address[1]}"))
+
+    def close(self) -> None:
+        """Accept no more."""
+        self._loop.call(self._end)
+
+    def _end(self) -> None:
+        self._loop.remove(self)
+        self.socket.close()
+
+
+class Connection:
+    """A socket that carries frames: their length as 32 bits, little endian, then their bytes.
+
+    Attributes:
+        peer: the other end, for messages.
+        deadline: when it is closed unless it has greeted [s]; None once it has.
+        longest: most bytes of a frame that is accepted now.
+    """
+
+    longest = 1 << 16
+
+    def __init__(self, loop: Loop, sock: socket.socket, peer: str) -> None:
+        sock.setblocking(False)
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.loop, self.socket, self.peer = loop, sock, peer
+        self.deadline: float | None = time.monotonic() + GREETING_TIME
+        self.closed = False
+        self._received = bytearray()
+        self.queue: deque[bytes] = deque()
+        self._rest: memoryview | None = None
+        self._writing = False
+        self._closing = False
+
+    # Reading -----------------------------------------------------------------------------------------------------
+
+    def readable(self) -> None:
+        """Read what came, and pass on whole frames."""
+        try:
+            data = self.socket.recv(READ_SIZE)
+        except BlockingIOError:
+            return
+        if not data:
+            self.close()
+            return
+        received = self._received
+        received += data
+        while not self.closed:
+            size = self.frame_size(received)
+            if size is None:
+                break
+            if size > self.longest:
+                self.close(f"it announced {size} bytes; at most {self.longest} are accepted")
+                return
+            if len(received) < self.prefix + size:
+                break
+            body = bytes(received[self.prefix : self.prefix + size])
+            del received[: self.prefix + size]
+            self.frame(body)
+
+    prefix = 4
+
+    def frame_size(self, received: bytearray) -> int | None:
+        """The size of the next frame; None if that is not known yet."""
+        return int.from_bytes(received[:4], "little") if len(received) >= 4 else None
+
+    def frame(self, body: bytes) -> None:
+        """A frame came."""
+        raise NotImplementedError
+
+    # Writing -----------------------------------------------------------------------------------------------------
+
+    def send(self, data: bytes) -> None:
+        """Send bytes; from the loop's thread."""
+        self.queue.append(data)
+        self.flush()
+
+    def flush(self) -> None:
+        """Send as much of what waits as the socket takes now."""
+        if self.closed:
+            return
+        try:
+            while True:
+                if self._rest is None:
+                    data = self._next()
+                    if data is None:
+                        break
+                    self._rest = memoryview(data)
+                sent = self.socket.send(self._rest)
+                self._rest = self._rest[sent:] if sent < len(self._rest) else None
+        except BlockingIOError:
+            self._watch(writing=True)
+            return
+        except OSError as error:
+            self.close(str(error))
+            return
+        self._watch(writing=False)
+        if self._closing:
+            self.close()
+
+    def _next(self) -> bytes | None:
+        """The bytes for the next call: frames that wait, joined while they are small."""
+        parts: list[bytes] = []
+        size = 0
+        while size < SEND_AT_ONCE:
+            try:
+                part = self.queue.popleft()
+            except IndexError:
+                break
+            parts.append(part)
+            size += len(part)
+        return b"".join(parts) if len(parts) > 1 else parts[0] if parts else None
+
+    def _watch(self, writing: bool) -> None:
+        if writing != self._writing:
+            self._writing = writing
+            self.loop.watch(self, selectors.EVENT_READ | (selectors.EVENT_WRITE if writing else 0))
+
+    def finish(self) -> None:
+        """Close once all is sent."""
+        self._closing = True
+        self.flush()
+
+    def close(self, reason: str = "") -> None:
+        """Close; the reason is logged."""
+        if self.closed:
+            return
+        self.closed = True
+        if reason:
+            log.warning("ROS: the connection of %s is closed: %s", self.peer, reason)
+        self.loop.remove(self)
+        self.socket.close()
+        self.ended()
+
+    def ended(self) -> None:
+        """The connection was closed."""

@@ -1,0 +1,116 @@
+"""Names of ROS 1: how a node resolves them, and what its command line and environment say about them."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from libgz.base.errors import ParameterError
+
+__all__ = ["NodeNames", "frame_with_prefix", "read_names"]
+
+log = logging.getLogger("libgz.ros")
+
+INVALID = re.compile(r"[^\w/]", re.ASCII)
+DEFAULT_MASTER = "http://localhost:11311"
+
+
+class NodeNames(NamedTuple):
+    """The name and namespace of a node, its remappings and its private parameters.
+
+    Attributes:
+        name: full, such as ``/gazebo``.
+        namespace: that of relative names, such as ``/``.
+        remappings: full names, as they would be -> as they are to be.
+        parameters: values for private parameters, as texts.
+        master: the address of the master.
+        host: what other nodes call this computer.
+        address: where it listens: loopback unless ROS_IP or ROS_HOSTNAME ask for more.
+    """
+
+    name: str
+    namespace: str
+    remappings: Mapping[str, str]
+    parameters: Mapping[str, str]
+    master: str
+    host: str
+    address: str
+
+    def resolve(self, name: str, within: str = "") -> str:
+        """The full name of a topic, service or parameter.
+
+        Args:
+            name: absolute, relative, or private with ``~``.
+            within: the namespace of relative names, itself relative to that of the node.
+        """
+        full = self._full(name, within)
+        return self.remappings.get(full, full)
+
+    def _full(self, name: str, within: str = "") -> str:
+        if name.startswith("/"):
+            parts = name
+        elif name.startswith("~"):
+            parts = f"{self.name}/{name[1:]}"
+        else:
+            base = within if within.startswith("/") else f"{self.namespace}/{within}"
+            parts = f"{base}/{name}"
+        full = "/" + "/".join(filter(None, parts.split("/")))
+        valid = INVALID.sub("_", full)
+        if valid != full:
+            log.warning("ROS: %r is no name of ROS; %r is used instead", full, valid)
+        return valid
+
+
+def read_names(words: Sequence[str], address: str | None = None, name: str = "gazebo") -> NodeNames:
+    """What the environment and the words of a command line say: ``a:=b``, ``__name:=x``, ``__ns:=y``, ``_p:=1``.
+
+    Args:
+        words: of the command line; those without ``:=`` are left out.
+        address: where to listen, and what others call this computer; None: as ROS_HOSTNAME and ROS_IP say.
+        name: of the node, if no word says otherwise.
+
+    Raises:
+        ParameterError: the address of the master is none.
+    """
+    pairs = [(before, after) for before, found, after in (word.partition(":=") for word in words) if found]
+    special = dict(pairs)
+    space = special.get("__ns") or os.environ.get("ROS_NAMESPACE", "")
+    space = "/" + space.strip("/")
+    own = NodeNames(
+        f"{space.rstrip('/')}/{special.get('__name', name).strip('/')}",
+        space,
+        {},
+        {},
+        _master(special),
+        *_host(special, address),
+    )
+    remappings = {own._full(a): own._full(b) for a, b in pairs if not a.startswith("_")}
+    parameters = {a[1:]: b for a, b in pairs if a.startswith("_") and not a.startswith("__")}
+    return own._replace(remappings=remappings, parameters=parameters)
+
+
+def _master(special: Mapping[str, str]) -> str:
+    uri = special.get("__master") or os.environ.get("ROS_MASTER_URI") or DEFAULT_MASTER
+    if not uri.startswith("http://"):
+        raise ParameterError(f"ROS_MASTER_URI is {uri!r}; it must begin with http://, such as {DEFAULT_MASTER}")
+    return uri
+
+
+def _host(special: Mapping[str, str], address: str | None) -> tuple[str, str]:
+    """(what others call this computer, where to listen)."""
+    ip = address or special.get("__ip") or os.environ.get("ROS_IP")
+    host = None if address else special.get("__hostname") or os.environ.get("ROS_HOSTNAME")
+    if host:
+        loopback = host == "localhost" or host.startswith("127.")
+        return host, "127.0.0.1" if loopback else ""
+    return (ip, ip) if ip else ("127.0.0.1", "127.0.0.1")
+
+
+def frame_with_prefix(prefix: str, frame: str) -> str:
+    """The name of a frame of TF with the prefix that a robot's parameter tf_prefix gives."""
+    if frame.startswith("/"):
+        return frame.lstrip("/")
+    return f"{prefix.strip('/')}/{frame}" if prefix.strip("/") else frame

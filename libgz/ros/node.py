@@ -1,0 +1,494 @@
+"""Node: a node of ROS 1: registered with a master, it publishes, subscribes and serves; by the standard library."""
+
+from __future__ import annotations
+
+import logging
+import os
+import queue
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
+from urllib.parse import urlsplit
+
+from libgz.base.errors import ParameterError
+from libgz.ros.loop import Listener, Loop
+from libgz.ros.names import NodeNames
+from libgz.ros.tcpros import U32, Caller, Feed, Reader
+from libgz.ros.types import MessageType, ServiceType
+from libgz.ros.xmlrpc import Server, XmlRpcError, call
+
+__all__ = ["Node", "Publisher", "ServiceServer", "Subscriber"]
+
+log = logging.getLogger("libgz.ros")
+
+CHECK_PERIOD = 0.5  # [s] between two looks whether the master is there and knows this node
+CLOSING_PATIENCE = 1.0  # [s] for each call at the end
+MOST_PUBLISHERS = 64  # of one topic that are read at the same time
+CONNECT_PATIENCE = 3.0  # [s]
+
+
+class Publisher:
+    """What a node publishes on one topic.
+
+    Attributes:
+        listened: whether there are subscribers, or the topic keeps its last message for those that come.
+    """
+
+    def __init__(self, node: Node, topic: str, kind: MessageType, queue: int, latch: bool) -> None:
+        self.node, self.topic, self.kind, self.queue, self.latch = node, topic, kind, queue, latch
+        self.latched: bytes | None = None
+        self.readers: tuple[Reader, ...] = ()
+        self.listened = latch
+        self.users = 0
+
+    def publish(self, body: bytes) -> None:
+        """Queue a message for all subscribers; `Node.flush` sends it."""
+        data = U32.pack(len(body)) + body
+        if self.latch:
+            self.latched = data
+        readers = self.readers
+        for reader in readers:
+            reader.push(data)
+        if readers:
+            self.node.dirty.update(dict.fromkeys(readers))
+
+    def connected(self, reader: Reader) -> None:
+        """A subscriber came."""
+        self.readers = (*self.readers, reader)
+        self.listened = True
+        self.node.changed.append(self)
+
+    def disconnected(self, reader: Reader) -> None:
+        """A subscriber went."""
+        self.readers = tuple(one for one in self.readers if one is not reader)
+        self.listened = self.latch or bool(self.readers)
+        self.node.changed.append(self)
+
+
+class Subscriber:
+    """A subscription of a node: its receivers get the bytes of each message, in the loop's thread."""
+
+    def __init__(self, node: Node, topic: str, kind: MessageType) -> None:
+        self.node, self.topic, self.kind = node, topic, kind
+        self.receivers: tuple[Callable[[bytes], Any], ...] = ()
+        self.publishers: dict[str, Feed | None] = {}  # by address; None while it is being connected
+
+    def received(self, body: bytes) -> None:
+        """Pass a message on."""
+        for receive in self.receivers:
+            receive(body)
+
+
+class ServiceServer:
+    """A service of a node: `handle` gets each request and a function that takes the answer; whether it accepts it."""
+
+    def __init__(
+        self, name: str, kind: ServiceType, handle: Callable[[bytes, Callable[[bool, bytes], None]], bool]
+    ) -> None:
+        self.name, self.kind, self.request = name, kind, handle
+
+
+class Node:
+    """A node of ROS 1.
+
+    The master may come late, end and return: a thread looks for it, and registers all again whenever it does not know
+    this node.
+
+    Args:
+        names: its name, remappings and addresses.
+
+    Attributes:
+        registered: how often all was registered with a master.
+        dirty: subscribers for whom messages wait.
+        changed: publishers whose subscribers came or went.
+    """
+
+    def __init__(self, names: NodeNames) -> None:
+        self.names, self.name, self.master = names, names.name, names.master
+        self.registered = 0
+        self.dirty: dict[Reader, None] = {}
+        self.changed: deque[Publisher] = deque()
+        self._publishers: dict[str, Publisher] = {}
+        self._subscribers: dict[str, Subscriber] = {}
+        self._services: dict[str, ServiceServer] = {}
+        self._lock = threading.Lock()
+        self._tasks: queue.SimpleQueue[Callable[[], object] | None] = queue.SimpleQueue()
+        self._known = self._ended = False
+        self._complained = False
+        self._connecting = threading.BoundedSemaphore(MOST_PUBLISHERS)
+        self.first_look = threading.Event()
+        self._loop = Loop("ros-wire")
+        self._listener = Listener(self._loop, names.address, self._accept)
+        methods: dict[str, Callable[..., Any]] = {
+            "getBusInfo": self._bus_info,
+            "getBusStats": lambda _caller: (1, "", [[], [], []]),
+            "getMasterUri": lambda _caller: (1, "", self.master),
+            "getPid": lambda _caller: (1, "", os.getpid()),
+            "getPublications": lambda _caller: (1, "", _listed(self._all_publishers())),
+            "getSubscriptions": lambda _caller: (1, "", _listed(self._all_subscribers())),
+            "paramUpdate": lambda _caller, _key, _value: (1, "", 0),
+            "publisherUpdate": self._publisher_update,
+            "requestTopic": self._request_topic,
+            "shutdown": self._shut_down,
+        }
+        self._slave = Server(names.address, methods)
+        host = f"[{names.host}]" if ":" in names.host else names.host
+        self.uri = f"http://{host}:{self._slave.port}/"
+        self._service_uri = f"rosrpc://{host}:{self._listener.port}"
+        self._registrar = threading.Thread(target=self._run, name="ros-master", daemon=True)
+
+    def start(self) -> None:
+        """Begin to serve, and to look for the master."""
+        self._loop.start()
+        self._listener.start()
+        self._slave.start()
+        self._registrar.start()
+
+    def close(self) -> None:
+        """Unregister all, and end."""
+        if self._ended:
+            return
+        self._ended = True
+        self._tasks.put(None)
+        self._registrar.join(CLOSING_PATIENCE)
+        if self._known:
+            self._unregister_all()
+        self._slave.close()
+        self._listener.close()
+        self._loop.close()
+
+    # Topics and services -----------------------------------------------------------------------------------------
+
+    def advertise(self, topic: str, kind: MessageType, queue: int = 100, latch: bool = False) -> Publisher:
+        """Publish a topic by its full name. Those that publish the same topic share it.
+
+        Raises:
+            ParameterError: this node publishes the topic with another type.
+        """
+        with self._lock:
+            publisher = self._publishers.get(topic)
+            if publisher is None:
+                publisher = self._publishers[topic] = Publisher(self, topic, kind, queue, latch)
+                self._soon(self._register_publisher, publisher)
+            _check_kind(topic, publisher.kind, kind)
+            publisher.users += 1
+        return publisher
+
+    def withdraw(self, publisher: Publisher) -> None:
+        """End what one `advertise` began."""
+        with self._lock:
+            publisher.users -= 1
+            if publisher.users > 0:
+                return
+        self._remove(publisher)
+        for reader in publisher.readers:
+            self._loop.call(reader.connection.close)
+
+    def subscribe(self, topic: str, kind: MessageType, received: Callable[[bytes], Any]) -> Subscriber:
+        """Subscribe to a topic by its full name: `received` gets the bytes of each message, in the loop's thread.
+
+        Raises:
+            ParameterError: this node subscribes to the topic with another type.
+        """
+        with self._lock:
+            subscriber = self._subscribers.get(topic)
+            if subscriber is None:
+                subscriber = self._subscribers[topic] = Subscriber(self, topic, kind)
+                self._soon(self._register_subscriber, subscriber)
+            _check_kind(topic, subscriber.kind, kind)
+            subscriber.receivers = (*subscriber.receivers, received)
+        return subscriber
+
+    def unsubscribe(self, subscriber: Subscriber, received: Callable[[bytes], Any]) -> None:
+        """End what `subscribe` began."""
+        with self._lock:
+            subscriber.receivers = tuple(one for one in subscriber.receivers if one != received)
+            if subscriber.receivers:
+                return
+        self._remove(subscriber)
+        for feed in list(subscriber.publishers.values()):
+            if feed is not None:
+                self._loop.call(feed.close)
+
+    def serve(
+        self, name: str, kind: ServiceType, handle: Callable[[bytes, Callable[[bool, bytes], None]], bool]
+    ) -> ServiceServer:
+        """Serve a service by its full name.
+
+        Raises:
+            ParameterError: this node serves it already.
+        """
+        service = ServiceServer(name, kind, handle)
+        with self._lock:
+            if name in self._services:
+                raise ParameterError(f"service {name} is served already")
+            self._services[name] = service
+        self._soon(self._register_service, service)
+        return service
+
+    def stop_serving(self, service: ServiceServer) -> None:
+        """End what `serve` began."""
+        self._remove(service)
+
+    def _remove(self, one: Publisher | Subscriber | ServiceServer) -> None:
+        table, key, method, values = self._entry(one)
+        with self._lock:
+            if table.get(key) is not one:
+                return
+            del table[key]
+        if not self._ended:
+            self._soon(lambda _: self._ask(method, key, *values), one)
+
+    def _entry(self, one: Any) -> tuple[dict[str, Any], str, str, tuple[str, ...]]:
+        """(table, key, method that unregisters it, its last argument)."""
+        if isinstance(one, Publisher):
+            return self._publishers, one.topic, "unregisterPublisher", (self.uri,)
+        if isinstance(one, Subscriber):
+            return self._subscribers, one.topic, "unregisterSubscriber", (self.uri,)
+        return self._services, one.name, "unregisterService", (self._service_uri,)
+
+    def flush(self) -> None:
+        """Send what waits, in the loop's thread."""
+        if self.dirty:
+            self._loop.call(self._flush, self.dirty)
+            self.dirty = {}
+
+    @staticmethod
+    def _flush(dirty: dict[Reader, None]) -> None:
+        for reader in dirty:
+            reader.connection.flush()
+
+    def publication(self, topic: str) -> Publisher | None:
+        """The publication of a topic."""
+        return self._publishers.get(topic)
+
+    def service(self, name: str) -> ServiceServer | None:
+        """The service of a name."""
+        return self._services.get(name)
+
+    def _all_publishers(self) -> list[Publisher]:
+        with self._lock:
+            return list(self._publishers.values())
+
+    def _all_subscribers(self) -> list[Subscriber]:
+        with self._lock:
+            return list(self._subscribers.values())
+
+    def _all_services(self) -> list[ServiceServer]:
+        with self._lock:
+            return list(self._services.values())
+
+    def _accept(self, sock: socket.socket, peer: str) -> Caller:
+        return Caller(self._loop, sock, peer, self)
+
+    # Parameters --------------------------------------------------------------------------------------------------
+
+    def parameter(self, name: str) -> Any:
+        """A parameter by its full name; None if it is not set, or there is no master."""
+        if not self.first_look.wait(CONNECT_PATIENCE) or not self._known:
+            return None
+        try:
+            code, _, value = call(self.master, "getParam", self.name, name)
+        except (XmlRpcError, ValueError, TypeError) as error:
+            log.warning("ROS: %s", error)
+            return None
+        return value if code == 1 else None
+
+    def search_parameter(self, name: str, space: str) -> Any:
+        """A parameter in a namespace, or in the nearest one around it that has it; None if none has."""
+        parts = [part for part in space.split("/") if part]
+        for count in range(len(parts), -1, -1):
+            value = self.parameter("/" + "/".join([*parts[:count], name]))
+            if value is not None:
+                return value
+            if not self._known:
+                return None
+        return None
+
+    # Master ------------------------------------------------------------------------------------------------------
+
+    def _ask(self, method: str, *values: Any, patience: float = CONNECT_PATIENCE) -> Any:
+        """Call a method of the master; the value of its answer.
+
+        Raises:
+            XmlRpcError: there is no master, or it refuses.
+        """
+        answer = call(self.master, method, self.name, *values, patience=patience)
+        try:
+            code, text, value = answer
+        except (TypeError, ValueError):
+            raise XmlRpcError(f"{method} of {self.master}: {answer!r} is no answer of a master") from None
+        if code != 1:
+            raise XmlRpcError(f"{method} of {self.master}: {text}")
+        return value
+
+    def _soon(self, function: Callable[[Any], object], one: Any) -> None:
+        """Have a call made by the thread of the registrar, if the master knows this node; else it registers all."""
+        self._tasks.put(lambda: function(one) if self._known else None)
+
+    def _run(self) -> None:
+        """The registrar: makes the calls, and looks for the master."""
+        due = 0.0
+        while not self._ended:
+            try:
+                task = self._tasks.get(timeout=max(0.0, due - time.monotonic()))
+            except queue.Empty:
+                self._look()
+                self.first_look.set()
+                due = time.monotonic() + CHECK_PERIOD
+                continue
+            if task is not None:
+                try:
+                    task()
+                except XmlRpcError as error:
+                    log.warning("ROS: %s", error)
+                except Exception:
+                    log.exception("ROS: a call of the master failed")
+
+    def _look(self) -> None:
+        """Find out whether the master is there and knows this node; if not, register all."""
+        try:
+            code, _, uri = call(self.master, "lookupNode", self.name, self.name)
+            if code == 1 and uri == self.uri and self._known:
+                return
+            if code == 1 and uri != self.uri and self._known:
+                return  # another node took the name; the master asks this one to shut down
+            self._register_all()
+            self._known, self._complained = True, False
+        except (XmlRpcError, TypeError, ValueError) as error:
+            if self._known:
+                log.warning("ROS: the master at %s is gone; connected topics remain", self.master)
+            elif not self._complained:
+                log.warning("ROS: no master at %s; it is waited for (%s)", self.master, error)
+            self._known, self._complained = False, True
+
+    def _register_all(self) -> None:
+        if not self._ask("hasParam", "/use_sim_time"):
+            self._ask("setParam", "/use_sim_time", True)
+        for name, value in self.names.parameters.items():
+            self._ask("setParam", f"{self.name}/{name}", _typed(value))
+        for publisher in self._all_publishers():
+            self._register_publisher(publisher)
+        for subscriber in self._all_subscribers():
+            self._register_subscriber(subscriber)
+        for service in self._all_services():
+            self._register_service(service)
+        self.registered += 1
+        log.info("ROS: registered as %s with the master at %s", self.name, self.master)
+
+    def _register_publisher(self, publisher: Publisher) -> None:
+        if self._publishers.get(publisher.topic) is publisher:
+            self._ask("registerPublisher", publisher.topic, publisher.kind.name, self.uri)
+
+    def _register_subscriber(self, subscriber: Subscriber) -> None:
+        if self._subscribers.get(subscriber.topic) is subscriber:
+            uris = self._ask("registerSubscriber", subscriber.topic, subscriber.kind.name, self.uri)
+            self._publisher_update(self.master, subscriber.topic, uris)
+
+    def _register_service(self, service: ServiceServer) -> None:
+        if self._services.get(service.name) is service:
+            self._ask("registerService", service.name, self._service_uri, self.uri)
+
+    def _unregister_all(self) -> None:
+        """Take all off the master's lists, so that nobody waits for this node."""
+        for one in (*self._all_services(), *self._all_subscribers(), *self._all_publishers()):
+            _, key, method, values = self._entry(one)
+            try:
+                self._ask(method, key, *values, patience=CLOSING_PATIENCE)
+            except XmlRpcError as error:
+                log.info("ROS: %s", error)
+                return
+
+    # Calls of others ---------------------------------------------------------------------------------------------
+
+    def _shut_down(self, _caller: str, reason: str = "") -> tuple[int, str, int]:
+        log.warning(
+            "ROS: the master asks this node to shut down: %s. The world runs without ROS from now on", str(reason)[:300]
+        )
+        threading.Thread(target=self.close, name="ros-shutdown", daemon=True).start()
+        return 1, "", 0
+
+    def _request_topic(self, _caller: str, topic: str, protocols: Any) -> tuple[int, str, Any]:
+        if topic not in self._publishers:
+            return 0, f"{self.name} does not publish {topic!r}", 0
+        if any(isinstance(one, list) and one and one[0] == "TCPROS" for one in protocols):
+            return 1, f"ready on {self.names.host}", ["TCPROS", self.names.host, self._listener.port]
+        return 0, "only TCPROS is spoken here", 0
+
+    def _bus_info(self, _caller: str) -> tuple[int, str, Any]:
+        rows: list[list[Any]] = []
+        for publisher in self._all_publishers():
+            for reader in publisher.readers:
+                rows.append([len(rows) + 1, reader.connection.peer, "o", "TCPROS", publisher.topic, True])
+        for subscriber in self._all_subscribers():
+            for uri, feed in list(subscriber.publishers.items()):
+                rows.append([len(rows) + 1, uri, "i", "TCPROS", subscriber.topic, feed is not None])
+        return 1, "", rows
+
+    def _publisher_update(self, _caller: str, topic: str, uris: Any) -> tuple[int, str, int]:
+        subscriber = self._subscribers.get(topic)
+        if subscriber is None:
+            return 0, f"{self.name} does not subscribe to {topic!r}", 0
+        wanted = [uri for uri in uris if isinstance(uri, str)]
+        for uri, feed in list(subscriber.publishers.items()):
+            if uri not in wanted and feed is not None:
+                self._loop.call(feed.close)
+        for uri in wanted:
+            if uri in subscriber.publishers:
+                continue
+            if len(subscriber.publishers) >= MOST_PUBLISHERS or not self._connecting.acquire(blocking=False):
+                log.warning("ROS: %s has more than %d publishers; those beyond are left out", topic, MOST_PUBLISHERS)
+                break
+            subscriber.publishers[uri] = None
+            threading.Thread(target=self._follow, args=(subscriber, uri), name="ros-connect", daemon=True).start()
+        return 1, "", 0
+
+    def _follow(self, subscriber: Subscriber, uri: str) -> None:
+        """Connect to a publisher."""
+        try:
+            answer = call(uri, "requestTopic", self.name, subscriber.topic, [["TCPROS"]], patience=CONNECT_PATIENCE)
+            code, text, (_, host, port) = answer
+            if code != 1:
+                raise XmlRpcError(f"requestTopic of {uri}: {text}")
+            sock = socket.create_connection((str(host), int(port)), CONNECT_PATIENCE)
+        except (XmlRpcError, OSError, TypeError, ValueError, OverflowError) as error:
+            log.warning("ROS: %s cannot be read from %s: %s", subscriber.topic, uri, error)
+            subscriber.publishers.pop(uri, None)
+            return
+        finally:
+            self._connecting.release()
+        header = {
+            "callerid": self.name,
+            "md5sum": subscriber.kind.md5,
+            "tcp_nodelay": "1",
+            "topic": subscriber.topic,
+            "type": subscriber.kind.name,
+        }
+        peer = f"{urlsplit(uri).netloc}"
+        feed = Feed(self._loop, sock, peer, header, subscriber.received, lambda: subscriber.publishers.pop(uri, None))
+        subscriber.publishers[uri] = feed
+        self._loop.call(feed.start)
+
+
+def _listed(found: Sequence[Publisher] | Sequence[Subscriber]) -> list[list[str]]:
+    return [[one.topic, one.kind.name] for one in found]
+
+
+def _check_kind(topic: str, present: MessageType, wanted: MessageType) -> None:
+    if present is not wanted:
+        raise ParameterError(f"topic {topic} has type {present.name} already; it cannot be {wanted.name}, too")
+
+
+def _typed(text: str) -> Any:
+    """A private parameter of the command line as the value that it looks like."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

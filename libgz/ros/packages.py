@@ -1,0 +1,76 @@
+"""Packages of ROS: where they are, by the manifests below the folders of ROS_PACKAGE_PATH."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from libgz.base.errors import NotFoundError
+
+__all__ = ["find_package", "with_paths"]
+
+DEEPEST = 6  # folders below an entry of the path
+MOST_FOLDERS = 20_000
+IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "rospack_nosubdirs")
+URI = re.compile(r"package://([\w.-]+)")
+
+
+def _packages(folder: Path, depth: int, count: list[int]) -> Iterator[Path]:
+    """The folders of packages in a folder, itself included."""
+    count[0] += 1
+    if depth > DEEPEST or count[0] > MOST_FOLDERS:
+        return
+    try:
+        with os.scandir(folder) as found:
+            entries = {entry.name: entry for entry in found}
+    except OSError:
+        return
+    if any(name in entries for name in IGNORED[:2]):
+        return
+    if "package.xml" in entries or "manifest.xml" in entries:
+        yield folder
+        return
+    if IGNORED[2] in entries:
+        return
+    for name, entry in sorted(entries.items()):
+        if not name.startswith(".") and entry.is_dir():
+            yield from _packages(Path(entry.path), depth + 1, count)
+
+
+def find_package(name: str) -> Path:
+    """The folder of a package.
+
+    Raises:
+        NotFoundError: there is none of this name in ROS_PACKAGE_PATH.
+    """
+    places = [Path(part) for part in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if part]
+    places += [Path(part) / "share" for part in os.environ.get("AMENT_PREFIX_PATH", "").split(":") if part]
+    count = [0]
+    for place in places:
+        for folder in _packages(place, 0, count):
+            if folder.name == name or _manifest_name(folder) == name:
+                return folder
+    raise NotFoundError(f"Package[{name}] does not have a path: it is not in ROS_PACKAGE_PATH")
+
+
+def _manifest_name(folder: Path) -> str:
+    try:
+        text = (folder / "package.xml").read_text(errors="replace")[:10_000]
+    except OSError:
+        return ""
+    match = re.search(r"<name>\s*([\w.-]+)\s*</name>", text)
+    return match.group(1) if match else ""
+
+
+def with_paths(text: str) -> str:
+    """A robot description with the paths of packages in place of ``package://name``.
+
+    Raises:
+        NotFoundError: a package is unknown.
+    """
+    found: dict[str, str] = {}
+    for name in dict.fromkeys(URI.findall(text)):
+        found[name] = f"file://{find_package(name)}"
+    return URI.sub(lambda match: found[match.group(1)], text)

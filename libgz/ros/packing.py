@@ -1,0 +1,432 @@
+"""Codec: packs and unpacks the messages of one type for one wire: that of ROS 1, or CDR, that of ROS 2."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError
+from libgz.ros.types import NUMBERS, TIMES, Field, MessageType, Stamp, message_type
+
+__all__ = ["CDR_HEADER", "Codec", "FormatError", "Schema", "codec", "read_schema"]
+
+CDR_HEADER = b"\0\1\0\0"  # little endian, plain CDR (XCDR1)
+U32 = struct.Struct("<I")
+MOST_NESTED = 16  # types in types
+
+# Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
+Schema = Mapping[str, Sequence[tuple[Field, str | None]]]
+
+Step = Callable[[Any, bytearray], None]
+_Run = list[tuple[str | None, str]]  # (attribute, letter) of single numbers that follow each other
+
+
+class FormatError(GazeboError):
+    """Bytes that are no message of the expected type."""
+
+
+class Codec:
+    """Packs and unpacks messages of a type.
+
+    A message's fields with several values take lists, tuples and arrays; those of messages also a float64 array with a
+    row for each, if the type consists of float64 numbers: the tables of the engine need no conversion.
+
+    Args:
+        kind: the type.
+        cdr: for ROS 2.
+        schema: the fields of types, if they are not those of ROS 1.
+    """
+
+    def __init__(self, kind: MessageType, cdr: bool = False, schema: Schema | None = None) -> None:
+        self.kind, self._cdr, self._schema = kind, cdr, schema or {}
+        self._elements: dict[str, list[Step]] = {}
+        self._steps = self._plan(kind.name, 0)
+
+    def pack(self, message: Any) -> bytes:
+        """The bytes of a message.
+
+        Raises:
+            ParameterError: a value does not fit into its field.
+        """
+        out = bytearray(CDR_HEADER if self._cdr else b"")
+        try:
+            for step in self._steps:
+                step(message, out)
+        except (struct.error, ValueError, TypeError, OverflowError, AttributeError) as error:
+            raise ParameterError(f"a {self.kind.name} cannot be packed: {error}") from error
+        return bytes(out)
+
+    def unpack(self, data: bytes) -> Any:
+        """The message of some bytes.
+
+        Raises:
+            FormatError: they are too few or too many, or a text or a number of values in them is invalid.
+        """
+        reader = _Reader(data, self._cdr)
+        message = self._read(self.kind.name, reader)
+        reader.end(self.kind.name)
+        return message
+
+    # Packing -----------------------------------------------------------------------------------------------------
+
+    def _fields(self, name: str) -> Sequence[tuple[Field, str | None]]:
+        known = self._schema.get(name)
+        return (
+            known if known is not None else [(field, field.name) for field in message_type_of(self.kind, name).fields]
+        )
+
+    def _plan(self, name: str, depth: int) -> list[Step]:
+        """What packs a message of a type: runs of numbers together, and all else one by one."""
+        steps: list[Step] = []
+        run: _Run = []
+        self._collect(name, "", steps, run, depth)
+        self._close(run, steps)
+        return steps
+
+    def _collect(self, name: str, prefix: str, steps: list[Step], run: _Run, depth: int) -> None:
+        if depth > MOST_NESTED:
+            raise FormatError(f"{self.kind.name} has types in more than {MOST_NESTED} levels")
+        for field, attribute in self._fields(name):
+            path = None if attribute is None else prefix + attribute
+            if field.size is None and field.kind in NUMBERS:
+                run.append((path, NUMBERS[field.kind]))
+            elif field.size is None and field.kind in TIMES:
+                letter = "i" if self._cdr or field.kind == "duration" else "I"
+                run.append((path and f"{path}.secs", letter))
+                run.append((path and f"{path}.nsecs", "I" if self._cdr else letter))
+            elif field.size is None and field.kind != "string" and path is not None:
+                self._collect(field.kind, f"{path}.", steps, run, depth + 1)
+            else:
+                self._close(run, steps)
+                steps.append(self._step(field, path, depth))
+
+    def _close(self, run: _Run, steps: list[Step]) -> None:
+        if run:
+            steps.append(_run([path for path, _ in run], [letter for _, letter in run], self._cdr))
+            run.clear()
+
+    def _step(self, field: Field, path: str | None, depth: int) -> Step:
+        get: Callable[[Any], Any] = attrgetter(path) if path is not None else lambda _: _absent(field)
+        if field.kind in NUMBERS and field.size is not None:
+            return _numbers(get, NUMBERS[field.kind], field.size, self._cdr)
+        if field.kind == "string" and field.size is None:
+            return _text(get, self._cdr)
+        if field.kind == "string":
+            return _several(get, [_text(lambda value: value, self._cdr)], field.size or 0, self._cdr, None)
+        if field.kind in TIMES:
+            letter = "i" if self._cdr or field.kind == "duration" else "I"
+            letters = [letter, "I" if self._cdr else letter]
+            return _several(get, [_run(["secs", "nsecs"], letters, self._cdr)], field.size or 0, self._cdr, None)
+        if field.kind not in self._elements:
+            self._elements[field.kind] = self._plan(field.kind, depth + 1)
+        steps = self._elements[field.kind]
+        if field.size is None:  # of a message that the type of ROS 1 does not have
+            return lambda _, out: _all(steps, message_type(field.kind)(), out)
+        return _several(get, steps, field.size, self._cdr, self._width(field.kind))
+
+    def _width(self, name: str) -> int | None:
+        """How many float64 numbers a type consists of; None if it has anything else."""
+        total = 0
+        for field, _ in self._fields(name):
+            if field.kind in NUMBERS:
+                more: int | None = 1 if field.kind == "float64" and field.size is None else None
+            elif field.size is None and field.kind not in (*TIMES, "string"):
+                more = self._width(field.kind)
+            else:
+                more = None
+            if more is None:
+                return None
+            total += more
+        return total
+
+    # Unpacking ---------------------------------------------------------------------------------------------------
+
+    def _read(self, name: str, reader: _Reader) -> Any:
+        message = message_type_of(self.kind, name)()
+        for field, attribute in self._fields(name):
+            value = self._value(field, reader)
+            if attribute is not None:
+                setattr(message, attribute, value)
+        return message
+
+    def _value(self, field: Field, reader: _Reader) -> Any:
+        if field.size is None:
+            return self._single(field.kind, reader)
+        count = field.size or reader.count()
+        if field.kind in NUMBERS:
+            return reader.numbers(NUMBERS[field.kind], count)
+        reader.expect(count * self._least(field.kind))
+        return [self._single(field.kind, reader) for _ in range(count)]
+
+    def _least(self, kind: str) -> int:
+        """A lower bound for the bytes of a value, so that numbers of values that cannot be are found at once."""
+        if kind == "string":
+            return 4
+        return 8 if kind in TIMES else 1
+
+    def _single(self, kind: str, reader: _Reader) -> Any:
+        if kind in NUMBERS:
+            return reader.number(NUMBERS[kind])
+        if kind == "string":
+            return reader.text()
+        if kind in TIMES:
+            letter = "i" if self._cdr or kind == "duration" else "I"
+            return Stamp(reader.number(letter), reader.number("I" if self._cdr else letter))
+        return self._read(kind, reader)
+
+
+# Names of numbers in ROS 2 that differ from those in ROS 1.
+_RENAMED = {
+    "boolean": "bool",
+    "octet": "uint8",
+    "char": "uint8",
+    "byte": "uint8",
+    "float": "float32",
+    "double": "float64",
+}
+_STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
+_SEQUENCE = re.compile(r"sequence<([^<>,]+)(?:, *\d+)?>")
+_ARRAY = re.compile(r"(.+)\[(\d+)\]")
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_KIND = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
+
+
+def read_schema(
+    types: Mapping[str, Mapping[str, str]], kind: MessageType | None = None
+) -> dict[str, list[tuple[Field, str | None]]]:
+    """The fields of types as a ROS 2 describes them, with the attributes of our messages that they stand for.
+
+    Args:
+        types: names of types -> names of fields -> their types, as `get_fields_and_field_types` of rclpy gives them.
+        kind: a type of ours that has no name of its own in the table: the request or response of a service.
+
+    Raises:
+        FormatError: a name or a type is none.
+    """
+    found: dict[str, list[tuple[Field, str | None]]] = {}
+    for name, fields in types.items():
+        try:
+            own = kind if kind is not None and kind.name == name else message_type(name)
+            known = {field.name.lower(): field.name for field in own.fields}
+        except NotFoundError:
+            known = {}
+        found[name] = [(_described(key, text), known.get(key.lower())) for key, text in fields.items()]
+    return found
+
+
+def _described(name: str, text: str) -> Field:
+    size: int | None = None
+    if (sequence := _SEQUENCE.fullmatch(text)) is not None:
+        text, size = sequence.group(1), 0
+    elif (array := _ARRAY.fullmatch(text)) is not None:
+        text, size = array.group(1), int(array.group(2))
+    kind = re.sub(r"<\d+>", "", text)  # a string with a bound
+    kind = _STAMPS.get(kind, _RENAMED.get(kind, kind))
+    if not (_NAME.fullmatch(name) and _KIND.fullmatch(kind)) or kind == "wstring":
+        raise FormatError(f"field {name!r} has type {text!r}, which is not supported")
+    return Field(name, kind, size)
+
+
+def message_type_of(kind: MessageType, name: str) -> MessageType:
+    """A type by its name, that of a service's request or response included."""
+    return kind if name == kind.name else message_type(name)
+
+
+@cache
+def codec(kind: MessageType) -> Codec:
+    """The codec of a type for ROS 1."""
+    return Codec(kind)
+
+
+def _absent(field: Field) -> Any:
+    """A value for a field that the type of ROS 1 does not have."""
+    return "" if field.kind == "string" and field.size is None else [] if not field.size else [0] * field.size
+
+
+def _align(out: bytearray, size: int) -> None:
+    """Pad the bytes of CDR to a multiple of a size, counted from the end of its header."""
+    out += bytes(-(len(out) - len(CDR_HEADER)) % size)
+
+
+def _run(paths: list[str | None], letters: list[str], cdr: bool) -> Step:
+    """Packs single numbers that follow each other."""
+    given = [path for path in paths if path is not None]
+    layouts = [struct.Struct(_layout(letters, offset if cdr else None)) for offset in (range(8) if cdr else (0,))]
+    get: Any = attrgetter(*given) if given else None
+    if len(given) != len(paths):
+
+        def some(message: Any, out: bytearray) -> None:
+            values = get(message) if given else ()
+            known = iter(values if len(given) > 1 else (values,))
+            numbers = [next(known) if path is not None else 0 for path in paths]
+            out += layouts[(len(out) - 4) % 8 if cdr else 0].pack(*numbers)
+
+        return some
+    if len(given) == 1:
+
+        def one(message: Any, out: bytearray) -> None:
+            out += layouts[(len(out) - 4) % 8 if cdr else 0].pack(get(message))
+
+        return one
+    if cdr:
+
+        def aligned(message: Any, out: bytearray) -> None:
+            out += layouts[(len(out) - 4) % 8].pack(*get(message))
+
+        return aligned
+    pack = layouts[0].pack
+
+    def plain(message: Any, out: bytearray) -> None:
+        out += pack(*get(message))
+
+    return plain
+
+
+def _layout(letters: list[str], offset: int | None) -> str:
+    """The format of numbers; with an offset, that of CDR from there on."""
+    parts, at = ["<"], offset
+    for letter in letters:
+        if at is not None:
+            size = struct.calcsize(f"<{letter}")
+            parts.append("x" * (-at % size))
+            at += -at % size + size
+        parts.append(letter)
+    return "".join(parts)
+
+
+def _numbers(get: Callable[[Any], Any], letter: str, size: int, cdr: bool) -> Step:
+    """Packs several numbers: exactly `size`, or any number after their count."""
+    kind = np.dtype(letter).newbyteorder("<")
+
+    def numbers(message: Any, out: bytearray) -> None:
+        values = get(message)
+        raw = values if isinstance(values, bytes) else np.asarray(values, kind).tobytes()
+        count = len(raw) // kind.itemsize
+        if not size:
+            if cdr:
+                _align(out, 4)
+            out += U32.pack(count)
+        elif count != size:
+            raise ParameterError(f"a field has {count} values; it must have {size}")
+        if cdr and count:
+            _align(out, kind.itemsize)
+        out += raw
+
+    return numbers
+
+
+def _text(get: Callable[[Any], Any], cdr: bool) -> Step:
+    """Packs a text."""
+
+    def text(message: Any, out: bytearray) -> None:
+        raw = get(message).encode()
+        if cdr:
+            _align(out, 4)
+            out += U32.pack(len(raw) + 1) + raw + b"\0"
+        else:
+            out += U32.pack(len(raw)) + raw
+
+    return text
+
+
+def _several(get: Callable[[Any], Any], steps: list[Step], size: int, cdr: bool, width: int | None) -> Step:
+    """Packs several values; `width` is the number of float64 numbers in each, if it has nothing else."""
+
+    def several(message: Any, out: bytearray) -> None:
+        values = get(message)
+        if size and len(values) != size:
+            raise ParameterError(f"a field has {len(values)} values; it must have {size}")
+        if not size:
+            if cdr:
+                _align(out, 4)
+            out += U32.pack(len(values))
+        if isinstance(values, np.ndarray):
+            if width is None or values.shape != (len(values), width):
+                raise ParameterError(f"an array of shape {values.shape} is no table of these messages")
+            if cdr and len(values):
+                _align(out, 8)
+            out += np.asarray(values, "<f8").tobytes()
+            return
+        for value in values:
+            _all(steps, value, out)
+
+    return several
+
+
+def _all(steps: list[Step], value: Any, out: bytearray) -> None:
+    for step in steps:
+        step(value, out)
+
+
+class _Reader:
+    """Takes values from bytes, none of them beyond their end."""
+
+    def __init__(self, data: bytes, cdr: bool) -> None:
+        self._data, self._cdr = data, cdr
+        self._at = len(CDR_HEADER) if cdr else 0
+        if cdr and data[:4] != CDR_HEADER:
+            raise FormatError(f"the data do not begin as plain little-endian CDR: {data[:4].hex()}")
+
+    def _align(self, size: int) -> None:
+        if self._cdr:
+            self._at += -(self._at - len(CDR_HEADER)) % size
+
+    def expect(self, size: int) -> None:
+        """Check that this many bytes are left.
+
+        Raises:
+            FormatError: they are not.
+        """
+        if size > len(self._data) - self._at:
+            raise FormatError(f"the data end after {len(self._data)} bytes; {size} more are needed at {self._at}")
+
+    def number(self, letter: str) -> Any:
+        """One number."""
+        size = struct.calcsize(f"<{letter}")
+        self._align(size)
+        self.expect(size)
+        (value,) = struct.unpack_from(f"<{letter}", self._data, self._at)
+        self._at += size
+        return value
+
+    def count(self) -> int:
+        """The number of values that follow."""
+        return int(self.number("I"))
+
+    def numbers(self, letter: str, count: int) -> Any:
+        """Several numbers as an array."""
+        kind = np.dtype(letter).newbyteorder("<")
+        if count:
+            self._align(kind.itemsize)
+        self.expect(count * kind.itemsize)
+        values = np.frombuffer(self._data, kind, count, self._at)
+        self._at += count * kind.itemsize
+        return values
+
+    def text(self) -> str:
+        """A text."""
+        size = self.count()
+        self.expect(size)
+        raw = self._data[self._at : self._at + size]
+        self._at += size
+        if self._cdr:
+            raw = raw.removesuffix(b"\0")
+        try:
+            return raw.decode()
+        except UnicodeDecodeError as error:
+            raise FormatError(f"a text is not in UTF-8: {error.reason} at byte {error.start}") from None
+
+    def end(self, name: str) -> None:
+        """Check that all was read.
+
+        Raises:
+            FormatError: more follows.
+        """
+        if self._at < len(self._data) and not (self._cdr and len(self._data) - self._at < 4):
+            raise FormatError(f"{len(self._data) - self._at} bytes follow a {name}")

@@ -1,0 +1,221 @@
+"""RosPlugin: what the plugins of ROS have in common: declared parameters and topics, names, rates, messages."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from libgz.base.errors import ParameterError
+from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
+from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.session import Publication, Service, Session, Subscription, session
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from libgz.sdf.element import Element
+
+__all__ = [
+    "NOISE",
+    "OFFSETS",
+    "Endpoint",
+    "Parameter",
+    "RosPlugin",
+    "Ticks",
+    "noise",
+    "set_point",
+    "set_pose",
+    "set_quaternion",
+    "set_twist",
+]
+
+TRUE, FALSE = ("true", "1", "yes"), ("false", "0", "no")
+
+
+class Parameter(NamedTuple):
+    """An element that a plugin reads: its default has the type of its value, or is the type, if it must be given."""
+
+    name: str
+    default: Any
+    meaning: str
+
+
+class Endpoint(NamedTuple):
+    """A topic or service of a plugin; in its name, ``<x>`` stands for the value of parameter x."""
+
+    verb: str  # publishes, subscribes, serves
+    name: str
+    kind: str
+
+
+NOISE = Parameter("gaussianNoise", 0.0, "standard deviation of the noise")
+OFFSETS = (
+    Parameter("xyzOffset", Vector3d(), "added to the position [m]"),
+    Parameter("rpyOffset", Vector3d(), "rotation before that of the link [rad]"),
+)
+
+
+class Ticks:
+    """Ticks at a rate of sim time [Hz], without drift; 0 or less: at each call."""
+
+    STATE = ("count",)
+
+    def __init__(self, rate: float) -> None:
+        self.rate, self.count = rate, 0
+
+    def due(self, now: float) -> bool:
+        """Whether a period has begun since the last tick, at sim time `now` [s]."""
+        if not self.rate > 0.0:
+            return True
+        count = math.floor(now * self.rate + 1e-6)
+        if count == self.count:
+            return False
+        self.count = count
+        return True
+
+
+class RosPlugin:
+    """Mixin of plugins: reads the declared parameters, and opens topics and services in the robot's namespace.
+
+    Elements have their names in ROS, or those of ROS 2 (`<update_rate>` for `<updateRate>`, `<ros>` with a namespace
+    and remappings).
+
+    Attributes:
+        parameters, endpoints: declared; the tables in the documents are made from them.
+        own_namespace: whether the model's name is the namespace where no `<robotNamespace>` is given.
+        given: the values of the parameters, by name.
+        ros: the session.
+        space: the namespace.
+    """
+
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
+    endpoints: ClassVar[tuple[Endpoint, ...]] = ()
+    own_namespace: ClassVar[bool] = False
+
+    ros: Session
+    given: Any
+    space: str
+
+    def open(self, sdf: Element, model: str) -> None:
+        """Read the parameters.
+
+        Args:
+            sdf: the plugin's element.
+            model: the name of its model.
+
+        Raises:
+            ParameterError: one is missing or invalid.
+            StateError: there is no ROS in this process.
+        """
+        self.ros = session()
+        self._remapped = _remappings(sdf)
+        sdf = ros_elements(sdf)
+        self.given = SimpleNamespace(**{one.name: _value(sdf, one) for one in self.parameters})
+        space = sdf.Get(str, "robotNamespace", "")[0].strip()
+        if not sdf.HasElement("robotNamespace"):
+            space = f"/{model}" if self.own_namespace else ""
+        elif not space and self.own_namespace:
+            space = f"/{model}"
+        self.space = space.rstrip("/") or ("/" if space else "")
+        self._prefix: str | None = None
+
+    def publish(
+        self,
+        topic: str,
+        kind: str,
+        queue: int = 1,
+        latch: bool = False,
+        within: str = "",
+        changed: Callable[[], object] | None = None,
+    ) -> Publication:
+        """Publish a topic; `within` is a namespace inside that of the robot."""
+        return self.ros.publish(self._name(topic), kind, queue, latch, self._space(within), changed)
+
+    def subscribe(
+        self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, within: str = ""
+    ) -> Subscription:
+        """Subscribe to a topic."""
+        return self.ros.subscribe(self._name(topic), kind, callback, queue, self._space(within))
+
+    def serve(self, name: str, kind: str, handler: Callable[[Any], Any], within: str = "") -> Service:
+        """Serve a service."""
+        return self.ros.serve(self._name(name), kind, handler, self._space(within))
+
+    def frame(self, name: str) -> str:
+        """A frame of TF with the robot's prefix."""
+        if self._prefix is None:
+            self._prefix = self.ros.frame("x", self.space).removesuffix("x")
+        return name.lstrip("/") if name.startswith("/") else f"{self._prefix}{name}"
+
+    def _name(self, name: str) -> str:
+        plain = name.removeprefix("~/")
+        return self._remapped.get(plain, plain)
+
+    def _space(self, within: str) -> str:
+        return f"{self.space}/{within}" if within else self.space
+
+
+def _remappings(sdf: Element) -> dict[str, str]:
+    """The `<remapping>` and `<argument>` elements of `<ros>`."""
+    found = {}
+    for ros in sdf.named("ros"):
+        for one in (*ros.named("remapping"), *ros.named("argument")):
+            before, colon, after = one.Get(str).strip().partition(":=")
+            if colon:
+                found[before.removeprefix("~/")] = after.strip().removeprefix("~/")
+    return found
+
+
+def _value(sdf: Element, parameter: Parameter) -> Any:
+    """The value of a parameter.
+
+    Raises:
+        ParameterError: it is missing, or no value of its type.
+    """
+    kind = parameter.default if isinstance(parameter.default, type) else type(parameter.default)
+    if not sdf.HasElement(parameter.name):
+        if isinstance(parameter.default, type):
+            raise ParameterError(f"{sdf.where}: <plugin> has no <{parameter.name}>: {parameter.meaning}")
+        return parameter.default
+    text = sdf.Get(str, parameter.name).strip()
+    if kind is bool:
+        if text.lower() not in (*TRUE, *FALSE):
+            raise ParameterError(f"{sdf.where}: <{parameter.name}> is {text!r}; it must be true or false")
+        return text.lower() in TRUE
+    if kind is str:
+        return text
+    if kind is list:
+        return [part.strip() for one in sdf.named(parameter.name) for part in one.Get(str).split(",") if part.strip()]
+    return sdf.Get(kind, parameter.name)
+
+
+def noise(deviation: float) -> float:
+    """A random number with a mean of 0; without a deviation above 0, 0, and no random number is used."""
+    return Rand.DblNormal(0.0, deviation) if deviation > 0.0 else 0.0
+
+
+def set_point(target: Any, point: Vector3d, deviation: float = 0.0) -> None:
+    """Set a Point or Vector3, with noise."""
+    target.x, target.y, target.z = point
+    if deviation > 0.0:
+        target.x += noise(deviation)
+        target.y += noise(deviation)
+        target.z += noise(deviation)
+
+
+def set_quaternion(target: Any, turn: Quaterniond) -> None:
+    """Set a Quaternion."""
+    target.w, target.x, target.y, target.z = turn
+
+
+def set_pose(target: Any, pose: Pose3d) -> None:
+    """Set a Pose."""
+    set_point(target.position, pose.Pos())
+    set_quaternion(target.orientation, pose.Rot())
+
+
+def set_twist(target: Any, linear: Vector3d, angular: Vector3d, deviation: float = 0.0) -> None:
+    """Set a Twist, with noise."""
+    set_point(target.linear, linear, deviation)
+    set_point(target.angular, angular, deviation)

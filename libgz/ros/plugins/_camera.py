@@ -1,0 +1,202 @@
+"""What the camera plugins have in common: calibration, images, clouds."""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.ros.plugin import Endpoint, Parameter
+from libgz.ros.plugins._sensor import RosSensor
+from libgz.ros.session import Publication
+from libgz.ros.types import Message, message_type
+
+__all__ = ["CAMERA", "CAMERA_ENDPOINTS", "DEPTH", "DEPTH_ENDPOINTS", "DepthCloud", "RosCamera"]
+
+log = logging.getLogger("libgz.ros")
+
+CAMERA = (
+    Parameter("cameraName", "", "the namespace of its topics"),
+    Parameter("frameName", "/world", "frame of the images"),
+    Parameter("imageTopicName", "image_raw", "images"),
+    Parameter("cameraInfoTopicName", "camera_info", "calibration"),
+    Parameter("updateRate", 0.0, "at most so many images a second [Hz]; 0: all"),
+    Parameter("Cx", 0.0, "principal point [px]; 0: (width + 1) / 2"),
+    Parameter("Cy", 0.0, "principal point [px]; 0: (height + 1) / 2"),
+    Parameter("CxPrime", 0.0, "accepted without effect, as in the original"),
+    Parameter("focalLength", 0.0, "[px]; 0: width / (2 tan(hfov / 2))"),
+    Parameter("hackBaseline", 0.0, "of a stereo pair: P[3] is - focal length * baseline [m]"),
+    Parameter("distortionK1", 0.0, "distortion"),
+    Parameter("distortionK2", 0.0, "distortion"),
+    Parameter("distortionK3", 0.0, "distortion"),
+    Parameter("distortionT1", 0.0, "distortion"),
+    Parameter("distortionT2", 0.0, "distortion"),
+    Parameter("autoDistortion", False, "take the distortion of the camera's `<distortion>`"),
+    Parameter("borderCrop", True, "crop the black border of a distorted image"),
+)
+CAMERA_ENDPOINTS = (
+    Endpoint("publishes", "<cameraName>/<imageTopicName>", "sensor_msgs/Image"),
+    Endpoint("publishes", "<cameraName>/<cameraInfoTopicName>", "sensor_msgs/CameraInfo"),
+)
+DEPTH = (
+    Parameter("depthImageTopicName", "depth/image_raw", "depths"),
+    Parameter("depthImageCameraInfoTopicName", "depth/camera_info", "calibration of the depths"),
+    Parameter("pointCloudTopicName", "points", "points"),
+    Parameter("pointCloudCutoff", 0.4, "nearest depth [m]"),
+    Parameter("pointCloudCutoffMax", 5.0, "farthest depth [m]"),
+    Parameter("useDepth16UC1Format", False, "depths as 16 bits [mm] instead of floats [m]"),
+)
+DEPTH_ENDPOINTS = (
+    Endpoint("publishes", "<cameraName>/<depthImageTopicName>", "sensor_msgs/Image"),
+    Endpoint("publishes", "<cameraName>/<depthImageCameraInfoTopicName>", "sensor_msgs/CameraInfo"),
+    Endpoint("publishes", "<cameraName>/<pointCloudTopicName>", "sensor_msgs/PointCloud2"),
+)
+
+# Formats of Gazebo -> encoding of ROS, bytes of a pixel.
+ENCODINGS = {
+    "L8": ("mono8", 1),
+    "L_INT8": ("mono8", 1),
+    "L16": ("mono16", 2),
+    "L_INT16": ("mono16", 2),
+    "L_UINT16": ("mono16", 2),
+    "R8G8B8": ("rgb8", 3),
+    "RGB_INT8": ("rgb8", 3),
+    "B8G8R8": ("bgr8", 3),
+    "BGR_INT8": ("bgr8", 3),
+    "R16G16B16": ("rgb16", 6),
+    "RGB_INT16": ("rgb16", 6),
+    "BAYER_RGGB8": ("bayer_rggb8", 1),
+    "BAYER_BGGR8": ("bayer_bggr8", 1),
+    "BAYER_GBRG8": ("bayer_gbrg8", 1),
+    "BAYER_GRBG8": ("bayer_grbg8", 1),
+}
+POINT_STEP = 32  # bytes: x, y, z and a pad, the colour and a pad
+
+
+class RosCamera(RosSensor):
+    """Publishes the images of one camera of its sensor, with their calibration."""
+
+    def open_camera(self, camera: Any, suffix: str = "", baseline: float | None = None) -> None:
+        """Advertise images and calibration.
+
+        Args:
+            camera: the camera.
+            suffix: of its name.
+            baseline: instead of that of the parameter [m].
+        """
+        given, self.camera = self.given, camera
+        self.camera_space = f"{given.cameraName}{suffix}"
+        self.frame_name = self.frame(given.frameName)
+        self.baseline = given.hackBaseline if baseline is None else baseline
+        self.images = self.advertise(given.imageTopicName, "sensor_msgs/Image", 2, self.camera_space)
+        self.infos = self.advertise(given.cameraInfoTopicName, "sensor_msgs/CameraInfo", 2, self.camera_space)
+
+    def info(self) -> Message:
+        """The calibration."""
+        given, camera = self.given, self.camera
+        width, height = camera.ImageWidth(), camera.ImageHeight()
+        focal = given.focalLength or width / (2.0 * math.tan(float(camera.HFOV()) / 2.0))
+        cx, cy = given.Cx or (width + 1.0) / 2.0, given.Cy or (height + 1.0) / 2.0
+        found: Any = message_type("sensor_msgs/CameraInfo")(width=width, height=height, distortion_model="plumb_bob")
+        found.D = self._distortion()
+        found.K = [focal, 0.0, cx, 0.0, focal, cy, 0.0, 0.0, 1.0]
+        found.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+        found.P = [focal, 0.0, cx, -focal * self.baseline, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0]
+        self.stamp(found)
+        found.header.frame_id = self.frame_name
+        return found  # type: ignore[no-any-return]
+
+    def _distortion(self) -> list[float]:
+        """k1, k2, t1, t2, k3."""
+        given, lens = self.given, self.camera.LensDistortion() if self.given.autoDistortion else None
+        if lens is not None:
+            return [lens.K1(), lens.K2(), lens.P1(), lens.P2(), lens.K3()]
+        return [given.distortionK1, given.distortionK2, given.distortionT1, given.distortionT2, given.distortionK3]
+
+    def image(self) -> Message:
+        """The image."""
+        camera = self.camera
+        encoding, size = ENCODINGS.get(camera.ImageFormat(), ("rgb8", 3))
+        width, height = camera.ImageWidth(), camera.ImageHeight()
+        found: Any = message_type("sensor_msgs/Image")(
+            width=width, height=height, encoding=encoding, step=size * width, data=camera.ImageData()
+        )
+        self.stamp(found)
+        found.header.frame_id = self.frame_name
+        return found  # type: ignore[no-any-return]
+
+    def send(self) -> None:
+        """Publish image and calibration."""
+        if self.images.listened:
+            self.images.publish(self.image())
+        if self.infos.listened:
+            self.infos.publish(self.info())
+
+
+class DepthCloud(RosCamera):
+    """Publishes depths and points beside images."""
+
+    depths: Publication
+    depth_infos: Publication
+    points: Publication
+
+    def open_depths(self) -> None:
+        """Advertise depths and points."""
+        given, space = self.given, self.camera_space
+        self.depths = self.advertise(given.depthImageTopicName, "sensor_msgs/Image", 1, space)
+        self.depth_infos = self.advertise(given.depthImageCameraInfoTopicName, "sensor_msgs/CameraInfo", 1, space)
+        self.points = self.advertise(given.pointCloudTopicName, "sensor_msgs/PointCloud2", 1, space)
+
+    def send(self) -> None:
+        """Publish all that has subscribers."""
+        super().send()
+        if self.depth_infos.listened:
+            self.depth_infos.publish(self.info())
+        if not (self.depths.listened or self.points.listened):
+            return
+        camera = self.camera
+        depths = np.asarray(self.sensor.DepthData(), np.float32).reshape(camera.ImageHeight(), camera.ImageWidth())
+        seen = (depths > self.given.pointCloudCutoff) & (depths < self.given.pointCloudCutoffMax)
+        if self.depths.listened:
+            self.depths.publish(self._depth_image(depths, seen))
+        if self.points.listened:
+            self.points.publish(self._cloud(depths, seen))
+
+    def _depth_image(self, depths: NDArray[np.float32], seen: NDArray[np.bool_]) -> Message:
+        height, width = depths.shape
+        if self.given.useDepth16UC1Format:
+            encoding, values = "16UC1", np.where(seen, depths * 1000.0, 0.0).astype("<u2")
+        else:
+            encoding, values = "32FC1", np.where(seen, depths, np.float32(math.nan)).astype("<f4")
+        found: Any = message_type("sensor_msgs/Image")(
+            width=width, height=height, encoding=encoding, step=values.itemsize * width, data=values.tobytes()
+        )
+        self.stamp(found)
+        found.header.frame_id = self.frame_name
+        return found  # type: ignore[no-any-return]
+
+    def _cloud(self, depths: NDArray[np.float32], seen: NDArray[np.bool_]) -> Message:
+        """The points in the frame of an optical camera: x to the right, y down, z ahead; NaN where nothing is seen."""
+        height, width = depths.shape
+        focal = width / (2.0 * math.tan(float(self.camera.HFOV()) / 2.0))
+        across = (np.arange(width) - 0.5 * (width - 1)) / focal
+        down = (np.arange(height) - 0.5 * (height - 1)) / focal
+        z = np.where(seen, depths, np.float32(math.nan))
+        data = np.zeros((height, width, POINT_STEP // 4), "<f4")
+        data[..., 0], data[..., 1], data[..., 2] = z * across, z * down[:, None], z
+        colours = data.view(np.uint8).reshape(height, width, POINT_STEP)[..., 16:19]
+        _, size = ENCODINGS.get(self.camera.ImageFormat(), ("", 0))
+        image = np.frombuffer(self.camera.ImageData(), np.uint8)
+        if size in (1, 3) and len(image) == height * width * size:
+            colours[...] = image.reshape(height, width, size)
+        field = message_type("sensor_msgs/PointField")
+        found: Any = message_type("sensor_msgs/PointCloud2")(width=width, height=height, data=data.tobytes())
+        offsets = {"x": 0, "y": 4, "z": 8, "rgb": 16}
+        found.fields = [field(name=name, offset=at, datatype=7, count=1) for name, at in offsets.items()]
+        found.point_step, found.row_step, found.is_dense = POINT_STEP, POINT_STEP * width, bool(seen.all())
+        self.stamp(found)
+        found.header.frame_id = self.frame_name
+        return found  # type: ignore[no-any-return]

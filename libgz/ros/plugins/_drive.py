@@ -1,0 +1,144 @@
+"""What the drives have in common: commands, odometry, transforms."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from libgz.base.errors import NotFoundError, nearest
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, set_pose
+from libgz.ros.session import finite, set_stamp
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Joint, Model
+
+__all__ = ["COMMAND", "COMMANDS", "ODOMETRY", "Drive", "EncoderPose", "drive_joint"]
+
+COMMANDS = (
+    Parameter("commandTopic", "cmd_vel", "commands"),
+    Parameter("odometryTopic", "odom", "odometry"),
+    Parameter("odometryFrame", "odom", "frame of the odometry"),
+    Parameter("robotBaseFrame", "base_footprint", "frame of the robot in it"),
+)
+COMMAND = Endpoint("subscribes", "<commandTopic>", "geometry_msgs/Twist")
+ODOMETRY = (
+    Endpoint("publishes", "<odometryTopic>", "nav_msgs/Odometry"),
+    Endpoint("publishes", "/tf", "tf2_msgs/TFMessage"),
+)
+UNKNOWN = 1e12  # variance of what a robot on the ground does not measure
+
+
+class EncoderPose:
+    """A pose in the plane, summed up from the ways of two wheels."""
+
+    STATE = ("x", "y", "yaw")
+
+    def __init__(self) -> None:
+        self.x = self.y = self.yaw = 0.0
+
+    def move(self, left: float, right: float, separation: float) -> tuple[float, float, float]:
+        """Move by the ways of the wheels [m]; what was added to x, y and yaw."""
+        turn = (right - left) / separation
+        way, ahead = (left + right) / 2.0, self.yaw + turn / 2.0
+        dx, dy = way * math.cos(ahead), way * math.sin(ahead)
+        self.x, self.y, self.yaw = self.x + dx, self.y + dy, self.yaw + turn
+        return dx, dy, turn
+
+
+class Drive(RosPlugin):
+    """Takes commands, and publishes odometry.
+
+    Attributes:
+        command: the last command: x, y [m/s] and turn rate [rad/s].
+        odometry: the message, filled by `measure_world` or by encoders.
+    """
+
+    command = (0.0, 0.0, 0.0)
+
+    def open_drive(self, model: Model, x: float, y: float, yaw: float) -> None:
+        """Subscribe and advertise; the variances are those of the pose."""
+        self.model, self.world = model, model.GetWorld()
+        given = self.given
+        self.odometry = message_type("nav_msgs/Odometry")()
+        self.odometry.header.frame_id = self.frame(given.odometryFrame)
+        self.odometry.child_frame_id = self.frame(given.robotBaseFrame)
+        self.odometry.pose.covariance[::7] = (x, y, UNKNOWN, UNKNOWN, UNKNOWN, yaw)
+        self.odometry.pose.pose.orientation.w = 1.0
+        self.commands = self.subscribe(given.commandTopic, "geometry_msgs/Twist", self.OnCommand)
+
+    def OnCommand(self, message: Any) -> None:
+        """A new command."""
+        if finite(message):
+            self.command = message.linear.x, message.linear.y, message.angular.z
+            self.commanded(self.world.core.GetSimTime())
+
+    def commanded(self, now: float) -> None:
+        """A command came at sim time `now` [s]."""
+
+    def measure_world(self) -> None:
+        """Take pose and velocities of the model in the world as odometry."""
+        pose, velocity = self.model.WorldPose(), self.model.WorldLinearVel()
+        set_pose(self.odometry.pose.pose, pose)
+        twist, yaw = self.odometry.twist.twist, pose.Rot().Yaw()
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+        twist.linear.x = cosine * velocity.X() + sine * velocity.Y()
+        twist.linear.y = cosine * velocity.Y() - sine * velocity.X()
+        twist.angular.z = self.model.WorldAngularVel().Z()
+
+    def measure_encoders(self, pose: EncoderPose, moved: tuple[float, float, float], elapsed: float) -> None:
+        """Take a pose of encoders, and what was added to it, as odometry."""
+        message = self.odometry
+        place, turn = message.pose.pose.position, message.pose.pose.orientation
+        place.x, place.y, place.z = pose.x, pose.y, 0.0
+        turn.x, turn.y, turn.z, turn.w = 0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)
+        dx, dy, dyaw = moved
+        if elapsed > 0.0:
+            message.twist.twist.linear.x = math.hypot(dx, dy) / elapsed
+            message.twist.twist.linear.y = 0.0
+            message.twist.twist.angular.z = dyaw / elapsed
+
+    def stamp(self, now: float) -> None:
+        """Set the time of the odometry."""
+        set_stamp(self.odometry.header.stamp, now)
+
+    def send_odometry_transform(self) -> None:
+        """Publish the pose of the odometry on /tf."""
+        message = self.odometry
+        place, turn = message.pose.pose.position, message.pose.pose.orientation
+        self.ros.send_transform(
+            message.header.stamp,
+            message.header.frame_id,
+            message.child_frame_id,
+            (place.x, place.y, place.z),
+            (turn.x, turn.y, turn.z, turn.w),
+        )
+
+    def send_wheel_transforms(self, joints: list[Joint]) -> None:
+        """Publish the poses of wheels on /tf."""
+        for joint in joints:
+            pose = joint.GetChild().RelativePose()
+            w, x, y, z = pose.Rot()
+            self.ros.send_transform(
+                self.odometry.header.stamp,
+                self.frame(joint.GetParent().GetName()),
+                self.frame(joint.GetChild().GetName()),
+                tuple(pose.Pos()),
+                (x, y, z, w),
+            )
+
+
+def drive_joint(model: Model, name: str, where: str, tag: str) -> Joint:
+    """A joint of the model.
+
+    Raises:
+        NotFoundError: there is none of this name.
+    """
+    joint = model.GetJoint(name)
+    if joint is None:
+        known = [one.GetName() for one in model.all_joints()]
+        raise NotFoundError(
+            f"{where}: <{tag}> is {name!r}; model {model.GetName()!r} has {', '.join(known) or 'none'}"
+            f"{nearest(name, known)}"
+        )
+    return joint

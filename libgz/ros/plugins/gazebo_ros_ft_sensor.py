@@ -1,0 +1,72 @@
+"""gazebo_ros_ft_sensor: force and torque of a joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.base.errors import NotFoundError, ParameterError
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import find_joint, named_link
+from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.plugin import NOISE, Endpoint, Parameter, RosPlugin, Ticks, set_point
+from libgz.ros.session import set_stamp
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Joint, Model
+    from libgz.sdf.element import Element
+
+
+class GazeboRosFT(RosPlugin, ModelPlugin):
+    """Publishes the wrench that a joint applies to its child, in the child's frame, which the message names."""
+
+    STATE = ("ticks",)
+
+    parameters = (
+        Parameter("jointName", "", "the joint"),
+        Parameter("bodyName", "", "or the joint's child"),
+        Parameter("topicName", "wrench", "wrenches"),
+        NOISE,
+        Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
+    )
+    endpoints = (Endpoint("publishes", "<topicName>", "geometry_msgs/WrenchStamped"),)
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the joint, and advertise."""
+        self.open(sdf, model.GetName())
+        self.world, self.joint = model.GetWorld(), self._joint(model, sdf)
+        self.joint.SetProvideFeedback(True)
+        self.ticks = Ticks(self.given.updateRate)
+        self.message = message_type("geometry_msgs/WrenchStamped")()
+        self.message.header.frame_id = self.frame(self.joint.GetChild().GetName())
+        self.publication = self.publish(self.given.topicName, "geometry_msgs/WrenchStamped")
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def _joint(self, model: Model, sdf: Element) -> Joint:
+        if self.given.jointName:
+            return find_joint(model, self.given.jointName)
+        if not self.given.bodyName:
+            raise ParameterError(f"{sdf.where}: <plugin> has no <jointName>: the joint")
+        link = named_link(model, ros_elements(sdf), "bodyName")
+        joints = link.GetParentJoints()
+        if not joints:
+            raise NotFoundError(f"{sdf.where}: <bodyName> is {link.GetName()!r}, which is no joint's child")
+        return joints[0]
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Publish, if it is time."""
+        if not self.publication.listened:
+            return
+        now = self.world.core.GetSimTime()
+        if not self.ticks.due(now):
+            return
+        wrench, message, deviation = self.joint.GetForceTorque(0), self.message, self.given.gaussianNoise
+        set_stamp(message.header.stamp, now)
+        set_point(message.wrench.force, wrench.body2Force, deviation)
+        set_point(message.wrench.torque, wrench.body2Torque, deviation)
+        self.publication.publish(message)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosFT)

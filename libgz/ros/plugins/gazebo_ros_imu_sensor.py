@@ -1,0 +1,58 @@
+"""gazebo_ros_imu_sensor: measurements of an IMU."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic.math import Quaterniond
+from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, noise, set_point, set_quaternion
+from libgz.ros.plugins._sensor import RosSensor, model_of
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.sdf.element import Element
+
+
+class GazeboRosImuSensor(RosSensor, SensorPlugin):
+    """Publishes each measurement; the orientation is that in the world. Noise is on all ten values."""
+
+    own_namespace = True
+    parameters = (
+        Parameter("topicName", "imu_data", "measurements"),
+        Parameter("frameName", str, "the frame of the measurements"),
+        Parameter("updateRateHZ", 1.0, "at most so many a second [Hz]; 0: each measurement"),
+        NOISE,
+        *OFFSETS,
+        Parameter("initialOrientationAsReference", False, "orientations relative to the one at the start"),
+    )
+    endpoints = (Endpoint("publishes", "<topicName>", "sensor_msgs/Imu"),)
+
+    def Load(self, sensor: Any, sdf: Element) -> None:
+        """Advertise."""
+        self.open(sdf, model_of(sensor))
+        self.open_sensor(sensor, sdf, self.given.updateRateHZ)
+        if not self.given.initialOrientationAsReference:
+            sensor.SetWorldToReferenceOrientation(Quaterniond(1.0, 0.0, 0.0, 0.0))
+        self.turn = Quaterniond(*self.given.rpyOffset)
+        message = self.message = message_type("sensor_msgs/Imu")()
+        message.header.frame_id = self.given.frameName
+        for name in ("orientation", "angular_velocity", "linear_acceleration"):
+            getattr(message, f"{name}_covariance")[::4] = self.given.gaussianNoise**2
+        self.publication = self.advertise(self.given.topicName, "sensor_msgs/Imu")
+        self.begin()
+
+    def send(self) -> None:
+        """Publish the measurement."""
+        message, sensor, deviation = self.message, self.sensor, self.given.gaussianNoise
+        self.stamp(message)
+        set_quaternion(message.orientation, self.turn * sensor.Orientation())
+        if deviation > 0.0:
+            for name in ("x", "y", "z", "w"):
+                setattr(message.orientation, name, getattr(message.orientation, name) + noise(deviation))
+        set_point(message.linear_acceleration, sensor.LinearAcceleration(), deviation)
+        set_point(message.angular_velocity, sensor.AngularVelocity(), deviation)
+        self.publication.publish(message)
+
+
+GZ_REGISTER_SENSOR_PLUGIN(GazeboRosImuSensor)

@@ -1,0 +1,87 @@
+"""gazebo_ros_joint_pose_trajectory: sets positions of joints along a trajectory."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
+from libgz.ros.session import finite
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+log = logging.getLogger("libgz.ros")
+
+
+class GazeboRosJointPoseTrajectory(RosPlugin, ModelPlugin):
+    """Sets the positions of a JointTrajectory, point after point: each after the times of those before it."""
+
+    STATE = ("points", "names", "due")
+
+    parameters = (
+        Parameter("topicName", "set_joint_trajectory", "trajectories"),
+        Parameter("serviceName", "set_joint_trajectory", "sets a trajectory"),
+        Parameter("updateRate", 0.0, "accepted without effect, as in the original"),
+    )
+    endpoints = (
+        Endpoint("subscribes", "<topicName>", "trajectory_msgs/JointTrajectory"),
+        Endpoint("serves", "<serviceName>", "gazebo_msgs/SetJointTrajectory"),
+    )
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Subscribe and serve."""
+        self.open(sdf, model.GetName())
+        self.model, self.world = model, model.GetWorld()
+        kind = "trajectory_msgs/JointTrajectory"
+        self.trajectories = self.subscribe(self.given.topicName, kind, self.OnTrajectory, 100)
+        self.service = self.serve(self.given.serviceName, "gazebo_msgs/SetJointTrajectory", self.OnSet)
+        self.Reset()
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def Reset(self) -> None:
+        """Forget the trajectory."""
+        self.points: list[tuple[float, list[float]]] = []
+        self.names: list[str] = []
+        self.due = 0.0
+
+    def OnSet(self, request: Any) -> Any:
+        """A trajectory by the service."""
+        good, text = self._take(request.joint_trajectory)
+        return self.service.kind.response(success=good, status_message=text)
+
+    def OnTrajectory(self, message: Any) -> None:
+        """A trajectory by the topic."""
+        good, text = self._take(message)
+        if not good:
+            log.error("%s: %s", self.handleName, text)
+
+    def _take(self, message: Any) -> tuple[bool, str]:
+        names = list(message.joint_names)
+        unknown = [name for name in names if self.model.GetJoint(name) is None]
+        if unknown:
+            return False, f"model {self.model.GetName()!r} has no joint {unknown[0]!r}"
+        if not finite(message) or any(len(point.positions) != len(names) for point in message.points):
+            return False, "a point has not one finite position for each joint"
+        points = [(point.time_from_start.seconds, list(map(float, point.positions))) for point in message.points]
+        self.points, self.names = points, names
+        self.due = max(message.header.stamp.seconds, self.world.core.GetSimTime())
+        return True, "trajectory set"
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Set the positions of the next point, if it is time."""
+        if not self.points or self.world.core.GetSimTime() < self.due:
+            return
+        wait, positions = self.points.pop(0)
+        for name, position in zip(self.names, positions, strict=True):
+            joint = self.model.GetJoint(name)
+            if joint is not None:
+                joint.SetPosition(0, position, True)
+        self.due += wait
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointPoseTrajectory)

@@ -1,0 +1,57 @@
+"""gazebo_ros_joint_state_publisher: positions and velocities of joints."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import find_joint
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.session import set_stamp
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class GazeboRosJointStatePublisher(RosPlugin, ModelPlugin):
+    """Publishes positions and velocities of joints, without efforts."""
+
+    STATE = ("ticks",)
+
+    own_namespace = True
+    parameters = (
+        Parameter("jointName", [], "names of joints, separated by commas; none: all that move"),
+        Parameter("updateRate", 100.0, "[Hz]; 0: each iteration"),
+    )
+    endpoints = (Endpoint("publishes", "joint_states", "sensor_msgs/JointState"),)
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the joints, and advertise."""
+        self.open(sdf, model.GetName())
+        self.world = model.GetWorld()
+        names = self.given.jointName
+        self.joints = [find_joint(model, name) for name in names] or [j for j in model.all_joints() if j.DOF()]
+        self.ticks = Ticks(self.given.updateRate)
+        self.message = message_type("sensor_msgs/JointState")(name=[joint.GetName() for joint in self.joints])
+        self.publication = self.publish("joint_states", "sensor_msgs/JointState", 1000)
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Publish, if it is time."""
+        if not self.publication.listened:
+            return
+        now = self.world.core.GetSimTime()
+        if not self.ticks.due(now):
+            return
+        message = self.message
+        set_stamp(message.header.stamp, now)
+        message.position = [joint.Position(0) for joint in self.joints]
+        message.velocity = [joint.GetVelocity(0) for joint in self.joints]
+        self.publication.publish(message)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointStatePublisher)

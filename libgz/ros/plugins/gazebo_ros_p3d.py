@@ -1,0 +1,83 @@
+"""gazebo_ros_p3d: the true pose and velocities of a link."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.base.errors import NotFoundError
+from libgz.classic.event import Events
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import named_link
+from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, RosPlugin, Ticks, set_pose, set_twist
+from libgz.ros.session import set_stamp
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+WORLD = ("", "world", "map", "/map", "/world")  # names of the world's frame
+
+
+class GazeboRosP3D(RosPlugin, ModelPlugin):
+    """Publishes pose and velocities of a link in the world, or relative to another link. Noise is on the velocities."""
+
+    STATE = ("ticks",)
+
+    parameters = (
+        Parameter("bodyName", str, "the link"),
+        Parameter("topicName", str, "the poses"),
+        Parameter("frameName", "world", "the world, or a link of the model whose frame they are in"),
+        Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
+        NOISE,
+        *OFFSETS,
+        Parameter("xyzOffsets", Vector3d(), "in ROS 2: as xyzOffset"),
+        Parameter("rpyOffsets", Vector3d(), "in ROS 2: as rpyOffset"),
+    )
+    endpoints = (Endpoint("publishes", "<topicName>", "nav_msgs/Odometry"),)
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the links, and advertise."""
+        self.open(sdf, model.GetName())
+        given = self.given
+        self.world, self.link = model.GetWorld(), named_link(model, ros_elements(sdf), "bodyName")
+        self.reference = None if given.frameName in WORLD else model.GetLink(given.frameName)
+        if self.reference is None and given.frameName not in WORLD:
+            names = ", ".join(link.GetName() for link in model.family_links())
+            raise NotFoundError(f"{sdf.where}: <frameName> is {given.frameName!r}; it must be world or one of {names}")
+        place = given.xyzOffset + given.xyzOffsets
+        self.offset, self.turn = place, Quaterniond(*(given.rpyOffset + given.rpyOffsets))
+        self.ticks = Ticks(given.updateRate)
+        message = self.message = message_type("nav_msgs/Odometry")()
+        message.header.frame_id, message.child_frame_id = self.frame(given.frameName), given.bodyName
+        message.pose.covariance[::7] = message.twist.covariance[::7] = given.gaussianNoise**2
+        self.publication = self.publish(given.topicName, "nav_msgs/Odometry")
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Publish, if it is time."""
+        if not self.publication.listened:
+            return
+        now = self.world.core.GetSimTime()
+        if not self.ticks.due(now):
+            return
+        pose = self.link.WorldPose()
+        linear, angular = self.link.WorldLinearVel(), self.link.WorldAngularVel()
+        place, turn = pose.Pos(), pose.Rot()
+        if self.reference is not None:
+            frame = self.reference.WorldPose()
+            place = frame.Rot().RotateVectorReverse(place - frame.Pos())
+            turn = turn * frame.Rot().Inverse()
+            linear = frame.Rot().RotateVector(linear - self.reference.WorldLinearVel())
+            angular = frame.Rot().RotateVector(angular - self.reference.WorldAngularVel())
+        message = self.message
+        set_stamp(message.header.stamp, now)
+        set_pose(message.pose.pose, Pose3d(place + self.offset, self.turn * turn))
+        set_twist(message.twist.twist, linear, angular, self.given.gaussianNoise)
+        self.publication.publish(message)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosP3D)

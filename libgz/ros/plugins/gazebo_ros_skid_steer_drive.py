@@ -1,0 +1,80 @@
+"""gazebo_ros_skid_steer_drive: drives a model with four wheels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.base.errors import ParameterError
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.ros.plugin import Parameter, Ticks
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, drive_joint
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+WHEELS = ("leftFrontJoint", "leftRearJoint", "rightFrontJoint", "rightRearJoint")
+
+
+class GazeboRosSkidSteerDrive(Drive, ModelPlugin):
+    """Turns the wheels by their motors, and publishes the model's pose in the world as odometry."""
+
+    STATE = ("command", "ticks")
+
+    parameters = (
+        *COMMANDS,
+        Parameter("leftFrontJoint", "left_front_joint", "joint of a wheel"),
+        Parameter("leftRearJoint", "left_rear_joint", "joint of a wheel"),
+        Parameter("rightFrontJoint", "right_front_joint", "joint of a wheel"),
+        Parameter("rightRearJoint", "right_rear_joint", "joint of a wheel"),
+        Parameter("wheelSeparation", 0.4, "between left and right [m]"),
+        Parameter("wheelDiameter", 0.15, "[m]"),
+        Parameter("torque", 5.0, "of each motor [N m]"),
+        Parameter("updateRate", 100.0, "of commands and odometry [Hz]"),
+        Parameter("broadcastTF", False, "publish the transform of the odometry"),
+        Parameter("covarianceX", 1e-4, "variance of x; also covariance_x"),
+        Parameter("covarianceY", 1e-4, "variance of y; also covariance_y"),
+        Parameter("covarianceYaw", 1e-2, "variance of yaw; also covariance_yaw"),
+    )
+    endpoints = (COMMAND, *ODOMETRY)
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the joints, subscribe and advertise."""
+        self.open(sdf, model.GetName())
+        given = self.given
+        if not given.wheelDiameter > 0.0:
+            raise ParameterError(f"{sdf.where}: <wheelDiameter> must be positive")
+        self.joints = [drive_joint(model, getattr(given, tag), sdf.where, tag) for tag in WHEELS]
+        for joint in self.joints:
+            joint.SetParam("fmax", 0, given.torque)
+        self.ticks = Ticks(given.updateRate)
+        self.open_drive(model, given.covarianceX, given.covarianceY, given.covarianceYaw)
+        self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def Reset(self) -> None:
+        """Stop."""
+        self.command = (0.0, 0.0, 0.0)
+        for joint in self.joints:
+            joint.SetParam("fmax", 0, self.given.torque)
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Run the wheels and publish, if it is time."""
+        now = self.world.core.GetSimTime()
+        if not self.ticks.due(now):
+            return
+        self.stamp(now)
+        self.measure_world()
+        if self.given.broadcastTF:
+            self.send_odometry_transform()
+        if self.publication.listened:
+            self.publication.publish(self.odometry)
+        speed, _, turn = self.command
+        half, radius = turn * self.given.wheelSeparation / 2.0, self.given.wheelDiameter / 2.0
+        for joint, at in zip(self.joints, (speed - half, speed - half, speed + half, speed + half), strict=True):
+            joint.SetParam("vel", 0, at / radius)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosSkidSteerDrive)

@@ -1,0 +1,129 @@
+"""gazebo_ros_tricycle_drive: drives a model with one driven and steered wheel."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from libgz.base.errors import ParameterError
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.ros.plugin import Endpoint, Parameter, Ticks
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class GazeboRosTricycleDrive(Drive, ModelPlugin):
+    """Turns and steers the front wheel: of a command, linear x is its speed [m/s], angular z its angle [rad]."""
+
+    STATE = ("command", "ticks", "pose", "last")
+
+    own_namespace = True
+    parameters = (
+        *COMMANDS[:-1],
+        Parameter("robotBaseFrame", "base_link", "frame of the robot in it"),
+        Parameter("steeringJoint", "front_steering_joint", "steers the front wheel"),
+        Parameter("actuatedWheelJoint", "front_wheel_joint", "turns the front wheel"),
+        Parameter("encoderWheelLeftJoint", "left_wheel_joint", "of the left rear wheel"),
+        Parameter("encoderWheelRightJoint", "right_wheel_joint", "of the right rear wheel"),
+        Parameter("actuatedWheelDiameter", 0.15, "[m]"),
+        Parameter("encoderWheelDiameter", 0.15, "[m]"),
+        Parameter("encoderWheelSeparation", 0.5, "[m]"),
+        Parameter("wheelTorque", 5.0, "of both motors [N m]"),
+        Parameter("wheelAcceleration", 0.0, "most change of the wheel's rate [rad/s^2]; 0: at once"),
+        Parameter("wheelDeceleration", 0.0, "the same where it becomes slower; 0: that of wheelAcceleration"),
+        Parameter("wheelSpeedTolerance", 0.01, "[rad/s]"),
+        Parameter("steeringSpeed", 0.0, "[rad/s]; 0: the angle is set at once"),
+        Parameter("steeringAngleTolerance", 0.01, "[rad]"),
+        Parameter("updateRate", 100.0, "of commands and odometry [Hz]"),
+        Parameter("odometrySource", "world", "world or encoder; in ROS 2, 1 or 0"),
+        Parameter("publishWheelTF", False, "publish the wheels' transforms"),
+        Parameter("publishWheelJointState", False, "publish the wheels' joint states"),
+    )
+    endpoints = (COMMAND, *ODOMETRY, Endpoint("publishes", "joint_states", "sensor_msgs/JointState"))
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the joints, subscribe and advertise."""
+        self.open(sdf, model.GetName())
+        given = self.given
+        self.steering, self.wheel, self.left, self.right = (
+            drive_joint(model, getattr(given, tag), sdf.where, tag)
+            for tag in ("steeringJoint", "actuatedWheelJoint", "encoderWheelLeftJoint", "encoderWheelRightJoint")
+        )
+        if not (given.actuatedWheelDiameter > 0.0 and given.encoderWheelSeparation > 0.0):
+            raise ParameterError(f"{sdf.where}: <actuatedWheelDiameter> and <encoderWheelSeparation> must be positive")
+        for joint in (self.wheel, self.steering):
+            joint.SetParam("fmax", 0, given.wheelTorque)
+        self.encoders = given.odometrySource in ("encoder", "0")
+        self.ticks, self.pose, self.last = Ticks(given.updateRate), EncoderPose(), model.GetWorld().core.GetSimTime()
+        self.open_drive(model, 1e-5, 1e-5, 1e-3)
+        self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
+        self.joint_states = None
+        if given.publishWheelJointState:
+            self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def Reset(self) -> None:
+        """Stop, with odometry at zero."""
+        self.command, self.pose = (0.0, 0.0, 0.0), EncoderPose()
+        self.last = self.world.core.GetSimTime()
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Run the motors; publish, if it is time."""
+        now = self.world.core.GetSimTime()
+        if self.encoders:
+            self._measure(now)
+        if not self.ticks.due(now):
+            return
+        self.stamp(now)
+        if not self.encoders:
+            self.measure_world()
+        self.send_odometry_transform()
+        if self.publication.listened:
+            self.publication.publish(self.odometry)
+        joints = [self.steering, self.wheel, self.left, self.right]
+        if self.given.publishWheelTF:
+            self.send_wheel_transforms(joints)
+        if self.joint_states is not None and self.joint_states.listened:
+            message = message_type("sensor_msgs/JointState")()
+            message.header.stamp = self.odometry.header.stamp
+            message.name = [joint.GetName() for joint in joints]
+            message.position = [joint.Position(0) for joint in joints]
+            message.velocity = [joint.GetVelocity(0) for joint in joints]
+            message.effort = [joint.GetForce(0) for joint in joints]
+            self.joint_states.publish(message)
+        self._run(1.0 / self.given.updateRate if self.given.updateRate > 0.0 else self.world.core.engine.step_time)
+
+    def _measure(self, now: float) -> None:
+        elapsed, self.last = now - self.last, now
+        radius = self.given.encoderWheelDiameter / 2.0
+        left, right = (joint.GetVelocity(0) * radius * elapsed for joint in (self.left, self.right))
+        moved = self.pose.move(left, right, self.given.encoderWheelSeparation)
+        self.measure_encoders(self.pose, moved, elapsed)
+
+    def _run(self, period: float) -> None:
+        """Set the speed of the wheel, and its angle."""
+        given = self.given
+        speed, _, angle = self.command
+        wanted, present = speed / (given.actuatedWheelDiameter / 2.0), self.wheel.GetVelocity(0)
+        if given.wheelAcceleration > 0.0:
+            slower = given.wheelDeceleration or given.wheelAcceleration
+            most = (given.wheelAcceleration if abs(wanted) > abs(present) else slower) * period
+            if abs(wanted - present) > given.wheelSpeedTolerance:
+                wanted = max(present - most, min(present + most, wanted))
+        self.wheel.SetParam("vel", 0, wanted)
+        angle = max(-math.pi / 2.0, min(math.pi / 2.0, angle))
+        error = angle - self.steering.Position(0)
+        if given.steeringSpeed > 0.0:
+            turning = 0.0 if abs(error) < given.steeringAngleTolerance else math.copysign(given.steeringSpeed, error)
+            self.steering.SetParam("vel", 0, turning)
+        else:
+            self.steering.SetPosition(0, angle, True)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosTricycleDrive)

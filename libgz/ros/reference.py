@@ -1,0 +1,73 @@
+"""The tables of docs/ros.md, made from what plugins declare: ``python -m libgz.ros.reference`` writes them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from libgz.ros.api import SERVICES
+from libgz.ros.plugin import Parameter, RosPlugin
+from libgz.ros.server import PLUGINS, STAND_INS
+from libgz.simulation.plugins import load_plugin
+
+__all__ = ["page", "plugin_table", "service_table"]
+
+BEGIN, END = "<!-- {}: made by python -m libgz.ros.reference -->", "<!-- end of {} -->"
+
+
+def _plugins() -> Iterator[tuple[str, type[RosPlugin]]]:
+    """(name of its file, class) of each plugin."""
+    for path in sorted(PLUGINS.glob("[!_]*.py")):
+        for _, one in load_plugin(path).registered:
+            if isinstance(one, type) and issubclass(one, RosPlugin):
+                yield path.stem, one
+
+
+def plugin_table() -> str:
+    """A table of the plugins with their topics and parameters, in Markdown."""
+    rows = ["| plugin | topics and services | parameters |", "|---|---|---|"]
+    for name, plugin in _plugins():
+        others = [other for other, own in STAND_INS.items() if own == name]
+        names = ", ".join(f"`lib{one}.so`" for one in (name, *others))
+        about = "<br>".join(f"{one.verb} `{one.name}` {one.kind}" for one in plugin.endpoints)
+        about += "<br>without `robotNamespace` below `/<model>/`" if plugin.own_namespace else ""
+        rows.append(f"| {names} | {about} | {'<br>'.join(map(_described, plugin.parameters))} |")
+    return "\n".join(rows)
+
+
+def _described(parameter: Parameter) -> str:
+    return f"`{parameter.name}`{_default(parameter.default)} {parameter.meaning}".replace("|", "\\|")
+
+
+def _default(value: Any) -> str:
+    if isinstance(value, type):
+        return " (required):"
+    if isinstance(value, bool):
+        return f" ({str(value).lower()}):"
+    if isinstance(value, str | int | float):
+        return f" ({value if isinstance(value, str) else f'{value:g}'}):" if value != "" else ":"
+    return ":"
+
+
+def service_table() -> str:
+    """A list of the services of /gazebo, in Markdown."""
+    return ", ".join(f"`{name}` ({kind.removeprefix('gazebo_msgs/')})" for name, kind in SERVICES.items())
+
+
+def _replaced(text: str, name: str, table: str) -> str:
+    begin, end = BEGIN.format(name), END.format(name)
+    before, _, rest = text.partition(begin)
+    _, _, after = rest.partition(end)
+    return f"{before}{begin}\n\n{table}\n\n{end}{after}"
+
+
+def page(text: str) -> str:
+    """A page with its tables as they should be."""
+    return _replaced(_replaced(text, "plugins", plugin_table()), "services", service_table())
+
+
+if __name__ == "__main__":
+    path = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/ros.md")
+    path.write_text(page(path.read_text()))

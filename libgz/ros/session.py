@@ -1,0 +1,325 @@
+"""Session: ROS of one server: what its plugins publish, subscribe to and serve, by whatever wires it has."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
+from weakref import WeakKeyDictionary, WeakSet
+
+import numpy as np
+
+from libgz.base.closing import Closing
+from libgz.base.errors import GazeboError, StateError
+from libgz.ros.names import NodeNames, frame_with_prefix
+from libgz.ros.node import Node, Publisher
+from libgz.ros.packing import codec
+from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
+from libgz.simulation.event import AtEnd, Callback, unowned
+
+__all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite", "session", "set_stamp"]
+
+log = logging.getLogger("libgz.ros")
+
+MOST_REQUESTS = 256  # that may wait for the step
+
+_sessions: list[Session] = []
+
+
+def session() -> Session:
+    """The session of this process.
+
+    Raises:
+        StateError: there is none.
+    """
+    if not _sessions:
+        raise StateError("there is no ROS in this process; start the server with --ros1")
+    return _sessions[-1]
+
+
+class Later:
+    """The answer of a service that takes more than a step.
+
+    Args:
+        poll: called after each step; the answer, or None as long as there is none.
+        patience: how long it may take [s], of real time.
+        overdue: the answer if it takes longer.
+    """
+
+    def __init__(self, poll: Callable[[], Message | None], patience: float, overdue: Message) -> None:
+        self.poll, self.deadline, self.overdue = poll, time.monotonic() + patience, overdue
+
+
+class Publication:
+    """A topic that is published, as long as this is kept, or until its plugin ends.
+
+    Attributes:
+        topic: its full name.
+        kind: the type of its messages.
+    """
+
+    def __init__(
+        self,
+        owner: Session,
+        topic: str,
+        kind: MessageType,
+        queue: int,
+        latch: bool,
+        changed: Callable[[], object] | None = None,
+    ) -> None:
+        self.topic, self.kind = topic, kind
+        node = owner.node
+        publisher = self._publisher = node.advertise(topic, kind, queue, latch)
+        if changed is not None:
+            self.changed = Callback(f"the update of what topic {topic} needs", changed)
+            owner.watchers.setdefault(publisher, WeakSet()).add(self)
+        self._codec = codec(kind)
+        self._stamped = any(field.kind == "std_msgs/Header" and field.name == "header" for field in kind.fields)
+        self._number = 0
+        self._end = AtEnd(lambda: node.withdraw(publisher))
+
+    @property
+    def listened(self) -> bool:
+        """Whether there are subscribers: without any, no message needs to be made."""
+        return self._publisher.listened
+
+    def publish(self, message: Any) -> None:
+        """Send a message. Its bytes are made now; they leave after the step, in another thread."""
+        if self._stamped:
+            message.header.seq = self._number
+        self._number += 1
+        if self._publisher.listened:
+            self._publisher.publish(self._codec.pack(message))
+
+
+class Subscription:
+    """A topic that is subscribed to, as long as this is kept, or until its plugin ends.
+
+    Messages are delivered between steps, in the thread of the world; of those that come faster, the oldest are dropped.
+    """
+
+    def __init__(
+        self, owner: Session, topic: str, kind: MessageType, callback: Callable[[Any], object], queue: int
+    ) -> None:
+        self.topic, self.kind = topic, kind
+        self._session, self._codec = owner, codec(kind)
+        self._call = Callback(f"the callback of topic {topic}", callback)
+        self._waiting: deque[Any] = deque(maxlen=max(queue, 1))
+        node, received = owner.node, self._received
+        subscriber = node.subscribe(topic, kind, received)
+        self._end = AtEnd(lambda: node.unsubscribe(subscriber, received))
+
+    def _received(self, body: bytes) -> None:
+        self._waiting.append(self._codec.unpack(body))
+        self._session.waiting.append(self)
+
+    def deliver(self) -> None:
+        """Call the callback for all that waits."""
+        for _ in range(len(self._waiting)):
+            self._call(self._waiting.popleft())
+
+
+class Service:
+    """A service that is served, as long as this is kept, or until its plugin ends.
+
+    Requests are answered between steps, in the thread of the world.
+    """
+
+    def __init__(self, owner: Session, name: str, kind: ServiceType, handler: Callable[[Any], Message | Later]) -> None:
+        self.name, self.kind = name, kind
+        self._session, self._handler = owner, handler
+        self._request, self._response = codec(kind.request), codec(kind.response)
+        node = owner.node
+        server = node.serve(name, kind, self._received)
+        self._end = AtEnd(lambda: node.stop_serving(server))
+
+    def _received(self, body: bytes, answer: Callable[[bool, bytes], None]) -> bool:
+        if len(self._session.requests) >= MOST_REQUESTS:
+            return False
+        self._session.requests.append((self, body, answer))
+        return True
+
+    def handle(self, body: bytes, answer: Callable[[bool, bytes], None]) -> None:
+        """Answer a request now, or later."""
+        try:
+            result = self._handler(self._request.unpack(body))
+        except GazeboError as error:
+            log.error("service %s: %s", self.name, error)
+            answer(False, str(error).encode())
+            return
+        except Exception as error:
+            log.exception("service %s failed", self.name)
+            answer(False, str(error).encode())
+            return
+        if isinstance(result, Later):
+            self._session.later.append((self, result, answer))
+        else:
+            self.answer(result, answer)
+
+    def answer(self, response: Message, answer: Callable[[bool, bytes], None]) -> None:
+        """Send a response."""
+        try:
+            answer(True, self._response.pack(response))
+        except GazeboError as error:
+            log.error("service %s: %s", self.name, error)
+            answer(False, str(error).encode())
+
+
+class Session(Closing):
+    """ROS of one server, from `with` to its end.
+
+    Args:
+        names: of its node.
+
+    Attributes:
+        node: the node of ROS 1.
+    """
+
+    def __init__(self, names: NodeNames) -> None:
+        self.names = names
+        self.node = Node(names)
+        self.waiting: deque[Subscription] = deque()
+        self.requests: deque[tuple[Service, bytes, Callable[[bool, bytes], None]]] = deque()
+        self.later: list[tuple[Service, Later, Callable[[bool, bytes], None]]] = []
+        self.watchers: WeakKeyDictionary[Publisher, WeakSet[Publication]] = WeakKeyDictionary()
+        self._transforms: Publication | None = None
+        self.node.start()
+        _sessions.append(self)
+
+    def close(self) -> None:
+        """Unregister all that is left, and close the wires."""
+        if self in _sessions:
+            _sessions.remove(self)
+            self._transforms = None
+            self.node.close()
+
+    # Names -------------------------------------------------------------------------------------------------------
+
+    def resolve(self, name: str, space: str = "") -> str:
+        """The full name of a topic or service in a namespace."""
+        return self.names.resolve(name, space)
+
+    def parameter(self, name: str, default: Any = None) -> Any:
+        """A parameter of the parameter server: absolute, relative, or private with ``~``."""
+        value = self.node.parameter(self.names.resolve(name))
+        return default if value is None else value
+
+    def frame(self, name: str, space: str = "") -> str:
+        """A frame of TF with the prefix that the parameter tf_prefix gives for a namespace."""
+        prefix = self.node.search_parameter("tf_prefix", self.resolve("x", space).rpartition("/")[0])
+        return frame_with_prefix(str(prefix or ""), name)
+
+    # Topics and services -----------------------------------------------------------------------------------------
+
+    def publish(
+        self,
+        topic: str,
+        kind: str,
+        queue: int = 1,
+        latch: bool = False,
+        space: str = "",
+        changed: Callable[[], object] | None = None,
+    ) -> Publication:
+        """Publish a topic.
+
+        Args:
+            topic: its name, resolved in the namespace `space`.
+            kind: the name of its type.
+            queue: messages that wait for a slow subscriber.
+            latch: keep the last message for subscribers that come.
+            space: a namespace.
+            changed: called between steps when subscribers have come or gone.
+        """
+        return Publication(self, self.resolve(topic, space), message_type(kind), queue, latch, changed)
+
+    def subscribe(
+        self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, space: str = ""
+    ) -> Subscription:
+        """Subscribe to a topic; `callback` gets the messages between steps."""
+        return Subscription(self, self.resolve(topic, space), message_type(kind), callback, queue)
+
+    def serve(self, name: str, kind: str, handler: Callable[[Any], Message | Later], space: str = "") -> Service:
+        """Serve a service; `handler` gets the requests between steps, and returns responses."""
+        return Service(self, self.resolve(name, space), service_type(kind), handler)
+
+    def send_transform(
+        self, now: Stamp, parent: str, child: str, place: Sequence[float], turn: Sequence[float]
+    ) -> None:
+        """Publish one transform on /tf.
+
+        Args:
+            now: its time.
+            parent, child: names of the frames.
+            place: the child's origin in the parent [m].
+            turn: the child's rotation, x, y, z, w.
+        """
+        if self._transforms is None:
+            with unowned():
+                self._transforms = self.publish("/tf", "tf2_msgs/TFMessage", 100)
+        if not self._transforms.listened:
+            return
+        one = message_type("geometry_msgs/TransformStamped")()
+        one.header.stamp, one.header.frame_id, one.child_frame_id = now, parent, child
+        part, rotation = one.transform.translation, one.transform.rotation
+        part.x, part.y, part.z = place
+        rotation.x, rotation.y, rotation.z, rotation.w = turn
+        self._transforms.publish(self._transforms.kind(transforms=[one]))
+
+    # Between steps -----------------------------------------------------------------------------------------------
+
+    def deliver(self) -> None:
+        """Deliver what came, and send what waits; in the thread of the world."""
+        while self.node.changed:
+            for publication in list(self.watchers.get(self.node.changed.popleft(), ())):
+                publication.changed()
+        while self.waiting:
+            self.waiting.popleft().deliver()
+        for _ in range(len(self.requests)):
+            service, body, answer = self.requests.popleft()
+            service.handle(body, answer)
+        if self.later:
+            self._answer_later()
+        self.node.flush()
+
+    def _answer_later(self) -> None:
+        now = time.monotonic()
+        waiting, self.later = self.later, []
+        for service, later, answer in waiting:
+            try:
+                response = later.poll()
+            except GazeboError as error:
+                log.error("service %s: %s", service.name, error)
+                answer(False, str(error).encode())
+                continue
+            if response is None and now > later.deadline:
+                response = later.overdue
+            if response is None:
+                self.later.append((service, later, answer))
+            else:
+                service.answer(response, answer)
+
+
+def set_stamp(stamp: Stamp, seconds: float) -> None:
+    """Set a time [s], to the nanosecond."""
+    total = round(seconds * 1e9)
+    stamp.secs, stamp.nsecs = divmod(total, 1_000_000_000)
+
+
+def finite(message: Any) -> bool:
+    """Whether all numbers of a message are finite."""
+    for field in message.kind.fields:
+        value = getattr(message, field.name)
+        if field.kind in ("float32", "float64"):
+            if not (math.isfinite(value) if field.size is None else bool(np.isfinite(value).all())):
+                return False
+        elif field.kind in NUMBERS:
+            continue
+        elif isinstance(value, Message):
+            if not finite(value):
+                return False
+        elif isinstance(value, list) and not all(finite(one) for one in value if isinstance(one, Message)):
+            return False
+    return True

@@ -1,0 +1,160 @@
+"""XML-RPC as the masters and nodes of ROS 1 speak it, with bounds of time and size on both sides."""
+
+from __future__ import annotations
+
+import http.client
+import http.server
+import logging
+import threading
+import xmlrpc.client
+from collections.abc import Callable, Mapping
+from typing import Any
+from urllib.parse import urlsplit
+from xml.parsers.expat import ExpatError
+
+from libgz.base.errors import GazeboError
+
+__all__ = ["Server", "XmlRpcError", "call"]
+
+log = logging.getLogger("libgz.ros")
+
+MOST_ANSWER = 1 << 24  # bytes; a robot description is the longest
+MOST_REQUEST = 1 << 20
+MOST_THREADS = 32
+PATIENCE = 5.0  # [s]
+
+_FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, KeyError)
+
+
+class XmlRpcError(GazeboError):
+    """A call that failed: nobody there, no answer in time, or an answer that is none."""
+
+
+def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any:
+    """Call a method; what it returns.
+
+    Raises:
+        XmlRpcError: the call failed.
+    """
+    try:
+        place = urlsplit(uri)
+        if place.scheme != "http" or not place.hostname:
+            raise XmlRpcError(f"{uri!r} is no address of XML-RPC; it must begin with http://")
+        body = xmlrpc.client.dumps(values, method, allow_none=True).encode()
+        connection = http.client.HTTPConnection(place.hostname, place.port or 80, timeout=patience)
+        try:
+            connection.request("POST", place.path or "/RPC2", body, {"Content-Type": "text/xml"})
+            answer = connection.getresponse()
+            data = answer.read(MOST_ANSWER + 1)
+        finally:
+            connection.close()
+        if answer.status != http.HTTPStatus.OK:
+            raise XmlRpcError(f"{uri} answered {answer.status} {answer.reason}")
+        return _loads(data, MOST_ANSWER)[0][0]
+    except _FAILURES as error:
+        raise XmlRpcError(f"{method} of {uri}: {error or type(error).__name__}") from error
+
+
+def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:
+    if len(data) > most:
+        raise ValueError(f"more than {most} bytes")
+    if b"<!" in data.replace(b"<![CDATA[", b""):  # no entities; comments are nobody's need
+        raise ValueError("a document type or a comment")
+    values, method = xmlrpc.client.loads(data)
+    return values, method
+
+
+class Server:
+    """Serves functions by XML-RPC, each request in a thread.
+
+    Args:
+        address: where it listens.
+        functions: by their names.
+    """
+
+    def __init__(self, address: str, functions: Mapping[str, Callable[..., Any]]) -> None:
+        self._server = _HttpServer((address, 0), _Handler)
+        self._server.functions = functions
+        self.port: int = self._server.server_address[1]
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="ros-xmlrpc", daemon=True)
+
+    def start(self) -> None:
+        """Begin to serve."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End."""
+        self._server.shutdown()
+        self._server.server_close()
+
+
+class _HttpServer(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+    block_on_close = False
+    request_queue_size = 64
+    functions: Mapping[str, Callable[..., Any]]
+
+    def __init__(self, *values: Any) -> None:
+        self._free = threading.BoundedSemaphore(MOST_THREADS)
+        super().__init__(*values)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Serve a connection, unless there are too many."""
+        if self._free.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            log.warning("ROS: %d requests are under way; one of %s is refused", MOST_THREADS, client_address[0])
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Serve a connection in its thread."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._free.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A peer that goes away, or sends anything but HTTP, is no event."""
+        log.debug("ROS: a request of %s failed", client_address, exc_info=True)
+
+
+class _Handler(http.server.BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+    timeout = PATIENCE
+    disable_nagle_algorithm = True
+    wbufsize = -1
+    server: _HttpServer
+
+    def log_message(self, *_values: object) -> None:
+        """Requests are not logged."""
+
+    def do_POST(self) -> None:
+        """Answer a call."""
+        try:
+            size = int(self.headers.get("Content-Length") or -1)
+        except ValueError:
+            size = -1
+        if not 0 <= size <= MOST_REQUEST:
+            log.warning("ROS: %s sent a request of %d bytes; it is refused", self.client_address[0], size)
+            self.close_connection = True
+            self.send_error(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
+            return
+        answer = self._answer(self.rfile.read(size))
+        self.send_response(http.HTTPStatus.OK)
+        self.send_header("Content-Type", "text/xml")
+        self.send_header("Content-Length", str(len(answer)))
+        self.end_headers()
+        self.wfile.write(answer)
+        self.wfile.flush()
+
+    def _answer(self, data: bytes) -> bytes:
+        try:
+            values, method = _loads(data, MOST_REQUEST)
+            function = self.server.functions.get(method or "")
+            if function is None:
+                raise ValueError(f"there is no method {method!r}")
+            result = function(*values)
+            return xmlrpc.client.dumps((result,), methodresponse=True, allow_none=True).encode()
+        except Exception as error:  # noqa: BLE001 - whatever a peer sent
+            log.warning("ROS: a request of %s is invalid: %s", self.client_address[0], error)
+            return xmlrpc.client.dumps(xmlrpc.client.Fault(1, str(error))).encode()

@@ -1,0 +1,270 @@
+"""The plugins of gazebo_ros_pkgs in a world: topics, frames, rates, values; the services of /gazebo."""
+
+import math
+import struct
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from ros_peers import Service, Talker, open_topic, read_block, wait_for
+
+from libgz import World
+from libgz.ros.api import SERVICES
+from libgz.ros.packing import codec
+from libgz.ros.reference import page
+from libgz.ros.types import message_type, service_type
+
+
+class Node:
+    """The tests' node beside a world."""
+
+    def __init__(self, master, core, ros):
+        self.master, self.core, self.ros = master, core, ros
+
+    def topic(self, name, kind):
+        """A function that steps the world until a message of a topic has come, and returns it."""
+        wait_for(lambda: self.master.publishers.get(name), self.core.Step)
+        sock, header = open_topic(self.master, name)
+        assert header.get("type") == kind, header
+        sock.settimeout(0.001)
+        pack, data = codec(message_type(kind)), bytearray()
+
+        def read():
+            nonlocal data
+
+            def whole():
+                try:
+                    data.extend(sock.recv(1 << 16))
+                except TimeoutError:
+                    self.core.Step()
+                return len(data) >= 4 and len(data) >= 4 + struct.unpack_from("<I", data)[0]
+
+            wait_for(whole)
+            (size,) = struct.unpack_from("<I", data)
+            body, data = bytes(data[4 : 4 + size]), data[4 + size :]
+            return pack.unpack(body)
+
+        return read
+
+    def call(self, name, **values):
+        """Call a service of /gazebo."""
+        kind = service_type(SERVICES[name])
+        wait_for(lambda: f"/gazebo/{name}" in self.master.services)
+        client = Service(self.master, f"/gazebo/{name}", md5sum=kind.md5)
+        client.send(codec(kind.request).pack(kind.request(**values)))
+        client.socket.settimeout(0.001)
+
+        def first():
+            try:
+                return client.socket.recv(1)
+            except TimeoutError:
+                return b""
+
+        good = wait_for(first, self.core.Step)
+        client.socket.settimeout(10.0)
+        body = read_block(client.socket)
+        assert good == b"\1", body
+        return codec(kind.response).unpack(body)
+
+
+class Recorder:
+    """Counts the calls of a function."""
+
+    def __init__(self, function):
+        self.function, self.count = function, 0
+
+    def __call__(self, *values):
+        self.count += 1
+        return self.function(*values)
+
+
+@pytest.fixture
+def node(master, start):
+    return Node(master, *start())
+
+
+def seconds(message):
+    return message.header.stamp.seconds
+
+
+def test_a_robot_publishes_what_it_would_in_gazebo(node):
+    odometry, scan = node.topic("/odom", "nav_msgs/Odometry"), node.topic("/scan", "sensor_msgs/LaserScan")
+    imu, truth = node.topic("/robot/imu", "sensor_msgs/Imu"), node.topic("/truth", "nav_msgs/Odometry")
+    joints = node.topic("/robot/joint_states", "sensor_msgs/JointState")
+    first, second = odometry(), odometry()
+    assert [first.header.frame_id, first.child_frame_id] == ["odom", "base"]
+    assert first.pose.covariance[::7].tolist() == [1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3]
+    assert not first.twist.covariance.any()
+    assert (first.header.seq, second.header.seq) == (0, 1)
+    assert 0.032 < seconds(second) - seconds(first) < 0.035  # 30 Hz
+    found = scan()
+    assert found.header.frame_id == "laser_frame"
+    assert len(found.ranges) == len(found.intensities) == 181
+    assert found.ranges[90] == pytest.approx(1.95, abs=1e-3)
+    assert (found.intensities[90], found.ranges[0]) == (120.0, math.inf)
+    assert [round(found.angle_min, 4), round(found.angle_max, 4), round(found.range_max, 4)] == [-1.5708, 1.5708, 5.0]
+    measured, after = imu(), imu()
+    assert measured.linear_acceleration.z == pytest.approx(9.8, abs=0.05)
+    assert measured.header.frame_id == "base"
+    assert seconds(after) - seconds(measured) == pytest.approx(0.02)
+    place = truth()
+    assert [place.header.frame_id, place.child_frame_id] == ["world", "base"]
+    assert place.pose.covariance[::7].tolist() == place.twist.covariance[::7].tolist() == pytest.approx([1e-4] * 6)
+    states = joints()
+    assert states.name == ["left_joint", "right_joint"]
+    assert (len(states.velocity), len(states.effort)) == (2, 0)
+
+
+def test_commands_move_it_and_transforms_follow(node):
+    odometry, transforms = node.topic("/odom", "nav_msgs/Odometry"), node.topic("/tf", "tf2_msgs/TFMessage")
+    twist = message_type("geometry_msgs/Twist")
+    wait_for(lambda: "/cmd_vel" in node.master.subscribers, node.core.Step)
+    talker = Talker(node.master, "/cmd_vel", twist.name, twist.md5)
+    command = twist()
+    command.linear.x, command.angular.z = 0.2, 0.5
+    talker.send(codec(twist).pack(command))
+    wait_for(lambda: odometry().twist.twist.linear.x > 0.15)
+    begin = odometry()
+    for _ in range(15):
+        end = odometry()
+    assert end.twist.twist.linear.x == pytest.approx(0.2, abs=0.03)
+    assert end.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
+    assert seconds(end) - seconds(begin) == pytest.approx(0.5, abs=0.002)
+    found = {}
+    while len(found) < 3:
+        (one,) = transforms().transforms
+        found[one.header.frame_id, one.child_frame_id] = one
+    assert set(found) == {("odom", "base"), ("base", "left_wheel"), ("base", "right_wheel")}
+    assert found["base", "left_wheel"].transform.translation.y == pytest.approx(0.12, abs=1e-3)
+    command.linear.x = math.nan
+    drive = node.core.facade.server.model_plugins(node.core.facade.ModelByName("robot"))[0].plugin
+    drive.commands._call = seen = Recorder(drive.commands._call)
+    talker.send(codec(twist).pack(command))
+    wait_for(lambda: seen.count, odometry)
+    for _ in range(3):
+        end = odometry()
+    assert end.twist.twist.linear.x == pytest.approx(0.2, abs=0.03)  # it was not obeyed
+    talker.close()
+
+
+def test_contacts_and_the_clock(node):
+    bumper, clock = node.topic("/bumper", "gazebo_msgs/ContactsState"), node.topic("/clock", "rosgraph_msgs/Clock")
+    (state, *_) = wait_for(lambda: bumper().states)
+    assert state.collision1_name == "robot::base::caster"
+    assert state.collision2_name == "ground::link::c"
+    assert state.total_wrench.force.z == pytest.approx(sum(one.force.z for one in state.wrenches))
+    assert len(state.contact_positions) == len(state.contact_normals) == len(state.depths) > 0
+    times = [clock().clock.seconds for _ in range(20)]
+    assert [round((b - a) * 1e3) for a, b in pairwise(times)] == [1] * 19  # each step
+
+
+def test_the_clock_has_its_frequency(master, start):
+    master.parameters["/gazebo/pub_clock_frequency"] = 30
+    clock = Node(master, *start("<sdf version='1.6'><world name='default'/></sdf>")).topic(
+        "/clock", "rosgraph_msgs/Clock"
+    )
+    first = clock().clock.seconds
+    for _ in range(30):
+        last = clock().clock.seconds
+    assert last - first == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_sensor_measures_only_while_somebody_listens(node):
+    core = node.core
+    sensor = core.sdf.sensors if hasattr(core.sdf, "sensors") else core.facade.server.sensors
+    laser = next(one for name, one in sensor.sensors.items() if name.endswith("laser"))
+    core.Step()
+    assert not laser.IsActive()
+    scan = node.topic("/scan", "sensor_msgs/LaserScan")
+    scan()
+    assert laser.IsActive()
+    for sock in node.master.sockets:
+        sock.close()
+    wait_for(lambda: not laser.IsActive(), core.Step)
+
+
+def test_states_of_models_and_links(node):
+    states = node.topic("/gazebo/model_states", "gazebo_msgs/ModelStates")()
+    assert states.name == ["ground", "wall", "robot"]
+    assert [round(states.pose[1].position.x, 3), round(states.pose[1].position.z, 3)] == [2.0, 0.5]
+    links = node.topic("/gazebo/link_states", "gazebo_msgs/LinkStates")
+    found = links()
+    assert found.name == ["ground::link", "wall::link", "robot::base", "robot::left_wheel", "robot::right_wheel"]
+    node.call("delete_model", model_name="wall")
+    wait_for(lambda: links().name == ["ground::link", *found.name[2:]])
+    base = node.core.facade.EntityByName("robot::base")
+    base.SetAngularVel((0.0, 0.0, 2.0))
+    link = wait_for(lambda: next((t for t in links().twist[1:2] if t.angular.z > 1.0), None))
+    assert link.angular.z == pytest.approx(2.0, abs=0.5)
+
+
+def test_services_of_gazebo(node):
+    assert node.call("get_world_properties").model_names == ["ground", "wall", "robot"]
+    state = node.call("get_model_state", model_name="wall", relative_entity_name="robot")
+    assert state.success
+    assert state.pose.position.x == pytest.approx(2.0, abs=0.01)
+    assert node.call("get_model_state", model_name="wal").status_message == "GetModelState: model does not exist"
+    moved = message_type("gazebo_msgs/ModelState")(model_name="robot")
+    moved.pose.position.y = 1.0
+    assert node.call("set_model_state", model_state=moved).success
+    assert node.call("get_model_state", model_name="robot").pose.position.y == pytest.approx(1.0, abs=0.01)
+    moved.pose.position.y = math.nan
+    assert "not finite" in node.call("set_model_state", model_state=moved).status_message
+    node.call("pause_physics")
+    assert node.core.paused
+    node.call("unpause_physics")
+    assert not node.core.paused
+    properties = node.call("get_link_properties", link_name="robot::base")
+    assert (properties.mass, properties.gravity_mode) == (5.0, True)
+    assert node.call("get_joint_properties", joint_name="left_joint").success
+    assert node.call("get_physics_properties").ode_config.sor_pgs_iters == 50
+    effort = {"joint_name": "left_joint", "effort": 0.01}
+    assert node.call("apply_joint_effort", **effort).success
+    node.call("clear_joint_forces", joint_name="left_joint")
+    wrench = message_type("geometry_msgs/Wrench")()
+    wrench.force.x = 20.0
+    assert node.call("apply_body_wrench", body_name="robot::base", wrench=wrench).success
+    node.call("reset_world")
+    assert node.call("get_model_state", model_name="robot").pose.position.y == pytest.approx(0.0, abs=0.01)
+
+
+URDF = """<?xml version="1.0"?><!-- a box --><robot name="any"><link name="base">
+  <inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+  <gazebo><plugin name="truth" filename="libgazebo_ros_p3d.so">
+  <bodyName>base</bodyName><topicName>truth</topicName></plugin></gazebo></robot>"""
+
+
+def test_models_are_spawned_with_pose_and_namespace(node):
+    pose = message_type("geometry_msgs/Pose")()
+    pose.position.x, pose.position.z, pose.orientation.z, pose.orientation.w = -3.0, 0.1, 1.0, 1.0
+    request = {"model_name": "box", "model_xml": URDF, "robot_namespace": "/b1", "initial_pose": pose}
+    assert node.call("spawn_urdf_model", **request).success
+    assert "already exists" in node.call("spawn_urdf_model", **request).status_message
+    found = node.topic("/b1/truth", "nav_msgs/Odometry")().pose.pose
+    assert [round(found.position.x, 2), round(found.orientation.z, 3)] == [-3.0, round(math.sqrt(0.5), 3)]
+    sdf = "<sdf version='1.6'><model name='m'><pose>1 0 0 0 0 0</pose><static>1</static><link name='l'/></model></sdf>"
+    assert node.call("spawn_sdf_model", model_name="n", model_xml=sdf, reference_frame="box").success
+    place = node.call("get_model_state", model_name="n").pose.position
+    assert [round(place.x, 2), round(place.y, 2)] == [-3.0, 1.0]
+    assert not node.call("spawn_sdf_model", model_name="o", model_xml="<a/>").success
+    assert not node.call("spawn_sdf_model", model_name="o", model_xml=sdf, reference_frame="none").success
+    unknown = URDF.replace("<box size", "<mesh filename='package://no_such_package/a.stl'/><box size")
+    answer = node.call("spawn_urdf_model", model_name="o", model_xml=unknown)
+    assert "no_such_package" in answer.status_message
+    assert node.call("delete_model", model_name="box").success
+    wait_for(lambda: not node.master.publishers["/b1/truth"], node.core.Step)
+
+
+def test_without_ros_the_stand_ins_run_and_the_notice_says_so(caplog):
+    with World(seed=1) as world:
+        world.LoadFile(Path(__file__).parent / "turtle.world")
+        world.Initialize()
+        world.Step()
+    assert "libgz runs them over its own topics" in caplog.text
+    assert "gzserver --ros1" in caplog.text
+
+
+def test_the_page_has_the_tables_of_the_declarations():
+    text = (Path(__file__).parents[2] / "docs" / "ros.md").read_text()
+    assert page(text) == text  # else: python -m libgz.ros.reference

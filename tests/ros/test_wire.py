@@ -1,0 +1,216 @@
+"""The wire of ROS 1: topics, services, a master that comes late, ends and returns; hostile peers."""
+
+import contextlib
+import logging
+import socket
+import struct
+import xmlrpc.client
+
+import pytest
+from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for
+
+from libgz.ros.names import read_names
+from libgz.ros.packing import codec
+from libgz.ros.server import Ros1
+from libgz.ros.types import message_type, service_type
+
+EMPTY = "<sdf version='1.6'><world name='default'/></sdf>"
+STRING = message_type("std_msgs/String")
+
+
+@pytest.fixture
+def node(master):
+    with Ros1(["__name:=sim", "a:=/b", "_rate:=5"]) as found:
+        wait_for(lambda: found.node.registered)
+        yield found
+
+
+def test_topics_are_published_with_their_definitions_and_kept_for_those_that_come(node, master):
+    topic = node.publish("a", STRING.name, 10, latch=True)
+    assert topic.topic == "/b"
+    topic.publish(STRING(data="first"))
+    wait_for(lambda: "/b" in master.publishers)
+    sock, header = open_topic(master, "/b", md5sum=STRING.md5, type=STRING.name)
+    wanted = {"callerid": "/sim", "latching": "1", "md5sum": STRING.md5, "topic": "/b", "type": "std_msgs/String"}
+    assert header == {**wanted, "message_definition": "string data\n"}
+    assert codec(STRING).unpack(read_block(sock)).data == "first"
+    topic.publish(STRING(data="second"))
+    node.deliver()
+    assert codec(STRING).unpack(read_block(sock)).data == "second"
+    assert master.parameters == {"/use_sim_time": True, "/sim/rate": 5}
+    ((_, uri),) = master.publishers["/b"].values()
+    assert ask(uri, "getPublications", "/tester") == [1, "", [["/b", "std_msgs/String"]]]
+    assert ask(uri, "getBusInfo", "/tester")[2][0][2:] == ["o", "TCPROS", "/b", True]
+    assert ask(uri, "requestTopic", "/tester", "/none", [["TCPROS"]])[0] == 0
+    del topic
+    wait_for(lambda: not master.publishers["/b"])
+    with pytest.raises(EOFError):
+        read_block(sock)
+
+
+def test_a_wrong_type_is_refused_with_both_sums(node, master, caplog):
+    topic = node.publish("talk", STRING.name)
+    wait_for(lambda: "/talk" in master.publishers)
+    _, header = open_topic(master, "/talk", md5sum="0" * 32, type="std_msgs/Int32")
+    assert header["error"] == f"topic /talk has type std_msgs/String [{STRING.md5}], not std_msgs/Int32 [{'0' * 32}]"
+    assert "is refused" in caplog.text
+    assert not topic.listened
+
+
+def test_messages_are_delivered_between_steps(node, master):
+    got = []
+    subscription = node.subscribe("~talk", STRING.name, lambda message: got.append(message.data), 3)
+    wait_for(lambda: "/sim/talk" in master.subscribers)
+    talker = Talker(master, "/sim/talk", STRING.name, STRING.md5)
+    assert talker.asked["md5sum"] == STRING.md5
+    for index in range(5):
+        talker.send(codec(STRING).pack(STRING(data=str(index))))
+    wait_for(lambda: len(node.waiting) == 5)
+    assert got == []
+    node.deliver()
+    assert got == ["2", "3", "4"]
+    talker.close()
+    del subscription
+
+
+def test_services_are_answered_between_steps(node, master):
+    kind = service_type("std_srvs/SetBool")
+    answers = []
+
+    def handle(request):
+        answers.append(request.data)
+        return kind.response(success=True, message="done")
+
+    service = node.serve("switch", kind.name, handle)
+    wait_for(lambda: "/switch" in master.services)
+    client = Service(master, "/switch", md5sum=kind.md5)
+    assert (client.header["type"], client.header["request_type"]) == (kind.name, "std_srvs/SetBoolRequest")
+    for _ in range(2):
+        client.send(b"\1")
+        wait_for(lambda: node.requests)
+        node.deliver()
+        good, body = client.answer()
+        assert good
+        assert codec(kind.response).unpack(body).message == "done"
+    assert answers == [True, True]
+    client.send(b"\1\1")  # too long
+    wait_for(lambda: node.requests)
+    node.deliver()
+    good, text = client.answer()
+    assert not good
+    assert b"1 bytes follow" in text
+    assert "error" in Service(master, "/switch", md5sum="0" * 32).header
+    del service
+
+
+def test_the_master_may_come_late_end_and_return(monkeypatch, caplog):
+    first = Master()
+    port = first.port
+    first.close()
+    monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{port}")
+    with Ros1([]) as ros:
+        topic = ros.publish("talk", STRING.name)
+        wait_for(lambda: "is waited for" in caplog.text)
+        master = Master(port)
+        wait_for(lambda: "/talk" in master.publishers)
+        sock, _ = open_topic(master, "/talk")
+        sockets, master.sockets = master.sockets, []
+        wait_for(lambda: topic.listened)
+        master.close()
+        wait_for(lambda: "is gone; connected" in caplog.text)
+        topic.publish(STRING(data="x"))
+        ros.deliver()
+        assert codec(STRING).unpack(read_block(sock)).data == "x"  # those that know each other need no master
+        master = Master(port)
+        master.sockets = sockets
+        wait_for(lambda: "/talk" in master.publishers)
+    assert not master.publishers["/talk"]  # unregistered at the end
+    master.close()
+
+
+HEADER = encode({"callerid": "/x", "topic": "/talk", "type": "*", "md5sum": "*"})
+ATTACKS = {
+    "giant length": (b"\xff\xff\xff\xff", "announced 4294967295 bytes"),
+    "no fields": (struct.pack("<I", 8) + b"\x04\0\0\0abcd", "header is damaged"),
+    "field beyond the end": (struct.pack("<I", 8) + b"\xff\0\0\0a=cd", "header is damaged"),
+    "many fields": (encode({str(i): "" for i in range(100)}), "header is damaged"),
+    "HTTP": (b"GET / HTTP/1.1\r\n\r\n", "announced"),
+    "giant request": (encode({"service": "/serve", "md5sum": "*"}) + b"\xff\xff\xff\x7f", "announced 2147483647 bytes"),
+}
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_broken_peers_are_closed_with_one_line(node, master, caplog, name):
+    data, words = ATTACKS[name]
+    kind = service_type("std_srvs/Empty")
+    service = node.serve("serve", kind.name, lambda _: kind.response())
+    port = int(node.node._listener.port)
+    caplog.set_level(logging.WARNING)
+    with socket.create_connection(("127.0.0.1", port), 10.0) as sock:
+        sock.sendall(data)
+        wait_for(lambda: words in caplog.text)
+        with contextlib.suppress(EOFError, ConnectionError):
+            read_exactly(sock, 1 << 20)
+    assert len(caplog.records) == 1
+    wait_for(lambda: not node.node._loop.connections)
+    del service
+
+
+def test_a_publisher_of_other_bytes_is_closed(node, master, caplog):
+    subscription = node.subscribe("talk", STRING.name, lambda _: None)
+    wait_for(lambda: "/talk" in master.subscribers)
+    talker = Talker(master, "/talk", STRING.name, STRING.md5)
+    talker.send(b"\xff\xff\xff\xff")
+    wait_for(lambda: "/talk: the data end after 4 bytes" in caplog.text)
+    talker.close()
+    del subscription
+
+
+def test_a_slow_reader_holds_a_bounded_number_of_messages(node, master, caplog):
+    topic = node.publish("talk", STRING.name, 10)
+    wait_for(lambda: "/talk" in master.publishers)
+    _sock, _ = open_topic(master, "/talk")  # which is never read
+    wait_for(lambda: topic.listened)
+    (reader,) = topic._publisher.readers
+    for _ in range(300):
+        topic.publish(STRING(data="x" * 100_000))
+        node.deliver()
+    assert sum(map(len, reader.connection.queue)) < 6_000_000
+    wait_for(lambda: reader.dropped > 100)
+    assert caplog.text.count("reads /talk too slowly") == 1
+
+
+def test_calls_by_xmlrpc_have_bounds(node, caplog):
+    address = ("127.0.0.1", node.node._slave.port)
+    for head in ("Content-Length: 99999999999", "Content-Length: x", ""):
+        with socket.create_connection(address, 10.0) as sock:
+            sock.sendall(f"POST / HTTP/1.1\r\n{head}\r\n\r\n".encode())
+            assert b"413" in sock.recv(100)
+    bomb = (
+        b"<?xml version='1.0'?><!DOCTYPE a [<!ENTITY b 'c'>]><methodCall><methodName>getPid</methodName></methodCall>"
+    )
+    with socket.create_connection(address, 10.0) as sock:
+        sock.sendall(b"POST / HTTP/1.0\r\nContent-Length: %d\r\n\r\n" % len(bomb) + bomb)
+        answer = b"".join(iter(lambda: sock.recv(4096), b""))
+    assert b"a document type" in answer
+    with pytest.raises(xmlrpc.client.Fault, match="no method"):
+        ask(node.node.uri, "steal")
+
+
+def test_names_and_addresses(monkeypatch):
+    for name in ("ROS_IP", "ROS_HOSTNAME", "ROS_NAMESPACE", "ROS_MASTER_URI"):
+        monkeypatch.delenv(name, raising=False)
+    names = read_names(["__ns:=/robots", "scan:=laser", "/tf:=/other"])
+    assert (names.name, names.master, names.host, names.address) == (
+        "/robots/gazebo",
+        "http://localhost:11311",
+        "127.0.0.1",
+        "127.0.0.1",
+    )
+    resolved = [names.resolve(*one) for one in (("scan",), ("/tf",), ("~x",), ("odom", "r1"), ("odom", "/r1"), ("/a",))]
+    assert resolved == ["/robots/laser", "/other", "/robots/gazebo/x", "/robots/r1/odom", "/r1/odom", "/a"]
+    monkeypatch.setenv("ROS_HOSTNAME", "localhost")
+    assert read_names([])[-2:] == ("localhost", "127.0.0.1")
+    monkeypatch.setenv("ROS_HOSTNAME", "robot.lan")
+    assert read_names([])[-2:] == ("robot.lan", "")
+    assert read_names([], "10.0.0.1")[-2:] == ("10.0.0.1", "10.0.0.1")

@@ -137,7 +137,7 @@ def test_commands_move_it_and_transforms_follow(node):
     assert set(found) == {("odom", "base"), ("base", "left_wheel"), ("base", "right_wheel")}
     assert found["base", "left_wheel"].transform.translation.y == pytest.approx(0.12, abs=1e-3)
     command.linear.x = math.nan
-    drive = node.core.facade.server.model_plugins(node.core.facade.ModelByName("robot"))[0].plugin
+    drive = node.core.facade.server.plugins.of_model(node.core.facade.ModelByName("robot"))[0].plugin
     drive.commands._call = seen = Recorder(drive.commands._call)
     talker.send(codec(twist).pack(command))
     wait_for(lambda: seen.count, odometry)
@@ -171,7 +171,7 @@ def test_the_clock_has_its_frequency(master, start):
 
 def test_a_sensor_measures_only_while_somebody_listens(node):
     core = node.core
-    sensor = core.sdf.sensors if hasattr(core.sdf, "sensors") else core.facade.server.sensors
+    sensor = core.facade.server.sensors
     laser = next(one for name, one in sensor.sensors.items() if name.endswith("laser"))
     core.Step()
     assert not laser.IsActive()

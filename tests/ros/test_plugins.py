@@ -268,3 +268,33 @@ def test_without_ros_the_stand_ins_run_and_the_notice_says_so(caplog):
 def test_the_page_has_the_tables_of_the_declarations():
     text = (Path(__file__).parents[2] / "docs" / "ros.md").read_text()
     assert page(text) == text  # else: python -m libgz.ros.reference
+
+
+CAMERAS = """<sdf version='1.6'><world name='default'>
+<model name='wall'><static>1</static><pose>2 0 0 0 0 0</pose><link name='l'>
+<visual name='v'><geometry><box><size>0.2 9 9</size></box></geometry></visual></link></model>
+<model name='eye'><static>1</static><link name='l'>{}</link></model></world></sdf>"""
+CAMERA = """<sensor name='{0}' type='{0}'><update_rate>20</update_rate><camera><horizontal_fov>1.0</horizontal_fov>
+<image><width>32</width><height>24</height></image><clip><near>0.1</near><far>10</far></clip></camera>
+<plugin name='p' filename='{1}'><cameraName>{0}</cameraName><frameName>optical</frameName>
+<hackBaseline>0.1</hackBaseline></plugin></sensor>"""
+
+
+def test_cameras_publish_images_depths_and_points(master, start):
+    rows = (("camera", "libgazebo_ros_camera.so"), ("depth", "libgazebo_ros_openni_kinect.so"))
+    node = Node(master, *start(CAMERAS.format("".join(CAMERA.format(*row) for row in rows))))
+    image = node.topic("/camera/image_raw", "sensor_msgs/Image")()
+    assert (image.encoding, image.width, image.height, image.step) == ("rgb8", 32, 24, 96)
+    assert (len(image.data), image.header.frame_id) == (32 * 24 * 3, "optical")
+    info = node.topic("/camera/camera_info", "sensor_msgs/CameraInfo")()
+    focal = 32 / (2.0 * math.tan(0.5))
+    assert info.K.tolist() == pytest.approx([focal, 0, 16.5, 0, focal, 12.5, 0, 0, 1])
+    assert info.P[3] == pytest.approx(-focal * 0.1)
+    depth = node.topic("/depth/depth/image_raw", "sensor_msgs/Image")()
+    assert depth.encoding == "32FC1"
+    assert struct.unpack_from("<f", bytes(depth.data), 4 * (12 * 32 + 16))[0] == pytest.approx(1.9, abs=0.01)
+    cloud = node.topic("/depth/points", "sensor_msgs/PointCloud2")()
+    assert [(field.name, field.offset) for field in cloud.fields] == [("x", 0), ("y", 4), ("z", 8), ("rgb", 16)]
+    assert (cloud.point_step, cloud.row_step, cloud.is_dense) == (32, 32 * 32, True)
+    x, y, z = struct.unpack_from("<3f", bytes(cloud.data), 0)
+    assert (x < 0, y < 0, z) == (True, True, pytest.approx(1.9, abs=0.01))

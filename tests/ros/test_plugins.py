@@ -298,3 +298,51 @@ def test_cameras_publish_images_depths_and_points(master, start):
     assert (cloud.point_step, cloud.row_step, cloud.is_dense) == (32, 32 * 32, True)
     x, y, z = struct.unpack_from("<3f", bytes(cloud.data), 0)
     assert (x < 0, y < 0, z) == (True, True, pytest.approx(1.9, abs=0.01))
+
+
+ALL = """<sdf version='1.6'><world name='default'>
+<model name='m'><static>0</static>
+<link name='base'><inertial><mass>5</mass></inertial>
+{sensors}</link>
+<link name='arm'><pose>1 0 0 0 0 0</pose></link>
+<joint name='left_front_joint' type='revolute'><parent>base</parent><child>arm</child>
+<axis><xyz>0 0 1</xyz></axis></joint>
+{plugins}</model></world></sdf>"""
+RAYS = """<sensor name='{0}' type='ray'><update_rate>20</update_rate><ray><scan><horizontal><samples>8</samples>
+<min_angle>-1</min_angle><max_angle>1</max_angle></horizontal><vertical><samples>2</samples><min_angle>-0.1</min_angle>
+<max_angle>0.1</max_angle></vertical></scan><range><min>0.1</min><max>9</max></range></ray>
+<plugin name='p' filename='libgazebo_ros_{0}.so'><topicName>/{0}</topicName></plugin></sensor>"""
+PLUGIN = "<plugin name='{0}' filename='lib{0}.so'><topicName>/{0}</topicName><bodyName>base</bodyName>{1}</plugin>"
+SKID = "".join(f"<{tag}>left_front_joint</{tag}>" for tag in (
+    "leftFrontJoint", "leftRearJoint", "rightFrontJoint", "rightRearJoint"))  # fmt: skip
+MORE = {
+    "gazebo_ros_imu": ("", "/gazebo_ros_imu", "sensor_msgs/Imu"),
+    "hector_gazebo_ros_imu": ("", "/hector_gazebo_ros_imu", "sensor_msgs/Imu"),
+    "gazebo_ros_f3d": ("", "/gazebo_ros_f3d", "geometry_msgs/WrenchStamped"),
+    "gazebo_ros_ft_sensor": (
+        "<jointName>left_front_joint</jointName>",
+        "/gazebo_ros_ft_sensor",
+        "geometry_msgs/WrenchStamped",
+    ),
+    "gazebo_ros_vacuum_gripper": ("", "/gazebo_ros_vacuum_gripper", "std_msgs/Bool"),
+    "gazebo_ros_skid_steer_drive": (SKID + "<odometryTopic>skid</odometryTopic>", "/skid", "nav_msgs/Odometry"),
+    "gazebo_ros_planar_move": ("<odometryTopic>planar</odometryTopic>", "/planar", "nav_msgs/Odometry"),
+}
+
+
+def test_the_other_plugins_publish(master, start):
+    rays = {"block_laser": "sensor_msgs/PointCloud", "velodyne_laser": "sensor_msgs/PointCloud2"}
+    rays["range"] = "sensor_msgs/Range"
+    plugins = "".join(PLUGIN.format(name, more) for name, (more, *_) in MORE.items())
+    plugins += PLUGIN.format("gazebo_ros_force", "") + PLUGIN.format("gazebo_ros_joint_pose_trajectory", "")
+    node = Node(master, *start(ALL.format(sensors="".join(map(RAYS.format, rays)), plugins=plugins)))
+    wanted = {f"/{name}": kind for name, kind in rays.items()} | {topic: kind for _, topic, kind in MORE.values()}
+    found = {topic: node.topic(topic, kind)() for topic, kind in wanted.items()}
+    assert (len(found["/block_laser"].points), len(found["/block_laser"].channels[0].values)) == (16, 16)
+    assert found["/range"].field_of_view == pytest.approx(0.05)
+    assert found["/velodyne_laser"].point_step == 22
+    assert found["/skid"].pose.covariance[::7].tolist() == [1e-4, 1e-4, 1e12, 1e12, 1e12, 1e-2]
+    assert found["/gazebo_ros_imu"].header.frame_id == "base"
+    assert not found["/gazebo_ros_vacuum_gripper"].data
+    assert {"/gazebo_ros_force", "/gazebo_ros_joint_pose_trajectory", "/cmd_vel"} <= set(master.subscribers)
+    assert {"/on", "/off", "/default_imu", "/hector_gazebo_ros_imu/calibrate"} <= set(master.services)

@@ -31,7 +31,7 @@ Row = tuple[Any, int, int, int] | tuple[Any, int, int, int, tuple[float, ...]]
 
 
 def start(library: Any) -> None:
-    """Give a library the addresses of ODE's functions."""
+    """Hand a library the addresses of ODE's functions."""
     addresses = (ctypes.c_void_p * len(FUNCTIONS))(*map(ode().address, FUNCTIONS))
     function = library["libgz_hot"]
     function.argtypes, function.restype = [ctypes.c_void_p, *[ctypes.c_int64] * 3], None
@@ -66,7 +66,7 @@ def owned(link: Any) -> bool:
 
 
 def clock_of(holder: Any) -> tuple[int, str]:
-    """The address of a plugin's world's clock, and the world's name."""
+    """The address of the clock in the world of a plugin, and that world's name."""
     core = holder.core if isinstance(holder, World) else None
     if core is None:
         world = holder.GetWorld() if hasattr(holder, "GetWorld") else None

@@ -117,7 +117,7 @@ def test_the_spawner_loads_starts_and_at_its_end_unloads_them(arm, monkeypatch):
     handlers, codes = {}, []
     thread = threading.Thread(target=lambda: codes.append(spawner(["states", "shoulder", "__name:=s"])))
     thread.start()
-    manager = arm.core.facade.server.model_plugins(arm.model)[0].plugin.manager
+    manager = arm.core.facade.server.plugins.of_model(arm.model)[0].plugin.manager
     wait_for(lambda: [one.state for one in manager.controllers.values()] == ["running"] * 2, arm.core.Step)
     handlers[signal.SIGINT]()
     wait_for(lambda: codes, arm.core.Step)
@@ -133,7 +133,7 @@ def test_commands_move_joints_and_states_are_published(arm):
     wait_for(lambda: "/arm/joint_states" in arm.master.publishers, arm.core.Step)
     sock, _ = open_topic(arm.master, "/arm/joint_states")
     kind = message_type("sensor_msgs/JointState")
-    publisher = arm.core.facade.server.model_plugins(arm.model)[0].plugin.manager.controllers["states"]._publication
+    publisher = arm.core.facade.server.plugins.of_model(arm.model)[0].plugin.manager.controllers["states"]._publication
     wait_for(lambda: publisher.listened, arm.core.Step)
     for _ in range(60):
         arm.core.Step()
@@ -155,7 +155,9 @@ def result_of(arm, topic, kind, goal):
     """Send a goal, and step until its result has come."""
     wait_for(lambda: f"{topic}/result" in arm.master.publishers, arm.core.Step)
     sock, _ = open_topic(arm.master, f"{topic}/result")
-    action = arm.core.facade.server.model_plugins(arm.model)[0].plugin.manager.controllers[topic.split("/")[2]]._action
+    action = (
+        arm.core.facade.server.plugins.of_model(arm.model)[0].plugin.manager.controllers[topic.split("/")[2]]._action
+    )
     wait_for(lambda: action._results.listened, arm.core.Step)
     talker = arm.send(f"{topic}/goal", goal)
     sock.settimeout(0.001)

@@ -171,7 +171,7 @@ def test_the_clock_has_its_frequency(master, start):
 
 def test_a_sensor_measures_only_while_somebody_listens(node):
     core = node.core
-    sensor = core.sdf.sensors if hasattr(core.sdf, "sensors") else core.facade.server.sensors
+    sensor = core.facade.server.sensors
     laser = next(one for name, one in sensor.sensors.items() if name.endswith("laser"))
     core.Step()
     assert not laser.IsActive()
@@ -268,3 +268,81 @@ def test_without_ros_the_stand_ins_run_and_the_notice_says_so(caplog):
 def test_the_page_has_the_tables_of_the_declarations():
     text = (Path(__file__).parents[2] / "docs" / "ros.md").read_text()
     assert page(text) == text  # else: python -m libgz.ros.reference
+
+
+CAMERAS = """<sdf version='1.6'><world name='default'>
+<model name='wall'><static>1</static><pose>2 0 0 0 0 0</pose><link name='l'>
+<visual name='v'><geometry><box><size>0.2 9 9</size></box></geometry></visual></link></model>
+<model name='eye'><static>1</static><link name='l'>{}</link></model></world></sdf>"""
+CAMERA = """<sensor name='{0}' type='{0}'><update_rate>20</update_rate><camera><horizontal_fov>1.0</horizontal_fov>
+<image><width>32</width><height>24</height></image><clip><near>0.1</near><far>10</far></clip></camera>
+<plugin name='p' filename='{1}'><cameraName>{0}</cameraName><frameName>optical</frameName>
+<hackBaseline>0.1</hackBaseline></plugin></sensor>"""
+
+
+def test_cameras_publish_images_depths_and_points(master, start):
+    rows = (("camera", "libgazebo_ros_camera.so"), ("depth", "libgazebo_ros_openni_kinect.so"))
+    node = Node(master, *start(CAMERAS.format("".join(CAMERA.format(*row) for row in rows))))
+    image = node.topic("/camera/image_raw", "sensor_msgs/Image")()
+    assert (image.encoding, image.width, image.height, image.step) == ("rgb8", 32, 24, 96)
+    assert (len(image.data), image.header.frame_id) == (32 * 24 * 3, "optical")
+    info = node.topic("/camera/camera_info", "sensor_msgs/CameraInfo")()
+    focal = 32 / (2.0 * math.tan(0.5))
+    assert info.K.tolist() == pytest.approx([focal, 0, 16.5, 0, focal, 12.5, 0, 0, 1])
+    assert info.P[3] == pytest.approx(-focal * 0.1)
+    depth = node.topic("/depth/depth/image_raw", "sensor_msgs/Image")()
+    assert depth.encoding == "32FC1"
+    assert struct.unpack_from("<f", bytes(depth.data), 4 * (12 * 32 + 16))[0] == pytest.approx(1.9, abs=0.01)
+    cloud = node.topic("/depth/points", "sensor_msgs/PointCloud2")()
+    assert [(field.name, field.offset) for field in cloud.fields] == [("x", 0), ("y", 4), ("z", 8), ("rgb", 16)]
+    assert (cloud.point_step, cloud.row_step, cloud.is_dense) == (32, 32 * 32, True)
+    x, y, z = struct.unpack_from("<3f", bytes(cloud.data), 0)
+    assert (x < 0, y < 0, z) == (True, True, pytest.approx(1.9, abs=0.01))
+
+
+ALL = """<sdf version='1.6'><world name='default'>
+<model name='m'><static>0</static>
+<link name='base'><inertial><mass>5</mass></inertial>
+{sensors}</link>
+<link name='arm'><pose>1 0 0 0 0 0</pose></link>
+<joint name='left_front_joint' type='revolute'><parent>base</parent><child>arm</child>
+<axis><xyz>0 0 1</xyz></axis></joint>
+{plugins}</model></world></sdf>"""
+RAYS = """<sensor name='{0}' type='ray'><update_rate>20</update_rate><ray><scan><horizontal><samples>8</samples>
+<min_angle>-1</min_angle><max_angle>1</max_angle></horizontal><vertical><samples>2</samples><min_angle>-0.1</min_angle>
+<max_angle>0.1</max_angle></vertical></scan><range><min>0.1</min><max>9</max></range></ray>
+<plugin name='p' filename='libgazebo_ros_{0}.so'><topicName>/{0}</topicName></plugin></sensor>"""
+PLUGIN = "<plugin name='{0}' filename='lib{0}.so'><topicName>/{0}</topicName><bodyName>base</bodyName>{1}</plugin>"
+SKID = "".join(f"<{tag}>left_front_joint</{tag}>" for tag in (
+    "leftFrontJoint", "leftRearJoint", "rightFrontJoint", "rightRearJoint"))  # fmt: skip
+MORE = {
+    "gazebo_ros_imu": ("", "/gazebo_ros_imu", "sensor_msgs/Imu"),
+    "hector_gazebo_ros_imu": ("", "/hector_gazebo_ros_imu", "sensor_msgs/Imu"),
+    "gazebo_ros_f3d": ("", "/gazebo_ros_f3d", "geometry_msgs/WrenchStamped"),
+    "gazebo_ros_ft_sensor": (
+        "<jointName>left_front_joint</jointName>",
+        "/gazebo_ros_ft_sensor",
+        "geometry_msgs/WrenchStamped",
+    ),
+    "gazebo_ros_vacuum_gripper": ("", "/gazebo_ros_vacuum_gripper", "std_msgs/Bool"),
+    "gazebo_ros_skid_steer_drive": (SKID + "<odometryTopic>skid</odometryTopic>", "/skid", "nav_msgs/Odometry"),
+    "gazebo_ros_planar_move": ("<odometryTopic>planar</odometryTopic>", "/planar", "nav_msgs/Odometry"),
+}
+
+
+def test_the_other_plugins_publish(master, start):
+    rays = {"block_laser": "sensor_msgs/PointCloud", "velodyne_laser": "sensor_msgs/PointCloud2"}
+    rays["range"] = "sensor_msgs/Range"
+    plugins = "".join(PLUGIN.format(name, more) for name, (more, *_) in MORE.items())
+    plugins += PLUGIN.format("gazebo_ros_force", "") + PLUGIN.format("gazebo_ros_joint_pose_trajectory", "")
+    node = Node(master, *start(ALL.format(sensors="".join(map(RAYS.format, rays)), plugins=plugins)))
+    wanted = {f"/{name}": kind for name, kind in rays.items()} | {topic: kind for _, topic, kind in MORE.values()}
+    found = {topic: node.topic(topic, kind)() for topic, kind in wanted.items()}
+    assert (len(found["/block_laser"].points), len(found["/block_laser"].channels[0].values)) == (16, 16)
+    assert found["/range"].field_of_view == pytest.approx(0.05)
+    assert found["/velodyne_laser"].point_step == 22
+    assert found["/skid"].pose.covariance[::7].tolist() == [1e-4, 1e-4, 1e12, 1e12, 1e12, 1e-2]
+    assert found["/gazebo_ros_imu"].header.frame_id == "base"
+    assert not found["/gazebo_ros_vacuum_gripper"].data
+    assert {"/gazebo_ros_force", "/gazebo_ros_joint_pose_trajectory", "/cmd_vel"} <= set(master.subscribers)
+    assert {"/on", "/off", "/default_imu", "/hector_gazebo_ros_imu/calibrate"} <= set(master.services)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx.messages import proto_files
-from libgz.classic_cxx.names import HEADERS
+from libgz.classic_cxx.names import HEADERS, SENSOR_PLUGINS
 from libgz.classic_cxx.old_names import old_methods
 from libgz.classic_cxx.table import Class, Row, classes, rows, split
 
@@ -40,6 +40,8 @@ def headers() -> dict[str, str]:
         "gazebo/libgz/classes.hh": _guarded("classes", _classes()),
         "gazebo/libgz/messages.hh": _guarded("messages", _messages()),
     }
+    for name in SENSOR_PLUGINS:
+        made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/sensor_plugins.hh"\n'
     for name in {row.header for row in rows() if row.header} | set(HEADERS):
         made.setdefault(name, f'{NOTE}#include "gazebo/libgz/gazebo.hh"\n')
     return made

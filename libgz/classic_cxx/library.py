@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import concurrent.futures
 import contextlib
+import fcntl
 import functools
 import hashlib
 import os
@@ -29,6 +30,7 @@ from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
 from libgz.classic_cxx.generate import bodies, headers
 from libgz.classic_cxx.messages import proto_files
+from libgz.classic_cxx.names import SENSOR_PLUGINS
 from libgz.cxx.build import compiler
 
 __all__ = ["Library", "built", "default_prefix", "install", "source_key", "uninstall"]
@@ -219,16 +221,17 @@ def built(progress: Progress = lambda _line: None) -> Library:
     check_needs()
     key = f"{source_key()}-{_toolchain_key()}"
     folder = cache_folder() / key
-    if not (folder / "lib" / SONAME).exists():
-        try:
-            cache_folder().mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=cache_folder(), prefix=".build-") as place:
-                made = Path(place) / key
-                _build(made, key, folder / "lib", progress)
-                with contextlib.suppress(OSError):  # another process was faster
+    try:
+        cache_folder().mkdir(parents=True, exist_ok=True)
+        with (cache_folder() / f"{key}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # one process builds, the others wait for it
+            if not (folder / "lib" / SONAME).exists():
+                with tempfile.TemporaryDirectory(dir=cache_folder(), prefix=".build-") as place:
+                    made = Path(place) / key
+                    _build(made, key, folder / "lib", progress)
                     made.rename(folder)
-        except OSError as error:
-            raise LibraryError(f"cannot build in {cache_folder()}: {error.strerror}") from None
+    except OSError as error:
+        raise LibraryError(f"cannot build in {cache_folder()}: {error.strerror}") from None
     return Library(folder, key)
 
 
@@ -291,8 +294,8 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
     libraries = [f"-L{out}", "-lgazebo_msgs", *_package_flags("--libs"), *_boost()]
     _run([*link, f"-Wl,-soname,{SONAME}", "-o", str(out / SONAME), *objects.values(), *libraries])
     (out / "libgazebo.so").symlink_to(SONAME)
-    for part in PARTS:
-        (out / f"libgazebo_{part}.so").write_text("INPUT(-lgazebo)\n")
+    for name in (*(f"gazebo_{part}" for part in PARTS), *SENSOR_PLUGINS):
+        (out / f"lib{name}.so").write_text("INPUT(-lgazebo)\n")
     shutil.rmtree(sources)
     for path in messages.glob("*.pb.cc"):
         path.unlink()

@@ -1,6 +1,9 @@
 """Names of classic's headers beside those of the table: each is there, and includes the whole API."""
 
-__all__ = ["HEADERS"]
+__all__ = ["HEADERS", "SENSOR_PLUGINS"]
+
+# Plugins of Gazebo that plugins of users are derived from; each has a header and a library of its name.
+SENSOR_PLUGINS = ("CameraPlugin", "DepthCameraPlugin", "GpuRayPlugin", "RayPlugin")
 
 _FILES = {
     "gazebo": "Gazebo.hh Master.hh Server.hh gazebo_client.hh gazebo_config.h gazebo_core.hh",

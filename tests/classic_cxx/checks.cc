@@ -2,6 +2,10 @@
 #include <gazebo/common/common.hh>
 #include <gazebo/gazebo.hh>
 #include <gazebo/physics/physics.hh>
+#include <gazebo/plugins/CameraPlugin.hh>
+#include <gazebo/plugins/DepthCameraPlugin.hh>
+#include <gazebo/plugins/GpuRayPlugin.hh>
+#include <gazebo/plugins/RayPlugin.hh>
 #include <gazebo/rendering/rendering.hh>
 #include <gazebo/sensors/sensors.hh>
 #include <gazebo/transport/transport.hh>

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -35,17 +36,26 @@ def library() -> Library:
 
 @pytest.fixture(scope="session")
 def plugins(library: Library, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with libmodel.so, libworld.so and so on, of checks.cc."""
-    folder = tmp_path_factory.mktemp("plugins")
+    """A folder with libmodel.so, libworld.so and so on, of checks.cc; workers of one run share it."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "classic_cxx"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / f"lib{KINDS[-1].lower()}.so").exists():
+            _build(library, folder)
+    return folder
+
+
+def _build(library: Library, folder: Path) -> None:
     common = folder / "checks.o"
-    flags = [word for word in library.compiler_flags() if word != "-O2"]
+    flags = library.compiler_flags()
     _run([*compiler(), *flags, "-O0", "-w", "-c", "-o", str(common), str(HERE / "checks.cc")])
     for kind in KINDS:
         source = folder / f"{kind.lower()}.cc"
         source.write_text(KIND.format(kind=kind, key=library.key, folder=library.lib))
         output = folder / f"lib{kind.lower()}.so"
         _run([*compiler(), "-shared", "-fPIC", "-o", str(output), str(source), str(common), *library.linker_flags()])
-    return folder
 
 
 def _run(command: list[str]) -> None:

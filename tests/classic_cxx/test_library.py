@@ -154,7 +154,8 @@ def test_installation(library, tmp_path, monkeypatch, capsys):
 def test_the_tutorial_as_typed(library, tmp_path, monkeypatch):
     """cmake ../, make, GAZEBO_PLUGIN_PATH, gzserver hello.world --verbose; then by a Makefile's command."""
     cache = library_module.cache_folder()
-    env = {**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": str(cache.parents[1])}
+    homes = {"HOME": tmp_path, "XDG_CACHE_HOME": cache.parents[1], "XDG_DATA_HOME": tmp_path / ".local/share"}
+    env = {**os.environ, **{name: str(path) for name, path in homes.items()}}
     folder = tmp_path / "gazebo_plugin_tutorial"
     (folder / "build").mkdir(parents=True)
     for name, text in (("hello_world.cc", HELLO), ("CMakeLists.txt", CMAKE), ("hello.world", WORLD)):

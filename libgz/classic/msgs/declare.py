@@ -129,8 +129,8 @@ def add_compiled(name: str, files: Sequence[bytes]) -> type[Message]:
     classic: dict[str, list[str]] = {}  # messages of classic by the name of their file
     for data in files:
         file = FileDescriptorProto.FromString(data)
-        kinds: list[Any] = [*file.message_type, *file.enum_type]
-        own = [f"{file.package}.{kind.name}".lstrip(".") for kind in kinds]
+        names = [kind.name for kind in file.message_type] + [kind.name for kind in file.enum_type]
+        own = [f"{file.package}.{name}".lstrip(".") for name in names]
         if own and all(one.removeprefix(PREFIX) in declarations() for one in own):
             classic[file.name] = [one.removeprefix(PREFIX) for one in own]
             continue

@@ -31,7 +31,7 @@ Row = tuple[Any, int, int, int] | tuple[Any, int, int, int, tuple[float, ...]]
 
 
 def start(library: Any) -> None:
-    """Tell a library of ODE's functions."""
+    """Give a library the addresses of ODE's functions."""
     addresses = (ctypes.c_void_p * len(FUNCTIONS))(*map(ode().address, FUNCTIONS))
     function = library["libgz_hot"]
     function.argtypes, function.restype = [ctypes.c_void_p, *[ctypes.c_int64] * 3], None
@@ -66,7 +66,7 @@ def owned(link: Any) -> bool:
 
 
 def clock_of(holder: Any) -> tuple[int, str]:
-    """The address of the clock of the world that a plugin belongs to, and the world's name."""
+    """The address of the sim time of a plugin's world, and the world's name."""
     core = holder.core if isinstance(holder, World) else None
     if core is None:
         world = holder.GetWorld() if hasattr(holder, "GetWorld") else None

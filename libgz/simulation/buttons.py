@@ -50,7 +50,7 @@ class Buttons:
         return bool(pressed) if pressed in (0, 1) else self.paused
 
     def press_pause(self, value: bool) -> bool:
-        """Pause the world or let it go on, unless a client keeps the lock; whether that was a change."""
+        """Pause the world or let it run, unless a client keeps the lock; whether that was a change."""
         sim = self._sim
         if not sim.lock():
             return False
@@ -84,7 +84,7 @@ class Buttons:
         return self.paused
 
     def exchange(self) -> Exchange:
-        """Native code's part of `read`: it goes on as long as nobody presses a button."""
+        """Native code's part of `read`: it runs as long as nobody presses a button."""
         exchange = Exchange(self._sim)
         if self._sim.link.memory:
             exchange.need(self, "_going")  # a paused world stays so while a client keeps the lock

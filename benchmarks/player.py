@@ -4,10 +4,9 @@
 
 `libgz player` runs a world with a Pioneer 2 AT in real time; 20 clients of 1.6 and 2.1 read its odometry at 10 Hz,
 while one attack after another runs for so many seconds (default 20). Printed are the samples that a client missed, as
-their times show; the longest time between two samples; the longest time from a command to a sample whose velocity
-obeys; and the memory of the server. The exit code is 1 if a sample is missing, a command takes longer than two
-updates of the robot and 100 ms, or the memory grows by more than what clients may take. The machine must be idle for
-all but the memory.
+their times show; the longest time between two of them; the longest time from a command to a sample that obeys it;
+and the memory of the server. The exit code is 1 if a sample is missing, a command takes longer than two updates of the
+robot and 100 ms, or the memory grows by more than what clients may take. All but the memory needs an idle machine.
 """
 
 from __future__ import annotations
@@ -189,16 +188,16 @@ def measure(port: int, attack_turn, seconds: float) -> tuple[int, float, float]:
     attacker = subprocess.Popen([sys.executable, __file__, "--attack", attack_turn.__name__, str(port)])
     readers = [Reader(port, bool(number % 2)) for number in range(CLIENTS)]
     by_socket = {reader.socket: reader for reader in readers}
-    driver, faster, sent, delay = readers[0], False, 0.0, 0.0
+    driver, forward, sent, delay = readers[0], False, 0.0, 0.0
     end = time.monotonic() + seconds
     while (now := time.monotonic()) < end:
         if sent == 0.0 and now < end - 1.0:
-            faster = not faster
-            driver.command(0.2 if faster else 0.1)
+            forward = not forward
+            driver.command(0.1 if forward else -0.1)
             sent = now
         for ready in select.select(list(by_socket), [], [], 0.05)[0]:
             by_socket[ready].read()
-        if sent and driver.samples and driver.samples[-1][1] > sent and (driver.samples[-1][2] > 0.15) == faster:
+        if sent and driver.samples and driver.samples[-1][1] > sent and (driver.samples[-1][2] > 0.0) == forward:
             delay, sent = max(delay, driver.samples[-1][1] - sent), 0.0
     attacker.send_signal(signal.SIGTERM)
     attacker.wait()

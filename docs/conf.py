@@ -40,6 +40,7 @@ html_show_copyright = False
 GENERATED = {  # page -> what is generated of its subject
     "docs/api": "api/README",
     "docs/classic": "classic/README",
+    "docs/classic_cxx": "cxx_api",
     "docs/interfaces": "structs",
     "docs/models": "models/README",
     "docs/player": "player_devices",

@@ -11,7 +11,7 @@ from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto
 
 TABLE = Path(__file__).parents[1] / "libgz" / "classic" / "msgs" / "messages.txt"
-PATIENCE = 20.0  # [s]: a machine under load
+PATIENCE = 60.0  # [s]: a machine under load
 _opened = []
 
 

@@ -118,11 +118,15 @@ class Client1(Client):
 class Client2(Client):
     """2.0 and later: messages are (type, code, index, subtype, payload)."""
 
+    sequence = 0  # 2.0 sends any number
+
     def send(self, kind, code, index, subtype, payload=b""):
-        self.socket.send(struct.pack(">6IdII", 0, 0, code, index, kind, subtype, 0.0, 0, len(payload)) + payload)
+        header = struct.pack(">6IdII", 0, 0, code, index, kind, subtype, 0.0, self.sequence, len(payload))
+        self.socket.send(header + payload)
 
     def receive(self):
-        _, _, code, index, kind, subtype, self.time, _, size = struct.unpack(">6IdII", self.read(40))
+        host, robot, code, index, kind, subtype, self.time, _, size = struct.unpack(">6IdII", self.read(40))
+        assert (host, robot) == (0x0100007F, self.server.ports[0])  # by which clients find their device
         return kind, code, index, subtype, self.read(size)
 
     def request(self, interface, subtype, payload=b"", index=0):

@@ -107,35 +107,34 @@ def _limit_resource(kind: int, limit: int) -> None:
 
 def _start_guard(prog: str, memory: int, limit: int) -> int:
     """Fork the guard of this process; returns where to write that the work has ended as it should."""
-    guarded = os.pidfd_open(os.getpid())
     reading, writing = os.pipe()
+    parent = os.getpid()
     if os.fork() == 0:
         os.close(writing)
-        _guard(prog, guarded, reading, memory, limit)
+        _guard(prog, parent, reading, memory, limit)
     os.close(reading)
-    os.close(guarded)
     return writing
 
 
-def _guard(prog: str, guarded: int, note: int, memory: int, limit: int) -> NoReturn:
+def _guard(prog: str, parent: int, note: int, memory: int, limit: int) -> NoReturn:
     """Wait for the end of the parent process; end it at its limit of time, and explain an end that it did not note."""
     os.setsid()  # signals of the terminal are not for the guard
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     with contextlib.suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_RDWR), 1)  # who reads the output waits for its end
-    parent, ended = os.getppid(), False
+    late = 0.0  # when SIGTERM was sent
     waiting = select.poll()
-    waiting.register(guarded, select.POLLIN)
-    while not waiting.poll(PERIOD):
-        used = _processor_time(parent)
-        if limit and not ended and used >= limit:
-            ended = True
-            signal.pidfd_send_signal(guarded, signal.SIGTERM)
-            if not waiting.poll(int(1000 * GRACE)):
-                signal.pidfd_send_signal(guarded, signal.SIGKILL)
-    noted = select.select([note], [], [], 0)[0] and os.read(note, 1)
-    if ended and not noted:
+    waiting.register(note, select.POLLIN)
+    # Other children of the parent may hold the pipe's end open, so the parent itself counts, too.
+    while not waiting.poll(PERIOD) and os.getppid() == parent:
+        if late and time.monotonic() > late + GRACE:
+            os.kill(parent, signal.SIGKILL)
+        elif not late and limit and _processor_time(parent) >= limit:
+            late = time.monotonic()
+            os.kill(parent, signal.SIGTERM)
+    noted = bool(waiting.poll(0)) and os.read(note, 1)
+    if late and not noted:
         _print(f"{prog}: {_used_up(f'processor time of {limit} s', TIME)}")
     elif not noted:
         _print(

@@ -44,7 +44,7 @@ class Connection:
     Attributes:
         closed: why it has to be closed; an empty string while it is in use.
         busy: whether a slow request is being answered.
-        more: whether frames wait that it was not the turn of.
+        more: whether `handle` may find a frame.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Connection:
         return waiting > MOST_UNSENT or (waiting > 0 and self._totals.unsent > MOST_UNSENT_IN_ALL)
 
     def receive(self) -> None:
-        """Read what has come, and handle it."""
+        """Read what has come, for `handle`."""
         try:
             data = self.socket.recv(CHUNK)
         except BlockingIOError:
@@ -90,7 +90,7 @@ class Connection:
             return
         self._received += data
         self._unusable += len(data)
-        self.handle()
+        self.more = True
 
     def handle(self) -> None:
         """Handle complete frames, as many as it is the turn of."""
@@ -139,8 +139,9 @@ class Connection:
             self._count(-sent)
             if sent < len(first):
                 self._unsent[0] = first[sent:]
-                return
+                break
             self._unsent.popleft()
+        self.more = self.more or (bool(self._received) and self._unsent_size <= MOST_UNSENT)
 
     def _write(self, view: memoryview) -> int:
         try:

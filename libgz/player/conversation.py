@@ -261,9 +261,7 @@ class Conversation(ABC):
             declared, message = device.declared, self._data_message(device)
             payload = message.layout.encode(device.values, xdr=self._wire.xdr)
             taken = max(device.time, 0.0)
-            found = self._wire.pack_data(
-                subscription.code, declared.index, message.number, payload, taken, declared.port
-            )
+            found = self._wire.pack_data(subscription.code, declared.index, message.number, payload, taken)
             device.frames[name] = found
         return found
 
@@ -463,8 +461,9 @@ class _Queue:
 class Conversation2(Conversation):
     """The conversation of 2.0, 2.1 and 3.
 
-    The header does not say which version it is. The client library of 2.1 and 3 chooses a mode first, that of 2.0 does
-    not; and a message that has the length of another version shows that it is that one.
+    The header does not say which version it is. Client libraries of 2.1 and 3 choose a mode first, or ask for the
+    devices; that of 2.0 may subscribe first, and does not set the number of the message, which is any then. And a
+    message that has the length of another version shows that it is that one.
 
     Args:
         version: 2.0 or later; an empty string: 2.0 or 2.1, as the client shows.
@@ -476,7 +475,7 @@ class Conversation2(Conversation):
     REPLACE, IGNORE = 1, 2
 
     def __init__(self, directory: Directory, port: int, channel: Channel, version: str = "") -> None:
-        self._framing = Wire2()
+        self._framing = Wire2(port)
         super().__init__(directory, port, channel, self._framing, version or "2.0")
         self._fixed, self._first = bool(version), True
         self._pull, self._asked = False, False
@@ -489,7 +488,8 @@ class Conversation2(Conversation):
             named = int.from_bytes(buffer[8:12]), buffer[19], buffer[23]
             if named != (CODES["player"], REQUEST, 7):  # the key comes before
                 self._first = False
-                self.version = "2.1" if named == (CODES["player"], REQUEST, 5) else "2.0"
+                later = named in [(CODES["player"], REQUEST, number) for number in (1, 5)] and not any(buffer[32:36])
+                self.version = "2.1" if later else "2.0"
         return super().take(buffer)
 
     def _may_request(self, device: Device) -> bool:

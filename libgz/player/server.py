@@ -32,6 +32,7 @@ log = logging.getLogger("libgz.player")
 LOOPBACK = "127.0.0.1"
 PERIOD = 0.004  # [s] between two looks at the interfaces, while somebody subscribes to them
 IDLE = 0.25  # [s] while nobody does
+BUDGET = 0.004  # [s] of a turn for what clients send
 MOST_CONNECTIONS = 400
 KERNEL_BUFFER = 128 << 10  # [byte] that the system holds for a client
 BANNER = b"Player v.2.1.3 (libgz)".ljust(32, b"\0")  # clients read 32 bytes before they send the first
@@ -137,14 +138,23 @@ class PlayerServer(Closing):
         for key, events in self._selector.select(timeout):
             self._handle(key, events)
         self._answer()
-        for connection in [c for c in self._connections.values() if c.more and not c.closed]:
-            connection.handle()
-            self._update(connection)
+        self._handle_frames()
         now = time.monotonic()
         if now >= self._next_poll:
             self._next_poll = now + PERIOD
             self._poll(now)
         self._remove_closed()
+
+    def _handle_frames(self) -> None:
+        """Handle frames of all clients in turn, for a while."""
+        end = time.monotonic() + BUDGET
+        for descriptor, connection in [item for item in self._connections.items() if item[1].more]:
+            if not connection.closed:
+                connection.handle()
+                self._update(connection)
+            self._connections.move_to_end(descriptor)  # the others come first next time
+            if time.monotonic() > end:
+                return
 
     def _handle(self, key: selectors.SelectorKey, events: int) -> None:
         if key.fileobj is self._reader:
@@ -288,8 +298,7 @@ class PlayerServer(Closing):
             if connection.closed or connection.conversation is None:
                 continue
             connection.conversation.answer(kind, frame, message, reply)
-            connection.handle()
-            self._update(connection)
+            connection.more = True
 
     def close(self) -> None:
         """Disconnect all clients, and stop listening. Can be called twice."""

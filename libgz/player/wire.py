@@ -64,7 +64,7 @@ class Wire(Protocol):
     def pack(self, type: int, frame: Frame, payload: bytes, time: float) -> bytes:
         """The bytes of an answer to a frame, at a sim time [s]."""
 
-    def pack_data(self, code: int, index: int, number: int, payload: bytes, time: float, port: int) -> bytes:
+    def pack_data(self, code: int, index: int, number: int, payload: bytes, time: float) -> bytes:
         """The bytes of a device's data, taken at a sim time [s]."""
 
 
@@ -119,7 +119,7 @@ class Wire1:
             payload = frame.number.to_bytes(_width(frame.interface)) + payload
         return self._bytes(type, frame.code, frame.index, payload, time)
 
-    def pack_data(self, code: int, index: int, number: int, payload: bytes, time: float, port: int) -> bytes:
+    def pack_data(self, code: int, index: int, number: int, payload: bytes, time: float) -> bytes:
         """See `Wire.pack_data`."""
         return self._bytes(DATA, code, index, payload, time)
 
@@ -139,11 +139,12 @@ def _width(interface: str) -> int:
 
 
 class Wire2:
-    """The framing of 2.0, 2.1 and 3."""
+    """The framing of 2.0, 2.1 and 3; the port is part of the addresses of devices."""
 
     xdr: ClassVar[bool] = True
 
-    def __init__(self) -> None:
+    def __init__(self, port: int) -> None:
+        self._port = port
         self._skip = 0
 
     def take(self, buffer: bytearray) -> Frame | None:
@@ -169,16 +170,15 @@ class Wire2:
 
     def pack(self, type: int, frame: Frame, payload: bytes, time: float) -> bytes:
         """See `Wire.pack`."""
-        return self._bytes(0, type, frame.code, frame.index, frame.number, payload, time)
+        return self._bytes(type, frame.code, frame.index, frame.number, payload, time)
 
-    def pack_data(self, code: int, index: int, number: int, payload: bytes, time: float, port: int) -> bytes:
+    def pack_data(self, code: int, index: int, number: int, payload: bytes, time: float) -> bytes:
         """See `Wire.pack_data`."""
-        return self._bytes(port, DATA, code, index, number, payload, time)
+        return self._bytes(DATA, code, index, number, payload, time)
 
     def synch(self, number: int, payload: bytes, time: float) -> bytes:
         """The message after a round of data."""
-        return self._bytes(0, SYNCH, CODES["player"], 0, number, payload, time)
+        return self._bytes(SYNCH, CODES["player"], 0, number, payload, time)
 
-    def _bytes(self, robot: int, type: int, code: int, index: int, number: int, payload: bytes, time: float) -> bytes:
-        host = LOCALHOST if robot else 0
-        return _HEADER2.pack(host, robot, code, index, type, number, time, 0, len(payload)) + payload
+    def _bytes(self, type: int, code: int, index: int, number: int, payload: bytes, time: float) -> bytes:
+        return _HEADER2.pack(LOCALHOST, self._port, code, index, type, number, time, 0, len(payload)) + payload

@@ -48,6 +48,7 @@ class RosClient:
         self,
         name: str,
         kind: str,
+        /,
         patience: float = 60.0,
         waiting: Callable[[str], object] | None = None,
         **values: Any,

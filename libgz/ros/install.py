@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 
 from libgz._version import __version__
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.base.files import write_whole
+from libgz.base.python import run_module
 from libgz.ros.types import message_type, service_type, type_names
 
 __all__ = ["default_prefix", "install", "uninstall"]
@@ -80,19 +80,27 @@ SCRIPT = """\
 #!/bin/sh
 # of libgz; the paths of ROS's own Python are not those of this one
 unset PYTHONPATH
-exec {python} -P -m libgz.apps.{module} {words}"$@"
+exec {command} "$@"
 """
 SCRIPTS = {
-    "gzserver": ("gzserver", "--ros1 "),
-    "debug": ("gzserver", "--ros1 --verbose "),
-    "gazebo": ("gzserver", "--ros1 --view "),
-    "gzclient": ("gzclient", ""),
-    "spawn_model": ("spawn_model", ""),
+    "gazebo_ros/scripts/gzserver": ("gzserver", "--ros1"),
+    "gazebo_ros/scripts/debug": ("gzserver", "--ros1", "--verbose"),
+    "gazebo_ros/scripts/gazebo": ("gzserver", "--ros1", "--view"),
+    "gazebo_ros/scripts/gzclient": ("gzclient",),
+    "gazebo_ros/scripts/spawn_model": ("spawn_model",),
+    "controller_manager/scripts/spawner": ("spawn_controllers",),
 }
+PACKAGES = {
+    "controller_manager": "Starts controllers of robots in libgz.",
+    "gazebo_plugins": "Plugins of Gazebo, which libgz has.",
+    "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
+    "gazebo_ros_control": "Controllers of robots, which libgz has.",
+}
+MESSAGES = ("control_msgs", "controller_manager_msgs", "gazebo_msgs")  # which Debian does not have
 
-# gazebo_msgs in Python, made by the user's own genpy from the texts of the types when it is imported.
+# Packages of messages in Python, made by the user's own genpy from the texts of the types when they are imported.
 MODULE = '''\
-"""Messages and services of Gazebo, made by genpy from their definitions."""
+"""Messages and services, made by genpy from their definitions."""
 
 import genpy.dynamic
 
@@ -113,17 +121,17 @@ def service(name, md5, request, response):
     return type(name.partition("/")[2], (object,), values)
 '''
 MESSAGE_MODULE = '''\
-"""Messages of Gazebo."""
+"""Messages."""
 
-from gazebo_msgs import MESSAGES, message
+from {package} import MESSAGES, message
 
 for _name, _text in MESSAGES.items():
     globals()[_name.partition("/")[2]] = message(_name, _text)
 '''
 SERVICE_MODULE = '''\
-"""Services of Gazebo."""
+"""Services."""
 
-from gazebo_msgs import SERVICES, service
+from {package} import SERVICES, service
 
 for _name, _values in SERVICES.items():
     _class = globals()[_name.partition("/")[2]] = service(_name, *_values)
@@ -146,20 +154,16 @@ def default_prefix() -> Path:
 def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     """Paths below the prefix -> (text, whether it is a program)."""
     share, found = "share/gazebo_ros", {}
-    about = {
-        "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
-        "gazebo_msgs": "Messages and services of Gazebo.",
-        "gazebo_plugins": "Plugins of Gazebo, which libgz has.",
-    }
-    for name, text in about.items():
+    for name, text in {**PACKAGES, **dict.fromkeys(MESSAGES, "Messages and services.")}.items():
         found[f"share/{name}/package.xml"] = PACKAGE.format(name=name, version=_release(), about=text), False
     found[f"{share}/launch/empty_world.launch"] = EMPTY_WORLD, False
     for name in WORLDS:
         found[f"{share}/launch/{name}_world.launch"] = OTHER_WORLD.format(name=name), False
-    python = shlex.quote(sys.executable)
-    for name, (module, words) in SCRIPTS.items():
-        found[f"{share}/scripts/{name}"] = SCRIPT.format(python=python, module=module, words=words), True
-    found |= _messages()
+    for name, (module, *words) in SCRIPTS.items():
+        command = shlex.join(run_module(f"libgz.apps.{module}", *words))
+        found[f"share/{name}"] = SCRIPT.format(command=command), True
+    for package in MESSAGES:
+        found |= _messages(package)
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False
     found["setup.bash"] = f". {place}/setup.sh\n", False
@@ -172,12 +176,12 @@ def _release() -> str:
     return ".".join([*numbers, "0", "0", "0"][:3])
 
 
-def _messages() -> dict[str, tuple[str, bool]]:
-    """The files of gazebo_msgs: definitions, and its Python package."""
+def _messages(package: str) -> dict[str, tuple[str, bool]]:
+    """The files of a package of messages: definitions, and its Python package."""
     messages, services, found = {}, {}, {}
     for name in type_names():
-        package, _, base = name.partition("/")
-        if package != "gazebo_msgs":
+        owner, _, base = name.partition("/")
+        if owner != package:
             continue
         try:
             kind = message_type(name)
@@ -185,13 +189,14 @@ def _messages() -> dict[str, tuple[str, bool]]:
             service = service_type(name)
             services[name] = service.md5, service.request.text, service.response.text
             text = f"{service.request.own_text}---\n{service.response.own_text}"
-            found[f"share/gazebo_msgs/srv/{base}.srv"] = text, False
+            found[f"share/{package}/srv/{base}.srv"] = text, False
         else:
             messages[name] = kind.text
-            found[f"share/gazebo_msgs/msg/{base}.msg"] = kind.own_text, False
+            found[f"share/{package}/msg/{base}.msg"] = kind.own_text, False
     own = MODULE.format(messages=messages, services=services)
-    for path, text in {"": own, "msg/": MESSAGE_MODULE, "srv/": SERVICE_MODULE}.items():
-        found[f"python/gazebo_msgs/{path}__init__.py"] = text, False
+    parts = {"msg/": MESSAGE_MODULE.format(package=package), "srv/": SERVICE_MODULE.format(package=package)}
+    for path, text in {"": own, **parts}.items():
+        found[f"python/{package}/{path}__init__.py"] = text, False
     return found
 
 

@@ -19,13 +19,25 @@ log = logging.getLogger("libgz.ros")
 READ_SIZE = 1 << 18
 SEND_AT_ONCE = 1 << 18  # bytes that are joined for one call
 MOST_CONNECTIONS = 1024
+POLL_PERIOD = 1e-3  # [s] between two looks for data to send, while there are some again and again
+POLL_TIME = 0.05  # [s] without any, after which the thread waits to be woken: that costs the waking thread a switch
 GREETING_TIME = 5.0  # [s] in which a peer must say what it wants
 
 
 class Loop:
-    """Waits for sockets in its thread. `call` and `wake` may be used from any thread, all else from that one."""
+    """Waits for sockets in its thread. `call` and `wake` may be used from any thread, all else from that one.
 
-    def __init__(self, name: str) -> None:
+    Args:
+        name: of the thread.
+        send: sends what waits; whether there was anything.
+
+    Attributes:
+        polling: whether the thread looks for what waits by itself, so that nobody needs to wake it for that.
+    """
+
+    def __init__(self, name: str, send: Callable[[], bool]) -> None:
+        self._send = send
+        self.polling = False
         self._selector = selectors.DefaultSelector()
         self._inside, self._outside = socket.socketpair()
         for end in (self._inside, self._outside):
@@ -83,8 +95,9 @@ class Loop:
             self.connections.pop(one, None)
 
     def _run(self) -> None:
+        sent = 0.0
         while not self._ended:
-            for key, events in self._selector.select(1.0):
+            for key, events in self._selector.select(POLL_PERIOD if self.polling else 1.0):
                 if key.data is None:
                     with contextlib.suppress(OSError):
                         self._inside.recv(4096)
@@ -97,6 +110,11 @@ class Loop:
                     function(*values)
                 except Exception:
                     log.exception("ROS: a call failed")
+            if self._send():
+                sent, self.polling = time.monotonic(), True
+            elif self.polling and time.monotonic() - sent > POLL_TIME:
+                self.polling = False
+                self.polling = self._send()  # what came just before that
             self._expire()
         for connection in list(self.connections):
             connection.close()

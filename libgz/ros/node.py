@@ -52,8 +52,9 @@ class Publisher:
         readers = self.readers
         for reader in readers:
             reader.push(data)
-        if readers:
-            self.node.dirty.update(dict.fromkeys(readers))
+            if not reader.waiting:
+                reader.waiting = True
+                self.node.waiting.append(reader)
 
     def connected(self, reader: Reader) -> None:
         """A subscriber came."""
@@ -102,14 +103,14 @@ class Node:
 
     Attributes:
         registered: how often all was registered with a master.
-        dirty: subscribers for whom messages wait.
+        waiting: subscribers for whom messages wait.
         changed: publishers whose subscribers came or went.
     """
 
     def __init__(self, names: NodeNames) -> None:
         self.names, self.name, self.master = names, names.name, names.master
         self.registered = 0
-        self.dirty: dict[Reader, None] = {}
+        self.waiting: deque[Reader] = deque()
         self.changed: deque[Publisher] = deque()
         self._publishers: dict[str, Publisher] = {}
         self._subscribers: dict[str, Subscriber] = {}
@@ -120,7 +121,7 @@ class Node:
         self._complained = False
         self._connecting = threading.BoundedSemaphore(MOST_PUBLISHERS)
         self.first_look = threading.Event()
-        self._loop = Loop("ros-wire")
+        self._loop = Loop("ros-wire", self._send)
         self._listener = Listener(self._loop, names.address, self._accept)
         methods: dict[str, Callable[..., Any]] = {
             "getBusInfo": self._bus_info,
@@ -251,15 +252,18 @@ class Node:
         return self._services, one.name, "unregisterService", (self._service_uri,)
 
     def flush(self) -> None:
-        """Send what waits, in the loop's thread."""
-        if self.dirty:
-            self._loop.call(self._flush, self.dirty)
-            self.dirty = {}
+        """See that what waits is sent, in the loop's thread."""
+        if self.waiting and not self._loop.polling:
+            self._loop.wake()
 
-    @staticmethod
-    def _flush(dirty: dict[Reader, None]) -> None:
-        for reader in dirty:
+    def _send(self) -> bool:
+        """Send what waits; whether there was anything."""
+        count = len(self.waiting)
+        for _ in range(count):
+            reader = self.waiting.popleft()
+            reader.waiting = False
             reader.connection.flush()
+        return count > 0
 
     def publication(self, topic: str) -> Publisher | None:
         """The publication of a topic."""

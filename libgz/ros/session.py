@@ -207,9 +207,17 @@ class Session(Closing):
         value = self.node.parameter(self.names.resolve(name))
         return default if value is None else value
 
+    def search_parameter(self, name: str, space: str = "") -> Any:
+        """A parameter in a namespace, or in the nearest one around it that has it; None if none has."""
+        return self.node.search_parameter(name, self.resolve("x", space).rpartition("/")[0])
+
+    def log_refusal(self, name: str, why: str) -> None:
+        """Log that a message of a topic is not obeyed."""
+        log.error("topic %s: %s", name, why)
+
     def frame(self, name: str, space: str = "") -> str:
         """A frame of TF with the prefix that the parameter tf_prefix gives for a namespace."""
-        prefix = self.node.search_parameter("tf_prefix", self.resolve("x", space).rpartition("/")[0])
+        prefix = self.search_parameter("tf_prefix", space)
         return frame_with_prefix(str(prefix or ""), name)
 
     # Topics and services -----------------------------------------------------------------------------------------

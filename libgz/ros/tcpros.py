@@ -211,11 +211,13 @@ class Reader:
 
     Attributes:
         dropped: how many were dropped.
+        waiting: whether the loop's thread will look at it.
     """
 
     def __init__(self, connection: Caller, sink: Sink) -> None:
         self.connection, self.sink = connection, sink
         self.dropped = 0
+        self.waiting = False
         self._most = max(sink.queue, LEAST_QUEUE)
         self._queue = connection.queue
 

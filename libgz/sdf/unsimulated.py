@@ -17,7 +17,7 @@ PARTS = {
     "audio_source": "sound is not simulated",
     "projector": "projectors are not simulated: nothing is projected",
     "particle_emitter": "particles are not simulated",
-    "pbr": "its textures and reflections are not rendered; the plain colours of the material are",
+    "pbr": "its roughness, normals and reflections are not rendered; colours and the albedo map are",
 }
 
 

@@ -390,7 +390,9 @@ class SdfJoint:
         """What `add_force` does, for `Engine.holding`; None where that depends on more than the effort."""
         effort, axis = self._within_limit(effort, index)
         mechanism = self._mechanism
-        if axis.velocity >= 0.0 or type(mechanism) not in (HingeMechanism, SliderMechanism) or mechanism.joint is None:
+        if mechanism is None or mechanism.joint is None or axis.velocity >= 0.0:
+            return None
+        if type(mechanism) not in (HingeMechanism, SliderMechanism):
             return None
         waking = [body for body in (self.parent, self.child) if body is not None and body.auto_disable]
         return mechanism.joint.held_effort(effort, waking)

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from libgz.base.errors import ParameterError, nearest
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.files import is_file
 from libgz.base.geometry import GzColor, GzPose, GzVector
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
@@ -15,6 +16,7 @@ from libgz.physics.geom import Geom
 from libgz.physics.geoms import DomeGeom, LightGeom
 from libgz.sdf.element import Element
 from libgz.sdf.materials import NEUTRAL, Material, find_material, own_texture
+from libgz.sdf.paths import find_uri
 
 if TYPE_CHECKING:
     from libgz.simulation.world import World
@@ -77,12 +79,30 @@ def dress_material(look: Appearance, element: Element, note: Note) -> None:
         if found is None:
             note(element.child("script"), f"there is no material {name!r}; it is shown in grey")
         put_on(look, found or NEUTRAL)
+    else:
+        _put_albedo_on(look, element, note)
     for key, attribute in COLORS.items():
         if element.HasElement(key):
             setattr(look, attribute, element.Get(GzColor, key))
     if element.HasElement("lighting") and not element.Get(bool, "lighting"):
         _unlight(look)
     look.version += 1
+
+
+def _put_albedo_on(look: Appearance, element: Element, note: Note) -> None:
+    """Apply the image of colours of a `<pbr>`; of its other images nothing is rendered."""
+    workflows = (flow for pbr in element.named("pbr") for name in ("metal", "specular") for flow in pbr.named(name))
+    albedo = next((image for flow in workflows for image in flow.named("albedo_map")), None)
+    if albedo is None:
+        return
+    folder = Path(albedo.file).parent if albedo.file and not albedo.file.startswith("<") else None
+    try:
+        found = find_uri(albedo.Get(str), folder)
+    except NotFoundError as error:
+        note(albedo, f"{error}; the plain colours are shown")
+        return
+    if is_file(found):
+        put_on(look, Material(texture=found))
 
 
 def material_name(element: Element) -> str:

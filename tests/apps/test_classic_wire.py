@@ -14,7 +14,6 @@ from gzserver_process import new_environment
 
 WORLD = """
 <sdf version='1.6'><world name='w'>
-  <physics type='ode'><max_step_size>0.01</max_step_size><real_time_update_rate>100</real_time_update_rate></physics>
   <model name='wall'><static>1</static><pose>3 0 0.5 0 0 0</pose><link name='link'>
     <collision name='c'><geometry><box><size>1 10 1</size></box></geometry></collision>
     <visual name='v'><pose>0 0 0.25 0 0 0</pose><geometry><box><size>1 10 1</size></box></geometry>

@@ -278,6 +278,6 @@ def test_help_is_a_command_too():
 
 
 def test_the_package_is_the_command():
-    done = subprocess.run([sys.executable, "-m", "libgz", "models"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-m", "libgz", "worlds"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0
-    assert done.stdout == run_libgz("models").stdout
+    assert done.stdout == run_libgz("worlds").stdout

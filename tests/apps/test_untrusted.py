@@ -17,7 +17,21 @@ from libgz.sdf.reader import SdfFile
 from libgz.simulation.plugins import load_plugin
 
 READERS = (
-    *("check", "convert", "export", "log", "model", "picture", "play", "plot", "sdf", "snapshot", "upgrade", "view"),
+    *(
+        "check",
+        "convert",
+        "export",
+        "log",
+        "model",
+        "picture",
+        "play",
+        "player",
+        "plot",
+        "sdf",
+        "snapshot",
+        "upgrade",
+        "view",
+    ),
     *("gazebo", "gzclient", "gzserver"),
 )
 PLUGIN = """

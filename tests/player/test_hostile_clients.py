@@ -241,3 +241,14 @@ def test_twenty_clients_get_every_sample(serve, interfaces):
             times.append(round(client.time, 2))
         assert times[-50:] == [round(0.1 * number, 2) for number in range(1, 51)]
         client.socket.close()
+
+
+def test_requests_that_waited_for_room_are_answered_when_the_client_reads(serve, interfaces, monkeypatch):
+    monkeypatch.setattr(connection, "MOST_UNSENT", 10_000)
+    monkeypatch.setattr(server_module, "KERNEL_BUFFER", 4096)
+    server = serve()
+    with Client1(server) as client:
+        client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        client.socket.send((HEADER1.pack(b"Xx", 3, 1, 0, 0, 0, 0, 0, 0, 2) + b"\0\1") * 300)
+        turns(server, 100)
+        assert [client.answer()[0] for _ in range(300)] == [ACK] * 300

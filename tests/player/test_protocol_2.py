@@ -18,9 +18,10 @@ PUSH, PULL = 1, 2
 
 @pytest.fixture
 def old(serve):
-    """A client of 2.0, which begins with anything but a mode."""
+    """A client of 2.0, whose messages have any number."""
     with Client2(serve()) as client:
-        client.request("player", 1)
+        client.sequence = 0xFFFFFFB8
+        client.mode(PUSH)
         yield client
 
 
@@ -211,6 +212,10 @@ def test_a_length_shows_the_version(serve, interfaces):
             while len(payload) != size:
                 payload = client.data("position2d")
             assert data.cmd_vel_pos[0] == 0.5
+    with Client2(server) as client:
+        client.request("player", 1, bytes(8))  # as the library for Java
+        client.subscribe("position2d")
+        assert len(client.data("position2d")) == 52
     with Client2(serve(version="2.1")) as client:
         client.subscribe("position2d")
         assert len(client.data("position2d")) == 52

@@ -137,7 +137,7 @@ def test_commands_move_it_and_transforms_follow(node):
     assert set(found) == {("odom", "base"), ("base", "left_wheel"), ("base", "right_wheel")}
     assert found["base", "left_wheel"].transform.translation.y == pytest.approx(0.12, abs=1e-3)
     command.linear.x = math.nan
-    drive = node.core.facade.server.model_plugins(node.core.facade.ModelByName("robot"))[0].plugin
+    drive = node.core.facade.server.plugins.of_model(node.core.facade.ModelByName("robot"))[0].plugin
     drive.commands._call = seen = Recorder(drive.commands._call)
     talker.send(codec(twist).pack(command))
     wait_for(lambda: seen.count, odometry)

@@ -151,6 +151,21 @@ def test_the_material_of_a_visual_replaces_the_image(load, tmp_path, material, k
     assert ("four.png" in caplog.text) == kept
 
 
+@pytest.mark.parametrize("workflow", ["metal", "specular"])
+def test_an_albedo_map_is_shown(load, tmp_path, workflow, caplog):
+    write_image(tmp_path / "four.png")
+    pbr = f"<pbr><{workflow}><albedo_map>four.png</albedo_map><roughness>0.3</roughness></{workflow}></pbr>"
+    shape = "<geometry><box><size>1 1 1</size></box></geometry>"
+    text = f"<visual name='v'>{shape}<material><diffuse>1 0.5 1 1</diffuse>{pbr}</material></visual>"
+    [look] = [geom.appearance for geom in loaded(load, text).body("m").geoms]
+    assert look.texture_file == tmp_path / "four.png"
+    assert tuple(look.diffuse) == (1, 0.5, 1, 1)
+    assert "reflections are not rendered" in caplog.text
+    [look] = [geom.appearance for geom in loaded(load, text.replace("four", "lost")).body("m").geoms]
+    assert look.texture_file is None
+    assert "lost.png" in caplog.text
+
+
 def test_a_missing_image_is_one_warning(load, tmp_path, caplog):
     write_obj(tmp_path / "meshes" / "square.obj", "Kd 0 1 0\nmap_Kd four.png", "f 1/1 2/2 3/3\ng b\nf 1/1 3/3 4/4")
     made = loaded(load, visual("meshes/square.obj"))

@@ -1,0 +1,511 @@
+"""The controllers of ros_controllers: what they read and command, by their names in parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from libgz.base.errors import ParameterError
+from libgz.ros.control.action import ActionServer, Goal
+from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
+from libgz.ros.control.pid import RosPid, number_of
+from libgz.ros.control.trajectory import Trajectory
+from libgz.ros.plugin import Ticks
+from libgz.ros.session import Session, finite, set_stamp
+from libgz.ros.types import message_type
+
+__all__ = ["CONTROLLERS", "Controller"]
+
+ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3  # of actionlib_msgs/GoalStatus
+INTERFACES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
+
+
+class Controller:
+    """Base of all controllers.
+
+    Args:
+        name: full, such as ``/robot/arm_controller``.
+        values: its parameters.
+        hardware: the robot.
+        session: for its topics.
+        now: gives the sim time [s].
+        interface: what it commands its joints by; empty for nothing.
+
+    Raises:
+        ParameterError: a parameter is missing or invalid.
+    """
+
+    joints: Sequence[SimJoint] = ()
+
+    def __init__(
+        self,
+        name: str,
+        values: Mapping[str, Any],
+        hardware: RobotHardware,
+        session: Session,
+        now: Callable[[], float],
+        interface: str = "",
+    ) -> None:
+        self.name, self.values, self.hardware, self.session = name, values, hardware, session
+        self.now, self.interface, self.state = now, interface, "initialized"
+        self.load()
+
+    def load(self) -> None:
+        """Read the parameters, find the joints, open topics."""
+
+    def starting(self) -> None:
+        """It begins to run."""
+
+    def update(self, elapsed: float) -> None:
+        """Command its joints, `elapsed` seconds after the last update."""
+
+    def stopping(self) -> None:
+        """It stops."""
+
+    def find(self, names: Any) -> list[SimJoint]:
+        """The joints of some names.
+
+        Raises:
+            ParameterError: there is none of a name, or its transmission has another interface.
+        """
+        if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
+            raise ParameterError(f"controller {self.name}: its joints are {names!r}; they must be names")
+        found = []
+        for name in names:
+            joint = self.hardware.joints.get(name)
+            if joint is None or joint.interface != self.interface:
+                known = [one.name for one in self.hardware.joints.values() if one.interface == self.interface]
+                raise ParameterError(
+                    f"controller {self.name}: there is no joint {name!r} with {self.interface}; "
+                    f"there are {', '.join(known) or 'none'}"
+                )
+            found.append(joint)
+        return found
+
+    def pid(self, *keys: str) -> RosPid:
+        """The gains below some keys of its parameters.
+
+        Raises:
+            ParameterError: there are none.
+        """
+        found: Any = self.values
+        for key in keys:
+            found = found.get(key) if isinstance(found, Mapping) else None
+        where = "/".join([self.name, *keys])
+        if not isinstance(found, Mapping):
+            raise ParameterError(f"controller {self.name}: there are no gains {where}")
+        return RosPid(found, where)
+
+
+class JointStates(Controller):
+    """Publishes the states of all joints."""
+
+    def load(self) -> None:
+        """Advertise."""
+        rate = number_of(self.values, "publish_rate", math.nan, self.name)
+        if not rate > 0.0:
+            raise ParameterError(f"controller {self.name}: parameter publish_rate is missing or not positive")
+        self._ticks = Ticks(rate)
+        space = self.name.rpartition("/")[0]
+        self._publication = self.session.publish(f"{space}/joint_states", "sensor_msgs/JointState", 4)
+
+    def update(self, elapsed: float) -> None:
+        """Publish, if it is time."""
+        if not self._ticks.due(self.now()) or not self._publication.listened:
+            return
+        joints = list(self.hardware.joints.values())
+        message = self._publication.kind(name=[joint.name for joint in joints])
+        set_stamp(message.header.stamp, self.now())
+        message.position = [joint.position for joint in joints]
+        message.velocity = [joint.velocity for joint in joints]
+        message.effort = [joint.effort for joint in joints]
+        self._publication.publish(message)
+
+
+class Commands(Controller):
+    """Takes commands for its joint, or for all of its joints together, and passes them on or follows them by gains.
+
+    Attributes:
+        target: what it follows: position or velocity; empty: commands are passed on.
+        group: whether the topic has a number for each of several joints.
+    """
+
+    target = ""
+    group = False
+
+    def load(self) -> None:
+        """Find the joints, and subscribe."""
+        names = self.values.get("joints") if self.group else [self.values.get("joint")]
+        self.joints = self.find(names)
+        self._pids = []
+        if self.target and self.group:
+            self._pids = [self.pid(joint.name, "pid") for joint in self.joints]
+        elif self.target:
+            self._pids = [self.pid("pid")]
+        kind = "std_msgs/Float64MultiArray" if self.group else "std_msgs/Float64"
+        self._wanted: list[float] | None = None
+        self._commands = self.session.subscribe(f"{self.name}/command", kind, self._on_command)
+        self._states = None
+        if self.target and not self.group:
+            self._states = self.session.publish(f"{self.name}/state", "control_msgs/JointControllerState", 1)
+        self._count = 0
+
+    def _on_command(self, message: Any) -> None:
+        wanted = list(map(float, message.data)) if self.group else [message.data]
+        if len(wanted) == len(self.joints) and finite(message):
+            self._wanted = wanted
+
+    def starting(self) -> None:
+        """Hold the present positions."""
+        self._wanted = None
+        for pid in self._pids:
+            pid.reset()
+        if self.target == "position":
+            self._wanted = [joint.position for joint in self.joints]
+        for joint in self.joints:
+            joint.hold()
+
+    def stopping(self) -> None:
+        """Hold the present positions."""
+        for joint in self.joints:
+            joint.hold()
+
+    def update(self, elapsed: float) -> None:
+        """Command the joints."""
+        wanted = self._wanted
+        if wanted is None:
+            if not self.target:
+                return
+            wanted = [0.0] * len(self.joints)
+        if not self.target:
+            for joint, value in zip(self.joints, wanted, strict=True):
+                joint.command = value
+            return
+        for joint, pid, value in zip(self.joints, self._pids, wanted, strict=True):
+            error = joint.error_of(value) if self.target == "position" else value - joint.velocity
+            joint.command = pid.command(error, elapsed)
+            self._report(joint, pid, value, error, elapsed)
+
+    def _report(self, joint: SimJoint, pid: RosPid, value: float, error: float, elapsed: float) -> None:
+        self._count += 1
+        if self._states is None or self._count % 10 or not self._states.listened:
+            return
+        message = self._states.kind(set_point=value, error=error, time_step=elapsed, command=joint.command)
+        set_stamp(message.header.stamp, self.now())
+        message.process_value = joint.position if self.target == "position" else joint.velocity
+        message.process_value_dot = joint.velocity
+        message.p, message.i, message.d, message.i_clamp = pid.p, pid.i, pid.d, pid.most
+        self._states.publish(message)
+
+
+class PositionCommands(Commands):
+    """Follows a position by gains."""
+
+    target = "position"
+
+
+class VelocityCommands(Commands):
+    """Follows a velocity by gains."""
+
+    target = "velocity"
+
+
+class GroupCommands(Commands):
+    """Passes on commands of several joints."""
+
+    group = True
+
+
+class GroupPositionCommands(GroupCommands):
+    """Follows positions of several joints by gains."""
+
+    target = "position"
+
+
+class Follower(Controller):
+    """Moves joints to positions by their interface: sets them, or follows them by gains."""
+
+    def prepare(self, names: Any) -> None:
+        """Find the joints and their gains."""
+        self.joints = self.find(names)
+        self._pids = [] if self.interface == POSITION else [self.gains(joint) for joint in self.joints]
+
+    def gains(self, joint: SimJoint) -> RosPid:
+        """The gains of a joint."""
+        return self.pid("gains", joint.name)
+
+    def reset_pids(self) -> None:
+        """Forget the past of the gains."""
+        for pid in self._pids:
+            pid.reset()
+
+    def follow(self, positions: Sequence[float], velocities: Sequence[float], elapsed: float) -> None:
+        """Command the joints."""
+        if not self._pids:
+            for joint, position in zip(self.joints, positions, strict=True):
+                joint.command = position
+            return
+        for joint, pid, position, velocity in zip(self.joints, self._pids, positions, velocities, strict=True):
+            error, rate = joint.error_of(position), velocity - joint.velocity
+            ahead = number_of(self._ahead, joint.name, 0.0, f"{self.name}/velocity_ff") * velocity
+            joint.command = ahead + pid.command_with_rate(error, rate, elapsed)
+
+    @property
+    def _ahead(self) -> Mapping[str, Any]:
+        found = self.values.get("velocity_ff")
+        return found if isinstance(found, Mapping) else {}
+
+
+class JointTrajectories(Follower):
+    """Follows trajectories of a topic or an action."""
+
+    def load(self) -> None:
+        """Find the joints, subscribe and serve."""
+        self.prepare(self.values.get("joints"))
+        constraints = self.values.get("constraints")
+        self._constraints: Mapping[str, Any] = constraints if isinstance(constraints, Mapping) else {}
+        self._trajectory: Trajectory | None = None
+        self._goal: Goal | None = None
+        self._ticks = Ticks(number_of(self.values, "state_publish_rate", 50.0, self.name))
+        kind = "control_msgs/JointTrajectoryControllerState"
+        self._states = self.session.publish(f"{self.name}/state", kind, 1)
+        kind = "trajectory_msgs/JointTrajectory"
+        self._commands = self.session.subscribe(f"{self.name}/command", kind, self._on_command)
+        self._service = self.session.serve(
+            f"{self.name}/query_state", "control_msgs/QueryTrajectoryState", self._on_query
+        )
+        self._action = ActionServer(
+            self.session,
+            f"{self.name}/follow_joint_trajectory",
+            "control_msgs/FollowJointTrajectory",
+            self.now,
+            self._on_goal,
+            self._on_cancel,
+        )
+
+    def starting(self) -> None:
+        """Hold the present positions."""
+        self.reset_pids()
+        self._hold()
+
+    def stopping(self) -> None:
+        """End the goal, and hold."""
+        if self._goal is not None:
+            self._goal.end(PREEMPTED, "the controller was stopped")
+        for joint in self.joints:
+            joint.hold()
+
+    def _hold(self) -> None:
+        self._trajectory = Trajectory.standing(self.now(), [joint.position for joint in self.joints])
+
+    def _on_query(self, request: Any) -> Any:
+        at = request.time.seconds
+        positions, velocities, accelerations = self._at(at)
+        answer = self._service.kind.response(name=[joint.name for joint in self.joints])
+        answer.position, answer.velocity, answer.acceleration = positions, velocities, accelerations
+        return answer
+
+    def _at(self, now: float) -> tuple[list[float], list[float], list[float]]:
+        if self._trajectory is None:
+            return [joint.position for joint in self.joints], [0.0] * len(self.joints), [0.0] * len(self.joints)
+        return self._trajectory.at(now)
+
+    def _take(self, message: Any) -> str:
+        """Begin a trajectory; why it cannot, or an empty text."""
+        if self.state != "running":
+            return "the controller does not run"
+        if not message.points:
+            self._hold()
+            return ""
+        names = [joint.name for joint in self.joints]
+        partly = bool(self.values.get("allow_partial_joints_goal", False))
+        if not set(message.joint_names) <= set(names) or (set(message.joint_names) != set(names) and not partly):
+            return f"the joints are {', '.join(message.joint_names)}; they must be {', '.join(names)}"
+        if not finite(message):
+            return "a number is not finite"
+        now = self.now()
+        positions, velocities, _ = self._at(now)
+        try:
+            self._trajectory = Trajectory.of_message(message, names, now, positions, velocities, self._turned)
+        except ParameterError as error:
+            return str(error)
+        return ""
+
+    def _turned(self, index: int, before: float, wanted: float) -> float:
+        """A position of a joint without limits, on the shorter way from another one."""
+        joint = self.joints[index]
+        return before + math.remainder(wanted - before, 2.0 * math.pi) if joint.turns else wanted
+
+    def _on_command(self, message: Any) -> None:
+        if self._goal is not None and self._goal.active:
+            self._goal.end(PREEMPTED, "a trajectory came by the topic")
+        error = self._take(message)
+        if error:
+            self.session.log_refusal(f"{self.name}/command", error)
+
+    def _on_goal(self, goal: Goal) -> None:
+        error = self._take(goal.message.trajectory)
+        if error:
+            code = -2 if error.startswith("the joints") else -1  # INVALID_JOINTS, INVALID_GOAL
+            goal.end(REJECTED, error, error_code=code, error_string=error)
+        else:
+            self._goal = goal
+
+    def _on_cancel(self, goal: Goal) -> None:
+        self._hold()
+        goal.end(PREEMPTED)
+
+    def update(self, elapsed: float) -> None:
+        """Follow the trajectory."""
+        now = self.now()
+        positions, velocities, accelerations = self._at(now)
+        self.follow(positions, velocities, elapsed)
+        if self._goal is not None and self._goal.active:
+            self._judge(self._goal, now, positions)
+        self._action.update()
+        if self._ticks.due(now):
+            self._report(now, positions, velocities, accelerations)
+
+    def _judge(self, goal: Goal, now: float, positions: Sequence[float]) -> None:
+        """Whether the goal is reached, or a tolerance was left."""
+        errors = [joint.error_of(at) for joint, at in zip(self.joints, positions, strict=True)]
+        end = self._trajectory.end if self._trajectory is not None else now
+        if now < end:
+            self._check(goal, "path_tolerance", "trajectory", errors, -4, "path error")
+            return
+        late = goal.message.goal_time_tolerance.seconds or number_of(
+            self._constraints, "goal_time", 0.0, f"{self.name}/constraints"
+        )
+        slow = number_of(self._constraints, "stopped_velocity_tolerance", 0.01, f"{self.name}/constraints")
+        still = slow <= 0.0 or all(abs(joint.velocity) <= slow for joint in self.joints)
+        if still and self._within(goal, "goal_tolerance", "goal", errors):
+            goal.end(SUCCEEDED, error_code=0)
+        elif now >= end + late and not self._within(goal, "goal_tolerance", "goal", errors):
+            goal.end(ABORTED, "goal tolerance violated", error_code=-5)
+            self._hold()
+        elif now >= end + late and late > 0.0:
+            goal.end(ABORTED, "the joints do not stand still", error_code=-5)
+
+    def _check(self, goal: Goal, field: str, key: str, errors: Sequence[float], code: int, text: str) -> None:
+        if not self._within(goal, field, key, errors):
+            goal.end(ABORTED, text, error_code=code, error_string=text)
+            self._hold()
+
+    def _within(self, goal: Goal, field: str, key: str, errors: Sequence[float]) -> bool:
+        """Whether errors are within the tolerances of the goal, or else of the parameters; 0: there is none."""
+        asked = {one.name: one.position for one in getattr(goal.message, field)}
+        for joint, error in zip(self.joints, errors, strict=True):
+            own = self._constraints.get(joint.name)
+            default = number_of(own, key, 0.0, f"{self.name}/constraints") if isinstance(own, Mapping) else 0.0
+            most = asked.get(joint.name, 0.0) or default
+            if most > 0.0 and abs(error) > most:
+                return False
+        return True
+
+    def _report(self, now: float, positions: list[float], velocities: list[float], accelerations: list[float]) -> None:
+        goal = self._goal if self._goal is not None and self._goal.active else None
+        if not self._states.listened and goal is None:
+            return
+        message: Any = self._states.kind(joint_names=[joint.name for joint in self.joints])
+        set_stamp(message.header.stamp, now)
+        message.desired.positions, message.desired.velocities = positions, velocities
+        message.desired.accelerations = accelerations
+        message.actual.positions = [joint.position for joint in self.joints]
+        message.actual.velocities = [joint.velocity for joint in self.joints]
+        message.error.positions = [joint.error_of(at) for joint, at in zip(self.joints, positions, strict=True)]
+        message.error.velocities = [
+            speed - joint.velocity for joint, speed in zip(self.joints, velocities, strict=True)
+        ]
+        self._states.publish(message)
+        if goal is not None:
+            feedback = message_type("control_msgs/FollowJointTrajectoryFeedback")(
+                header=message.header,
+                joint_names=message.joint_names,
+                desired=message.desired,
+                actual=message.actual,
+                error=message.error,
+            )
+            self._action.send_feedback(goal, feedback)
+
+
+class Gripper(Follower):
+    """Closes and opens a gripper by an action."""
+
+    def load(self) -> None:
+        """Find the joint, and serve."""
+        self.prepare([self.values.get("joint")])
+        self._tolerance = number_of(self.values, "goal_tolerance", 0.01, self.name)
+        self._slow = number_of(self.values, "stall_velocity_threshold", 0.001, self.name)
+        self._patience = number_of(self.values, "stall_timeout", 1.0, self.name)
+        self._effort = number_of(self.values, "max_effort", 0.0, self.name)
+        self._wanted, self._moved, self._goal = 0.0, 0.0, None
+        kind = "control_msgs/GripperCommand"
+        self._action = ActionServer(
+            self.session, f"{self.name}/gripper_cmd", kind, self.now, self._on_goal, self._on_cancel
+        )
+
+    _goal: Goal | None
+
+    def gains(self, joint: SimJoint) -> RosPid:
+        """The gains of the joint."""
+        return self.pid("gains", joint.name)
+
+    def starting(self) -> None:
+        """Hold the present position."""
+        self.reset_pids()
+        self._wanted, self._moved = self.joints[0].position, self.now()
+
+    def stopping(self) -> None:
+        """End the goal, and hold."""
+        if self._goal is not None:
+            self._goal.end(PREEMPTED, "the controller was stopped")
+        self.joints[0].hold()
+
+    def _on_goal(self, goal: Goal) -> None:
+        if self.state != "running":
+            goal.end(REJECTED, "the controller does not run")
+            return
+        self._goal, self._wanted, self._moved = goal, goal.message.command.position, self.now()
+        self._effort = goal.message.command.max_effort or self._effort
+
+    def _on_cancel(self, goal: Goal) -> None:
+        self._wanted = self.joints[0].position
+        goal.end(PREEMPTED)
+
+    def update(self, elapsed: float) -> None:
+        """Move, and end the goal when it is reached or the gripper stalls."""
+        joint, now = self.joints[0], self.now()
+        self.follow([self._wanted], [0.0], elapsed)
+        if self.interface == EFFORT and self._effort > 0.0 and joint.command is not None:
+            joint.command = max(-self._effort, min(self._effort, joint.command))
+        if abs(joint.velocity) > self._slow:
+            self._moved = now
+        goal = self._goal
+        if goal is not None and goal.active:
+            reached = abs(joint.error_of(self._wanted)) < self._tolerance
+            stalled = now - self._moved > self._patience
+            if reached or stalled:
+                result: dict[str, Any] = {"position": joint.position, "effort": joint.command or 0.0}
+                good = reached or bool(self.values.get("allow_stalling", False))
+                result |= {"reached_goal": reached, "stalled": not reached}
+                goal.end(SUCCEEDED if good else ABORTED, "", **result)
+        self._action.update()
+
+
+# Types of controllers -> class, interface of its joints.
+CONTROLLERS: dict[str, tuple[type[Controller], str]] = {
+    "joint_state_controller/JointStateController": (JointStates, ""),
+    "effort_controllers/JointEffortController": (Commands, EFFORT),
+    "effort_controllers/JointGroupEffortController": (GroupCommands, EFFORT),
+    "effort_controllers/JointGroupPositionController": (GroupPositionCommands, EFFORT),
+    "effort_controllers/JointPositionController": (PositionCommands, EFFORT),
+    "effort_controllers/JointVelocityController": (VelocityCommands, EFFORT),
+    "position_controllers/JointGroupPositionController": (GroupCommands, POSITION),
+    "position_controllers/JointPositionController": (Commands, POSITION),
+    "velocity_controllers/JointGroupVelocityController": (GroupCommands, VELOCITY),
+    "velocity_controllers/JointPositionController": (PositionCommands, VELOCITY),
+    "velocity_controllers/JointVelocityController": (Commands, VELOCITY),
+    **{f"{name}_controllers/JointTrajectoryController": (JointTrajectories, one) for name, one in INTERFACES.items()},
+    **{f"{name}_controllers/GripperActionController": (Gripper, one) for name, one in INTERFACES.items()},
+}

@@ -1,0 +1,227 @@
+"""gazebo_ros_control: controllers of positions, velocities and efforts, trajectories and a gripper."""
+
+import math
+import signal
+import threading
+from pathlib import Path
+
+import pytest
+from ros_peers import Service, Talker, open_topic, read_block, wait_for
+
+from libgz.apps.spawn_controllers import main as spawner
+from libgz.ros.control.trajectory import Trajectory
+from libgz.ros.packing import codec
+from libgz.ros.types import Stamp, message_type, service_type
+
+JOINT = "<joint name='{0}' type='{1}'><limit lower='-2' upper='2' effort='{2}' velocity='{3}'/></joint>"
+DRIVE = """<transmission name='t_{0}'><type>transmission_interface/SimpleTransmission</type>
+<joint name='{0}'><hardwareInterface>hardware_interface/{1}JointInterface</hardwareInterface></joint></transmission>"""
+URDF = "<robot name='arm'>{}{}{}{}{}{}</robot>".format(
+    *(
+        JOINT.format(*row)
+        for row in (("shoulder", "revolute", 50, 3), ("elbow", "continuous", 20, 5), ("grip", "prismatic", 5, 1))
+    ),
+    *(DRIVE.format(*row) for row in (("shoulder", "Effort"), ("elbow", "Position"), ("grip", "Effort"))),
+)
+PID = {"p": 60.0, "d": 4.0}
+PARAMETERS = {
+    "/arm/states": {"type": "joint_state_controller/JointStateController", "publish_rate": 50},
+    "/arm/shoulder": {"type": "effort_controllers/JointPositionController", "joint": "shoulder", "pid": PID},
+    "/arm/push": {"type": "effort_controllers/JointEffortController", "joint": "shoulder"},
+    "/arm/elbow": {
+        "type": "position_controllers/JointTrajectoryController",
+        "joints": ["elbow"],
+        "constraints": {"elbow": {"goal": 0.01}, "goal_time": 0.5},
+    },
+    "/arm/hand": {"type": "effort_controllers/GripperActionController", "joint": "grip", "gains": {"grip": PID}},
+    "/arm/wrong": {"type": "effort_controllers/JointPositionController", "joint": "elbow", "pid": PID},
+    "/arm/unknown": {"type": "effort_controllers/JointPosition"},
+}
+
+
+class Arm:
+    """The arm, and its controller manager."""
+
+    def __init__(self, master, core):
+        self.master, self.core = master, core
+        self.model = core.facade.ModelByName("arm")
+
+    def call(self, name, kind, /, **values):
+        """Call a service of the controller manager."""
+        service = service_type(f"controller_manager_msgs/{kind}")
+        wait_for(lambda: f"/arm/controller_manager/{name}" in self.master.services, self.core.Step)
+        client = Service(self.master, f"/arm/controller_manager/{name}", md5sum=service.md5)
+        client.send(codec(service.request).pack(service.request(**values)))
+        client.socket.settimeout(0.001)
+
+        def first():
+            try:
+                return client.socket.recv(1)
+            except TimeoutError:
+                return b""
+
+        assert wait_for(first, self.core.Step) == b"\1"
+        client.socket.settimeout(10.0)
+        return codec(service.response).unpack(read_block(client.socket))
+
+    def load(self, *names):
+        """Load and start controllers; whether that worked."""
+        if not all(self.call("load_controller", "LoadController", name=name).ok for name in names):
+            return False
+        return self.call("switch_controller", "SwitchController", start_controllers=list(names), strictness=2).ok
+
+    def send(self, topic, message):
+        """Publish one message, and step until it is there."""
+        wait_for(lambda: topic in self.master.subscribers, self.core.Step)
+        talker = Talker(self.master, topic, message.kind.name, message.kind.md5)
+        talker.send(codec(message.kind).pack(message))
+        return talker
+
+    def position(self, joint):
+        return self.model.GetJoint(joint).Position(0)
+
+
+@pytest.fixture
+def arm(master, start):
+    master.parameters |= PARAMETERS | {"/robot_description": URDF}
+    core, _ = start((Path(__file__).parent / "arm.world").read_text())
+    return Arm(master, core)
+
+
+def test_controllers_are_loaded_started_switched_and_listed(arm, caplog):
+    assert (
+        "effort_controllers/JointPositionController" in arm.call("list_controller_types", "ListControllerTypes").types
+    )
+    assert arm.load("states", "shoulder")
+    assert not arm.call("load_controller", "LoadController", name="none").ok
+    assert not arm.call("load_controller", "LoadController", name="wrong").ok
+    assert "no joint 'elbow' with hardware_interface/EffortJointInterface; there are shoulder, grip" in caplog.text
+    assert not arm.call("load_controller", "LoadController", name="unknown").ok
+    assert "did you mean 'effort_controllers/JointPositionController'" in caplog.text
+    assert not arm.load("push")  # the shoulder is taken
+    assert "Resource conflict on [shoulder]" in caplog.text
+    switch = {"start_controllers": ["push"], "stop_controllers": ["shoulder"], "strictness": 2}
+    assert arm.call("switch_controller", "SwitchController", **switch).ok
+    found = {one.name: one for one in arm.call("list_controllers", "ListControllers").controller}
+    assert {name: one.state for name, one in found.items()} == {
+        "states": "running", "shoulder": "stopped", "push": "running",
+    }  # fmt: skip
+    assert found["push"].claimed_resources[0].resources == ["shoulder"]
+    assert not arm.call("unload_controller", "UnloadController", name="push").ok  # it runs
+    assert arm.call("unload_controller", "UnloadController", name="shoulder").ok
+
+
+def test_the_spawner_loads_starts_and_at_its_end_unloads_them(arm, monkeypatch):
+    monkeypatch.setenv("ROS_NAMESPACE", "/arm")
+    monkeypatch.setattr("signal.signal", lambda number, handler: handlers.setdefault(number, handler))
+    handlers, codes = {}, []
+    thread = threading.Thread(target=lambda: codes.append(spawner(["states", "shoulder", "__name:=s"])))
+    thread.start()
+    manager = arm.core.facade.server.model_plugins(arm.model)[0].plugin.manager
+    wait_for(lambda: [one.state for one in manager.controllers.values()] == ["running"] * 2, arm.core.Step)
+    handlers[signal.SIGINT]()
+    wait_for(lambda: codes, arm.core.Step)
+    thread.join()
+    assert codes == [0]
+    assert not manager.controllers
+
+
+def test_commands_move_joints_and_states_are_published(arm):
+    assert arm.load("states", "shoulder")
+    talker = arm.send("/arm/shoulder/command", message_type("std_msgs/Float64")(data=0.7))
+    wait_for(lambda: abs(arm.position("shoulder") - 0.7) < 0.02, arm.core.Step)
+    wait_for(lambda: "/arm/joint_states" in arm.master.publishers, arm.core.Step)
+    sock, _ = open_topic(arm.master, "/arm/joint_states")
+    kind = message_type("sensor_msgs/JointState")
+    publisher = arm.core.facade.server.model_plugins(arm.model)[0].plugin.manager.controllers["states"]._publication
+    wait_for(lambda: publisher.listened, arm.core.Step)
+    for _ in range(60):
+        arm.core.Step()
+    found = codec(kind).unpack(read_block(sock))
+    assert found.name == ["shoulder", "elbow", "grip"]
+    assert found.position[0] == pytest.approx(arm.position("shoulder"), abs=0.05)
+    assert len(found.velocity) == len(found.effort) == 3
+    talker.close()
+
+
+def goal_of(kind, **values):
+    return message_type(f"control_msgs/{kind}ActionGoal")(
+        goal_id=message_type("actionlib_msgs/GoalID")(id="g1"),
+        goal=message_type(f"control_msgs/{kind}Goal")(**values),
+    )
+
+
+def result_of(arm, topic, kind, goal):
+    """Send a goal, and step until its result has come."""
+    wait_for(lambda: f"{topic}/result" in arm.master.publishers, arm.core.Step)
+    sock, _ = open_topic(arm.master, f"{topic}/result")
+    action = arm.core.facade.server.model_plugins(arm.model)[0].plugin.manager.controllers[topic.split("/")[2]]._action
+    wait_for(lambda: action._results.listened, arm.core.Step)
+    talker = arm.send(f"{topic}/goal", goal)
+    sock.settimeout(0.001)
+
+    def first():
+        try:
+            return sock.recv(4)
+        except TimeoutError:
+            return b""
+
+    size = int.from_bytes(wait_for(first, arm.core.Step), "little")
+    sock.settimeout(10.0)
+    data = b""
+    while len(data) < size:
+        data += sock.recv(size - len(data))
+    talker.close()
+    return codec(message_type(f"control_msgs/{kind}ActionResult")).unpack(data)
+
+
+def test_a_trajectory_is_followed_by_its_action(arm):
+    assert arm.load("elbow")
+    point = message_type("trajectory_msgs/JointTrajectoryPoint")
+    trajectory = message_type("trajectory_msgs/JointTrajectory")(
+        joint_names=["elbow"],
+        points=[
+            point(positions=[0.4], velocities=[0.5], time_from_start=Stamp(0, 300_000_000)),
+            point(positions=[0.6], velocities=[0.0], time_from_start=Stamp(0, 700_000_000)),
+        ],
+    )
+    kind, topic = "FollowJointTrajectory", "/arm/elbow/follow_joint_trajectory"
+    begin = arm.core.GetSimTime()
+    result = result_of(arm, topic, kind, goal_of(kind, trajectory=trajectory))
+    assert (result.status.status, result.status.goal_id.id, result.result.error_code) == (3, "g1", 0)
+    assert arm.position("elbow") == pytest.approx(0.6, abs=0.01)
+    assert arm.core.GetSimTime() - begin > 0.7
+    trajectory.joint_names = ["shoulder"]
+    result = result_of(arm, topic, kind, goal_of(kind, trajectory=trajectory))
+    assert (result.status.status, result.result.error_code) == (5, -2)
+
+
+def test_a_gripper_closes_by_its_action(arm):
+    assert arm.load("hand")
+    command = message_type("control_msgs/GripperCommand")(position=0.05, max_effort=4.0)
+    result = result_of(arm, "/arm/hand/gripper_cmd", "GripperCommand", goal_of("GripperCommand", command=command))
+    assert (result.status.status, result.result.reached_goal) == (3, True)
+    assert arm.position("grip") == pytest.approx(0.05, abs=0.011)
+
+
+def test_polynomials_pass_through_their_points():
+    point = message_type("trajectory_msgs/JointTrajectoryPoint")
+
+    def trajectory(**values):
+        message = message_type("trajectory_msgs/JointTrajectory")(
+            joint_names=["a"], points=[point(positions=[2.0], time_from_start=Stamp(2), **values)]
+        )
+        return Trajectory.of_message(message, ["a"], 1.0, [1.0], [0.5], lambda _i, _b, wanted: wanted)
+
+    for values in ({}, {"velocities": [0.25]}, {"velocities": [0.25], "accelerations": [0.1]}):
+        found = trajectory(**values)
+        assert found.at(0.0)[0] == [1.0]
+        assert found.at(1.0)[0] == pytest.approx([1.0])
+        assert found.at(3.0)[0] == [2.0]
+        positions, speeds, _ = found.at(3.0 - 1e-9)
+        assert positions == pytest.approx([2.0])
+        assert speeds == pytest.approx(values.get("velocities", [0.5]))
+        step = 1e-6
+        before, now = found.at(2.0 - step)[0][0], found.at(2.0 + step)[0][0]
+        assert (now - before) / (2.0 * step) == pytest.approx(found.at(2.0)[1][0], abs=1e-5)
+    assert math.isclose(trajectory().at(2.0)[0][0], 1.5)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from libgz.base.errors import ParameterError
 from libgz.classic_cxx.library import STANDARD, built
-from libgz.classic_cxx.recognition import version_flags
+from libgz.classic_cxx.recognition import OLD_NAMES, asks_for_old_names, version_flags
 from libgz.cxx.build import CompileError, check_sources, compiler, run_compiler
 
 __all__ = ["build", "check", "default_output"]
@@ -57,9 +57,13 @@ def build(
     try:
         with tempfile.TemporaryDirectory(dir=output.parent) as folder:
             new = Path(folder) / output.name
-            own = [*quality, *version_flags(sources), *options]
-            command = [*_command(library.compiler_flags(), standard, own), "-shared", "-o", str(new)]
-            errors = run_compiler([*command, *map(str, sources), *libraries, *library.linker_flags()])
+
+            def compiled(version: Sequence[str]) -> list[CompileError]:
+                own = _command(library.compiler_flags(), standard, [*quality, *version, *options])
+                words = [*own, "-shared", "-o", str(new), *map(str, sources), *libraries, *library.linker_flags()]
+                return run_compiler(words)
+
+            errors = _either(compiled, sources)
             if not errors:
                 new.replace(output)
             return errors
@@ -82,13 +86,23 @@ def check(
     """
     check_sources(sources)
     flags = built(progress).compiler_flags()
-    return [
-        error
-        for source in sources
-        for error in run_compiler(
-            [*_command(flags, standard, [*version_flags([source]), *options]), "-fsyntax-only", str(source)]
-        )
-    ]
+    found: list[CompileError] = []
+    for source in sources:
+
+        def compiled(version: Sequence[str], source: Path = source) -> list[CompileError]:
+            return run_compiler([*_command(flags, standard, [*version, *options]), "-fsyntax-only", str(source)])
+
+        found += _either(compiled, [source])
+    return found
+
+
+def _either(compiled: Callable[[Sequence[str]], list[CompileError]], sources: Sequence[Path]) -> list[CompileError]:
+    """The errors of sources by the present names, or none if those of Gazebo 7 are what they need."""
+    version = version_flags(sources)
+    errors = compiled(version)
+    if errors and not version and asks_for_old_names(sources, [error.message for error in errors]):
+        return compiled(OLD_NAMES) and errors
+    return errors
 
 
 def _command(flags: Sequence[str], standard: str | None, options: Sequence[str]) -> list[str]:

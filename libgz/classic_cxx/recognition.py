@@ -6,7 +6,9 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["is_classic", "version_flags"]
+__all__ = ["OLD_NAMES", "asks_for_old_names", "is_classic", "version_flags"]
+
+OLD_NAMES = ("-DGAZEBO_MAJOR_VERSION=7",)  # the compiler's option for them
 
 _CLASSIC = re.compile(
     r"GZ_REGISTER_(WORLD|MODEL|SENSOR|SYSTEM|VISUAL|GUI)_PLUGIN"
@@ -24,8 +26,18 @@ def is_classic(sources: Sequence[Path]) -> bool:
     return any(_CLASSIC.search(path.read_text(errors="replace")) for path in sources if path.is_file())
 
 
+def _own_version(sources: Sequence[Path]) -> bool:
+    """Whether sources choose between versions themselves."""
+    return any("GAZEBO_MAJOR_VERSION" in path.read_text(errors="replace") for path in sources if path.is_file())
+
+
 def version_flags(sources: Sequence[Path]) -> list[str]:
-    """The compiler's option for the names of Gazebo 7, if sources use them and ask for no version themselves."""
+    """The compiler's option for the names of Gazebo 7, if sources use common ones of them and ask for no version."""
     texts = [path.read_text(errors="replace") for path in sources if path.is_file()]
-    asks = any("GAZEBO_MAJOR_VERSION" in text for text in texts)
-    return ["-DGAZEBO_MAJOR_VERSION=7"] if not asks and any(map(_OLD.search, texts)) else []
+    return list(OLD_NAMES) if any(map(_OLD.search, texts)) and not _own_version(sources) else []
+
+
+def asks_for_old_names(sources: Sequence[Path], errors: Sequence[str]) -> bool:
+    """Whether errors of a compiler may come from names of Gazebo 7: missing getters, or gazebo::math."""
+    missing = re.compile(r"no member named '?(Get|Set)|'?(gazebo::)?math'? has not been declared")
+    return not _own_version(sources) and any(map(missing.search, errors))

@@ -214,6 +214,7 @@ class Event:
         self.above = above
         self.own: tuple[_Entry, ...] = ()
         self._all: tuple[_Entry, ...] | None = None
+        self._gives = False  # whether one of them takes arguments
         self._seen: tuple[_Entry, ...] = ()  # of the event above, when _all was put together
 
     def __bool__(self) -> bool:
@@ -222,7 +223,8 @@ class Event:
     @property
     def gives(self) -> bool:
         """Whether a callback takes arguments."""
-        return any(entry.parameters for entry in self._calls())
+        self._calls()
+        return self._gives
 
     def Connect(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` at each signal, as long as the connection is kept.
@@ -271,6 +273,7 @@ class Event:
         above = self.above.own if self.above is not None else ()
         if self._all is None or above is not self._seen:
             self._seen, self._all = above, above + self.own
+            self._gives = any(entry.parameters for entry in self._all)
         return self._all
 
     def Signal(self, *values: Any) -> None:

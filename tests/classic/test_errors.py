@@ -430,9 +430,9 @@ def test_a_plugin_class_is_not_searched_in_libgz():
         _ = libgz.Modell
 
 
-def test_a_source_in_cxx_beside_the_world_is_to_be_ported(tmp_path, monkeypatch, caplog):
+def test_a_source_in_cxx_beside_the_world_is_to_be_built_or_ported(tmp_path, monkeypatch, caplog):
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
     (tmp_path / "push.cc").write_text("#include <gazebo/gazebo.hh>\n")
     with libgz.World.from_string(sdf("<plugin name='push' filename='libpush.so'/>")):
-        assert "push.cc is C++ source, which cannot be loaded; port it to Python as push.py" in caplog.text
-        assert "docs/plugins.md" in caplog.text
+        assert "push.cc is C++ source: build it, `libgz cxx build " in caplog.text
+        assert "or port it to Python as push.py" in caplog.text

@@ -158,6 +158,8 @@ def test_latching_between_processes(uri, node):
             """
         )
         assert process.stdout.readline() == "[2, 3] []\n"
+        network = TopicManager.Instance().remote
+        wait(lambda: network.receivers("/gazebo/w/a") == 2)  # the latching subscriber has a connection of its own
         pub.Publish(msgs.Int(data=4))
         assert finish(process) == "[4] 3 [3, 4]\n"
 

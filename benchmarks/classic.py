@@ -24,7 +24,7 @@ from PIL import Image
 from rounds import text_of
 
 ROUNDS = 15
-SECONDS = 0.5  # of CPU time that the many iterations take, about
+SECONDS = 1.0  # of CPU time that the many iterations take, about
 FIRST = 200  # iterations that do not count: then everything is loaded, and has been used
 TRIAL = 500  # iterations from which the number of the others is estimated
 PLUGIN = Path(__file__).with_name("iterations.cc")

@@ -102,7 +102,8 @@ def _simulation(configuration: Configuration, server_id: int | None) -> Iterator
     if server_id is not None or not worldfile:
         yield own if server_id is None else server_id
         return
-    command = run_module("libgz.apps.gazebo", "-s", "auto", "-d", "0", worldfile)
+    path = f"./{worldfile}" if worldfile.startswith("-") else worldfile  # a file must not name options
+    command = run_module("libgz.apps.gazebo", "-s", "auto", "-d", "0", path)
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
         try:
             words = (process.stdout.readline() if process.stdout else "").split()

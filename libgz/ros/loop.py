@@ -12,6 +12,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
+from libgz.transport.peers import PeerCheck
+
 __all__ = ["Connection", "Listener", "Loop"]
 
 log = logging.getLogger("libgz.ros")
@@ -158,6 +160,7 @@ class Listener:
         self.socket.setblocking(False)
         self.port: int = self.socket.getsockname()[1]
         self._loop, self._accepted = loop, accepted
+        self._peers = PeerCheck()
 
     def start(self) -> None:
         """Begin to accept."""
@@ -168,6 +171,10 @@ class Listener:
         try:
             accepted, address = self.socket.accept()
         except OSError:
+            return
+        if refused := self._peers.refusal(accepted):
+            log.warning("ROS: a connection was refused: %s", refused)
+            accepted.close()
             return
         self._loop.add(self._accepted(accepted, f"{address[0]}:{address[1]}"))
 

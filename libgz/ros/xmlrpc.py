@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 
 from libgz.base.errors import GazeboError
+from libgz.transport.peers import PeerCheck
 
 __all__ = ["Server", "XmlRpcError", "call"]
 
@@ -96,7 +97,15 @@ class _HttpServer(http.server.ThreadingHTTPServer):
 
     def __init__(self, *values: Any) -> None:
         self._free = threading.BoundedSemaphore(MOST_THREADS)
+        self._peers = PeerCheck()
         super().__init__(*values)
+
+    def verify_request(self, request: Any, client_address: Any) -> bool:
+        """Whether the peer may connect."""
+        refused = self._peers.refusal(request)
+        if refused:
+            log.warning("ROS: a request of %s was refused: %s", client_address[0], refused)
+        return not refused
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """Serve a connection, unless there are too many."""

@@ -1,6 +1,7 @@
 """The wire of ROS 1: topics, services, a master that comes late, ends and returns; hostile peers."""
 
 import contextlib
+import http.client
 import logging
 import socket
 import struct
@@ -13,6 +14,7 @@ from libgz.ros.names import read_names
 from libgz.ros.packing import codec
 from libgz.ros.server import Ros1
 from libgz.ros.types import message_type, service_type
+from libgz.transport.peers import PeerCheck
 
 EMPTY = "<sdf version='1.6'><world name='default'/></sdf>"
 STRING = message_type("std_msgs/String")
@@ -46,6 +48,24 @@ def test_topics_are_published_with_their_definitions_and_kept_for_those_that_com
     wait_for(lambda: not master.publishers["/b"])
     with pytest.raises(EOFError):
         read_block(sock)
+
+
+def test_other_users_of_this_machine_are_refused_at_both_ports(node, master, monkeypatch, caplog):
+    topic = node.publish("talk", STRING.name)
+    wait_for(lambda: "/talk" in master.publishers)
+    ((_, uri),) = master.publishers["/talk"].values()
+    _, _, (_, host, port) = ask(uri, "requestTopic", "/tester", "/talk", [["TCPROS"]])
+    monkeypatch.setattr(PeerCheck, "_owner", lambda *_: 77)
+    with pytest.raises((OSError, http.client.HTTPException)):
+        ask(uri, "getPid", "/tester")
+    with socket.create_connection((host, port)) as other:
+        other.settimeout(10.0)
+        with contextlib.suppress(OSError):
+            other.sendall(encode({"callerid": "/x", "topic": "/talk", "md5sum": "*", "type": "*"}))
+            assert other.recv(1) == b""
+    for what in ("a request of 127.0.0.1", "a connection"):
+        wait_for(lambda what=what: f"ROS: {what} was refused: it is of user 77, not of user" in caplog.text)
+    assert not topic.listened
 
 
 def test_a_wrong_type_is_refused_with_both_sums(node, master, caplog):

@@ -232,9 +232,12 @@ class UpdatesRecord(ctypes.Structure):
 
 
 class PaceRecord(ctypes.Structure):
-    """Sim time at a speed: simulated seconds per second of real time since a start on the monotonic clock [s]."""
+    """Sim time at a speed: simulated seconds per second of real time since a start on the monotonic clock [s].
 
-    _fields_ = [("speed", c_double), ("start", c_double), ("simulated", c_double)]
+    What is further behind than its debt [s] begins anew.
+    """
+
+    _fields_ = [("speed", c_double), ("start", c_double), ("simulated", c_double), ("debt", c_double)]
     speed: float
     start: float
     simulated: float

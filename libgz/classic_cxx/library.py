@@ -38,7 +38,6 @@ __all__ = ["Library", "built", "default_prefix", "install", "source_key", "unins
 Progress = Callable[[str], None]
 
 NATIVE = FOLDER / "native"
-BUILD = 1  # how it is built: grows with what this module does
 FRAME = libgz.cxx.FOLDER / "include" / "gazebo" / "LibgzFrame.h"
 VERSION = (11, 15, 1)  # of Gazebo, whose names these are
 STANDARD = "c++17"
@@ -102,11 +101,9 @@ class Library:
 @functools.cache
 def source_key() -> str:
     """A key of the library's sources, and of the interpreter: a plugin needs a library with the same one."""
-    digest = hashlib.sha256(f"{sys.implementation.cache_tag} {platform.machine()} {BUILD}".encode())
-    made_of = [
-        FOLDER / name for name in ("api.tsv", "generate.py", "messages.py", "names.py", "old_names.py", "table.py")
-    ]
-    for path in (*made_of, *sorted(NATIVE.rglob("*.*")), FRAME):
+    digest = hashlib.sha256(f"{sys.implementation.cache_tag} {platform.machine()}".encode())
+    made_of = [*FOLDER.glob("*.py"), *FOLDER.glob("*.tsv"), *NATIVE.rglob("*.*")]  # all, so that none is forgotten
+    for path in (*sorted(made_of), FRAME):
         digest.update(path.read_bytes())
     digest.update(repr(declarations()).encode())
     return digest.hexdigest()[:16]

@@ -77,8 +77,7 @@ typedef struct {
 
 static const double CHECK_PERIOD = 0.05; /* [s]; that of interface.py */
 
-#define NAP 1e-3          /* [s] at most between two looks whether another thread wants the world */
-#define LARGEST_DEBT 1.0  /* [s]; see libgz/simulation/pacing.py */
+#define NAP 1e-3 /* [s] at most between two looks whether another thread wants the world */
 
 static double now_monotonic(void)
 {
@@ -591,6 +590,7 @@ typedef struct {
     double speed;     /* simulated seconds per second of real time */
     double start;     /* [s] on the monotonic clock */
     double simulated; /* [s] of sim time at the start */
+    double debt;      /* [s] of being late, beyond which Python counts anew */
 } pace_record;
 
 union semun {
@@ -689,7 +689,7 @@ static int wait_until_due(const updates *u, const pace_record *p, double end)
         double now = now_monotonic(), ahead = p->start + passed - now;
         struct timespec nap = {0, (long)(1e9 * (ahead < NAP ? ahead : NAP))};
         if (ahead <= 0.0)
-            return ahead > -LARGEST_DEBT;
+            return ahead > -p->debt;
         if (now + ahead >= end || *(const volatile int64_t *)u->wanted)
             return 0;
         nanosleep(&nap, NULL);

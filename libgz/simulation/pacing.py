@@ -24,7 +24,7 @@ class Pacer:
 
     def __init__(self, speed: float) -> None:
         self.speed = not_negative(speed, "speed")
-        self._record = PaceRecord(self.speed)
+        self._record = PaceRecord(self.speed, debt=LARGEST_DEBT)
         self._started = False
 
     @property

@@ -152,6 +152,9 @@ class Stepping:
         for entry in self._laws:
             plan = Plan()
             plan.call(entry.callback)
+            holder = getattr(entry.callback, "__self__", None)
+            if hasattr(holder, "_watched"):
+                vars(holder).update(_watched=set(), _law_changed=self.world.update_rows_changed)
             plan.lines[0].run = lambda _, entry=entry: self._begin.call((entry,))  # type: ignore[misc]
             try:
                 rows.follow(plan)

@@ -216,9 +216,7 @@ class UpdateRows:
         """A row that Python always does."""
         self._add(Kind.PYTHON, None, twin)
 
-    def share(
-        self, twin: Twin, recorder: Recorder, *, retried: bool = False, conditional: bool = False
-    ) -> None:
+    def share(self, twin: Twin, recorder: Recorder, *, retried: bool = False, conditional: bool = False) -> None:
         """Do what was recorded; with an interface, under its lock.
 
         Args:

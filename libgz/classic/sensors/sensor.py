@@ -431,7 +431,7 @@ class LinkSensor(Sensor):
 
     @property
     def obeys_law(self) -> bool:
-        """Whether native code may measure while nobody is told of it: the engine has no row for a link that is fixed."""
+        """Whether native code may measure while nobody is told of it: a link that is fixed has no row in the engine."""
         return super().obeys_law and self.link.body.row >= 0
 
     @law

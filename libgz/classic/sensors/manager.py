@@ -175,7 +175,7 @@ class WorldSensors:
         return self._next_here
 
     def plan_end(self, plan: Plan) -> None:
-        """Add the measurements of which nobody is told."""
+        """Add the measurements that nobody reads."""
         self._natively = [sensor for sensor in self._active if sensor.obeys_law and not sensor.heard]
         for sensor in self._natively:
             sensor.plan(plan)

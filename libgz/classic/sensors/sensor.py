@@ -258,16 +258,16 @@ class Sensor:
 
     @property
     def heard(self) -> bool:
-        """Whether anybody is told of its measurements."""
+        """Whether anybody gets its measurements."""
         return self.listened() or self.connected()
 
     @property
     def obeys_law(self) -> bool:
-        """Whether native code may measure while nobody is told of it."""
+        """Whether native code may measure while nobody gets what it measures."""
         return is_law(type(self).measure) and not self.noises
 
     def plan(self, plan: Plan) -> None:
-        """Add what it does after an iteration while nobody is told of it."""
+        """Add what it does after an iteration while nobody gets what it measures."""
         with plan.when(self.is_due):
             plan.call(self.sample)
 
@@ -431,7 +431,7 @@ class LinkSensor(Sensor):
 
     @property
     def obeys_law(self) -> bool:
-        """Whether native code may measure while nobody is told of it: a link that is fixed has no row in the engine."""
+        """Whether native code may measure: it has no row for a link that is fixed."""
         return super().obeys_law and self.link.body.row >= 0
 
     @law

@@ -7,9 +7,11 @@ import contextlib
 import importlib.util
 import math
 import os
+import select
 import subprocess
 import sys
 import time
+import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,7 +26,10 @@ from libgz.interfaces.client import Client
 __all__ = ["configure", "run"]
 
 SPEED, TURN = 0.3, 0.4  # [m/s], [rad/s]
+PLAIN = 16.0  # [s] of sim time that it drives if no page shows it
+LINES = 10
 PATIENCE = 20.0  # [s] to wait for the server
+PAGE_PATIENCE = 30.0  # [s] to wait for the page
 NOT_YET = "-"  # instead of a value that the server has not posted
 HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m]  battery [V]  real-time factor"
 
@@ -34,9 +39,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seconds",
         type=number_above_zero("number of seconds"),
-        default=16.0,
         metavar="S",
-        help="duration in sim time [s] (default 16)",
+        help="duration of the drive in sim time [s] (default 16; with a page until Ctrl-C)",
     )
     parser.add_argument(
         "--rate",
@@ -45,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="R",
         help="simulated seconds per second of real time (default 2)",
     )
+    parser.add_argument("--no-open", action="store_true", help="print the page's address, and open no browser")
     add_view_options(parser, optional=False)
 
 
@@ -54,10 +59,10 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         ServerError: the server did not start.
     """
-    seconds, rate = options.seconds, options.rate
+    rate = options.rate
     world = installed_worlds() / "pioneer2at.world"
     command = run_module("libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world))
-    shown = sys.stdout.isatty() and importlib.util.find_spec("viser") is not None
+    shown = sys.stdout.isatty() and importlib.util.find_spec("aiohttp") is not None
     stopped = False
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
@@ -66,9 +71,9 @@ def run(options: argparse.Namespace) -> int:
                 raise ServerError("the server did not start; its messages are above")
             server_id = int(words[-1])
             with _viewer(server_id, options) if shown else contextlib.nullcontext():
-                _drive(server_id, world, seconds, shown)
+                _drive(server_id, world, options.seconds or (math.inf if shown else PLAIN), shown)
                 if shown:
-                    print("the page stays until Ctrl-C; drive on with W A S D")
+                    print("the page stays until Ctrl-C")
                     while server.poll() is None:
                         time.sleep(PERIOD)
         except KeyboardInterrupt:
@@ -82,19 +87,35 @@ def run(options: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
-    """A viewer in a process of its own; its address is printed first."""
+    """A viewer in a process of its own. Its address is printed first, and opened; the page is waited for."""
     command = run_module("libgz", "view", "-s", str(server_id), "--parent", str(os.getpid()))
-    command += ["--view-port", str(options.view_port), "--view-host", options.view_host]
+    command += ["--report-opened", "--view-port", str(options.view_port), "--view-host", options.view_host]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
         try:
-            print((viewer.stdout.readline() if viewer.stdout else "").strip(), flush=True)
+            line = (viewer.stdout.readline() if viewer.stdout else "").strip()
+            print(line, flush=True)
+            if not options.no_open and _has_display():
+                webbrowser.open(line.removeprefix("open "))
+            print(f"the robot waits for the page, at most {PAGE_PATIENCE:g} s", flush=True)
+            _wait_for_line(viewer, PAGE_PATIENCE)
             yield
         finally:
             viewer.terminate()
 
 
+def _has_display() -> bool:
+    """Whether a browser would have a window; one that has none would take the terminal."""
+    return sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def _wait_for_line(process: subprocess.Popen[str], timeout: float) -> None:
+    """Wait until a process prints something, for a time [s] at most."""
+    if process.stdout is not None:
+        select.select([process.stdout], [], [], timeout)
+
+
 def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
-    """Drive in a circle and print ten lines in all."""
+    """Drive in a circle and print ten lines in all. Whoever drives by the page meanwhile takes over."""
     print(f"server {server_id} runs {world}; this client drives robot1 at {SPEED} m/s, turning {TURN} rad/s\n")
     print(HEADER)
     with Client(server_id, timeout=PATIENCE) as client:
@@ -102,7 +123,7 @@ def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
         sonar, laser, power = client.sonar("robot1"), client.laser("laser1"), client.power("robot1")
         robot.command(vx=SPEED, vyaw=TURN)
         begin = sim.sim_time if shown else 0.0  # the world runs while the page is made
-        next_line, distance, last = begin, 0.0, robot.pose
+        next_line, lines, distance, last = begin, 0, 0.0, robot.pose
         while sim.sim_time < begin + seconds:
             if not client.wait(timeout=PATIENCE):
                 raise GazeboError(f"the server sent no data for {PATIENCE:g} s")
@@ -111,7 +132,12 @@ def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
             last = (x, y, yaw)
             if sim.sim_time < next_line:
                 continue
-            next_line += seconds / 10.0
+            if lines == LINES and seconds == math.inf:
+                print("it drives on until Ctrl-C; W A S D in the page take over", flush=True)
+                next_line = math.inf
+                continue
+            next_line += min(seconds, PLAIN) / LINES
+            lines += 1
             nearest_sonar = f"{sonar.ranges.min():.3f}" if len(sonar.ranges) else NOT_YET
             nearest_beam = f"{laser.ranges.min():.3f}" if len(laser.ranges) else NOT_YET
             factor = f"{sim.sim_time / sim.real_time:.3f}" if sim.real_time > 0.0 else NOT_YET

@@ -7,6 +7,7 @@ import contextlib
 import logging
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--watch-only", action="store_true", help="nobody can control, whatever the address")
     parser.add_argument("--parent", type=int, help=argparse.SUPPRESS)  # end with this process
+    parser.add_argument("--report-opened", action="store_true", help=argparse.SUPPRESS)  # print when a page is open
     add_view_options(parser, optional=False)
 
 
@@ -125,6 +127,20 @@ def make_viewer(source: Any, controls: Any, options: argparse.Namespace, **more:
     return Viewer(source, controls, host=options.view_host, port=options.view_port, token=token, **more)
 
 
+def _stopped(viewer: Any, options: argparse.Namespace) -> Callable[[], bool]:
+    """Whether the process that started this one has ended; reports the first page, too, if that is wanted."""
+    parent, opened = options.parent, not options.report_opened
+
+    def stopped() -> bool:
+        nonlocal opened
+        if not opened and viewer.pages:
+            opened = True
+            print("a page is open", flush=True)
+        return parent is not None and os.getppid() != parent
+
+    return stopped
+
+
 def run(options: argparse.Namespace) -> int:
     """Show the world until Ctrl-C.
 
@@ -140,9 +156,8 @@ def run(options: argparse.Namespace) -> int:
         with make_viewer(observer, controls, options, rate=options.rate) as viewer:
             viewer.frame()
             print(f"open {viewer.url}", flush=True)
-            parent = options.parent
             try:
-                viewer.run(lambda: parent is not None and os.getppid() != parent)
+                viewer.run(_stopped(viewer, options))
             except KeyboardInterrupt:
                 print()
     return 0

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-pytest.importorskip("viser")
+pytest.importorskip("aiohttp")
 
 
 def test_in_a_terminal_the_demo_prints_an_address_first_and_serves_until_ctrl_c():

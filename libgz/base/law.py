@@ -112,6 +112,7 @@ class Operation(IntEnum):
     SET = 42
     EFFORT = 43
     EFFORTS = 44
+    VELOCITY = 45
 
 
 class Recording(Protocol):

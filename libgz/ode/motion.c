@@ -18,6 +18,9 @@ enum { MOTION_COLUMNS = 13 };
 
 int gz_may_sleep(void *body) { return dBodyGetAutoDisableFlag(body); }
 
+/* Whether a joint is on a body. */
+int gz_is_on(void *joint, void *body) { return dJointGetBody(joint, 0) == body || dJointGetBody(joint, 1) == body; }
+
 /* Whether a number diverged: it is NaN, or beyond twice what may be set (check.py). */
 static int is_beyond(double value, double most)
 {

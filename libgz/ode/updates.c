@@ -22,6 +22,7 @@ void gz_scan(void *context, const double *frame, const double *rays, int64_t cou
              int64_t *rows);
 void gz_publish(const void *context, void *publication);
 int gz_may_sleep(void *body);
+int gz_is_on(void *joint, void *body);
 void gz_disturb(void *context);
 
 /* Where states are. The arrays are those of the step; a byte of `fresh` is 1 where a row is up to date. */
@@ -29,7 +30,7 @@ typedef struct {
     void *context;
     double step;
     void *const *bodies;
-    const double *body_state;
+    double *body_state;
     char *body_fresh;
     int64_t body_size; /* rows of the arrays */
     void *const *joints;
@@ -195,7 +196,7 @@ enum {
     BODY_STATE, JOINT_STATE, VECTOR, LOAD, REAL_TIME, GATHER,
     COPY, ADD, SUBTRACT, MULTIPLY, DIVIDE, NEGATE, ABSOLUTE, LEAST, MOST, LESS, AT_MOST, EQUAL, AND, OR, SELECT,
     SQRT, COS, SIN, TAN, ASIN, ATAN, ATAN2, HYPOT, FMOD, FLOOR,
-    STORE, SEEN, SET, EFFORT, EFFORTS
+    STORE, SEEN, SET, EFFORT, EFFORTS, VELOCITY
 };
 
 /* What is done with arrays of `count` doubles; an operand with the stride 0 is a single number. Operations on bodies and
@@ -331,8 +332,21 @@ static void load(const operation *o, const char *memory)
             return 0; \
     }
 
+/* Set three numbers of a body, such as its velocity, which are in the table from a column on; joints on it are stale. */
+static void set_motion(tables *t, const operation *o, const double *v)
+{
+    int64_t row = (intptr_t)o->three, joint;
+    gz_disturb(t->context);
+    (*(add_efforts **)&o->two)(o->result, v[0], v[1], v[2]);
+    memcpy(t->body_state + 16 * row + o->type, v, 3 * sizeof *v);
+    for (joint = 0; joint < t->joint_size; joint++)
+        if (t->joints[joint] && gz_is_on(t->joints[joint], o->result))
+            t->joint_fresh[joint] = 0;
+    t->touched = 1;
+}
+
 /* Do an operation; 0 if Python has to do the law. */
-static int operate(const tables *t, const clock_record *clock, const operation *o, char *memory)
+static int operate(tables *t, const clock_record *clock, const operation *o, char *memory)
 {
     const double *one = o->one, *two = o->two, *three = o->three;
     const intptr_t row = (intptr_t)o->two;
@@ -448,12 +462,15 @@ static int operate(const tables *t, const clock_record *clock, const operation *
         gz_disturb(t->context);
         (*(add_efforts **)&o->two)(o->result, one[0], one[1], one[2]);
         break;
+    case VELOCITY:
+        set_motion(t, o, one);
+        break;
     }
     return 1;
 }
 
 /* The operation for which Python has to do the law, or NULL. Those that have effects come last: none has been done then. */
-static const operation *compute(const tables *t, const clock_record *clock, const law *l, char *memory)
+static const operation *compute(tables *t, const clock_record *clock, const law *l, char *memory)
 {
     const operation *o = l->operations, *end = o + l->count;
     for (; o < end; o++)
@@ -502,7 +519,7 @@ static int ignore(const operation *o, char *memory)
 static const int RESTORATIONS = 8; /* in one exchange: a client may overwrite commands while they are compared */
 
 /* Do a law, under the lock of its interface if it has one. */
-static int obey(const tables *t, const clock_record *clock, const law *l)
+static int obey(tables *t, const clock_record *clock, const law *l)
 {
     link_record *link = l->link;
     const operation *unmet;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import attrgetter
 from typing import Any
@@ -143,16 +144,19 @@ class SdfJoint:
         self._attach(plan.anchor)
 
     @property
+    @constant
     def parent(self) -> Body | None:
         """The parent link; None is the world."""
         return self.links.parent
 
     @property
+    @constant
     def child(self) -> Body | None:
         """The child link; None is the world."""
         return self.links.child
 
     @property
+    @constant
     def joint(self) -> Joint | None:
         """ODE's joint while it holds links together; a gearbox has none."""
         return self._mechanism.joint if self._mechanism is not None else None
@@ -450,24 +454,57 @@ class SdfJoint:
         move_links(links_behind(self.child, self.parent), self.anchor(), turn, slide, preserve_world_velocity)
         self._mechanism.count_from(target, index)
 
+    @law
     def set_velocity(self, velocity: float, index: int = 0) -> None:
-        """Set at once the velocities of all links behind the joint that make an axis move so [rad/s] or [m/s]."""
-        change = finite(velocity, "velocity [rad/s or m/s]") - self.velocity(index)
-        if self.joint is None:
-            return
-        turn, slide = self._motion(change, index)
-        accelerate_links(links_behind(self.child, self.parent), self.anchor(), turn, slide)
+        """Set at once the velocities of all links behind the joint that make an axis move so [rad/s] or [m/s].
 
+        Raises:
+            ParameterError: there is no such axis, or the velocity is not finite.
+        """
+        if not usually(abs(velocity) <= sys.float_info.max):
+            raise ParameterError(f"joint {self.name!r}: a velocity [rad/s or m/s] of {velocity!r} is not finite")
+        if self._live_joint is None:
+            return
+        self._index_checked(index)
+        change = velocity - self._mechanism.velocity(index)  # type: ignore[union-attr]
+        turn, slide = self._motion(change, index)
+        accelerate_links(self._behind(), self._frame().pos, turn, slide)
+
+    @constant
+    def _index_checked(self, index: int) -> None:
+        self._check_index(index)
+
+    @constant
+    def _axis_checked(self, index: int) -> None:
+        self.axis_at(index)
+
+    @constant
+    def _behind(self) -> list[Body]:
+        return links_behind(self.child, self.parent)
+
+    @law
+    def _frame(self) -> GzPose:
+        child = self.child
+        return GzCoordPoseAdd(self._in_child, GzPose() if child is None else child.GetPose())
+
+    @law
     def _motion(self, change: float, index: int) -> tuple[GzVector, GzVector]:
         """(rotation vector, translation), global, of a change of an axis' position."""
-        axis = self.axis(min(index, len(self.axes) - 1))
-        return self._mechanism.motion(change, index, axis) if self._mechanism is not None else (GzVector(), GzVector())
+        index = min(index, len(self.axes) - 1)
+        self._axis_checked(index)
+        mechanism = self._mechanism
+        if mechanism is None:
+            return GzVector(), GzVector()
+        axis = mechanism.axis(index)
+        if axis is None:
+            axis = rotate(self._frame().rot, self._local[index])
+        return mechanism.motion(change, index, axis)
 
     # Places ----------------------------------------------------------------------------------------------------------
 
     def frame(self) -> GzPose:
         """Global pose of the joint's frame, which is fixed to the child [m]."""
-        return GzCoordPoseAdd(self._in_child, self.child.GetPose() if self.child is not None else GzPose())
+        return self._frame()
 
     def parent_frame(self) -> GzPose:
         """Global pose of what was the joint's frame when it was attached, and is fixed to the parent [m]."""

@@ -23,6 +23,7 @@ from typing import ClassVar
 
 from libgz.base.errors import ParameterError, nearest
 from libgz.base.geometry import GzVector, GzVectorAdd, GzVectorDot, GzVectorMag, GzVectorMul
+from libgz.base.law import constant, law
 from libgz.ode.types import (
     dParamBounce,
     dParamCFM,
@@ -171,6 +172,7 @@ class Mechanism:
 
     # State -----------------------------------------------------------------------------------------------------------
 
+    @constant
     def column(self, index: int) -> int:
         """Column of a position in the joint's row of the engine's table."""
         return index
@@ -179,6 +181,7 @@ class Mechanism:
         """Angle [rad], turns counted, or position [m]."""
         return self.joint._value(self.column(index)) if self.joint is not None else 0.0
 
+    @law
     def velocity(self, index: int) -> float:
         """Rate [rad/s] or [m/s]."""
         return self.joint._value(2 + self.column(index)) if self.joint is not None else 0.0
@@ -206,6 +209,7 @@ class Mechanism:
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         """Apply an effort for one step [N m] or [N]; `anchor` returns the joint's, global [m]."""
 
+    @law
     def axis(self, index: int) -> GzVector | None:
         """An axis as it lies now, global; None if it is fixed to the child."""
         return None
@@ -214,6 +218,7 @@ class Mechanism:
         """The global anchor on the second link [m], where that is another point."""
         return None
 
+    @law
     def motion(self, change: float, index: int, axis: GzVector) -> tuple[GzVector, GzVector]:
         """(rotation vector, translation), global, of a change of a position."""
         return GzVectorMul(self.sense * change, axis), GzVector()
@@ -261,6 +266,7 @@ class HingeMechanism(Mechanism):
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetTorque(effort)
 
+    @law
     def axis(self, index: int) -> GzVector:
         return self.joint.GetAxis()
 
@@ -348,6 +354,7 @@ class UniversalMechanism(_TwoAxes):
         if axes[1] is not None:
             self.joint.SetAxis1(axes[1])
 
+    @constant
     def column(self, index: int) -> int:
         return 1 - index
 

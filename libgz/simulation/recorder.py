@@ -110,6 +110,7 @@ class Recorder:
         self._states: dict[int, int] = {}  # where the numbers of a body or joint are
         self._constants: dict[bytes, int] = {}
         self._next, self._left = 0, 0
+        self.moved: set[tuple[int, int]] = set()  # bodies whose velocities the law sets, and their columns
         self.returned: int | None = None  # where the number is that the law returned
         self._taken: list[tuple[Any, str, Any]] = []  # attributes of objects that were taken as they are
         self._found: list[tuple[types.MethodType, Any, Any]] = []  # what methods returned: method, arguments, result
@@ -157,7 +158,7 @@ class Recorder:
         """Whether objects are as they were when they were recorded."""
         return (
             all(not thing.closed and (thing.id, thing.row) == (id_, row) for thing, id_, row in self._handles)
-            and all(method(*values) is found for method, values, found in self._found)
+            and all(_is_as(found, method(*values)) for method, values, found in self._found)
             and all(_is_as(before, getattr(thing, name, None)) for thing, name, before in self._taken)
         )
 
@@ -418,7 +419,7 @@ class Recorder:
 
     def _find(self, method: types.MethodType, *values: Any) -> Any:
         found = method(*values)
-        self._found.append((method, values, found))
+        self._found.append((method, values, _noted(found)))
         return self.wrap(found)
 
     @staticmethod
@@ -447,7 +448,7 @@ class Recorder:
 
     def state(self, thing: Any, kind: type, column: int) -> Term:
         """A number of a body or joint in the engine's tables."""
-        if thing.row < 0 or thing.closed:
+        if thing.row < 0 or thing.closed or self._has_moved(thing, column):
             raise LeftToPython(repr(thing))
         if id(thing) not in self._states:
             result = self._registers(_STATES[kind])
@@ -456,6 +457,12 @@ class Recorder:
             self._states[id(thing)] = result
             self._handles.append((thing, thing.id, thing.row))
         return Term(self, self._states[id(thing)] + 8 * column)
+
+    def _has_moved(self, thing: Any, column: int) -> bool:
+        """Whether the law has set what it reads now: native code has that only after all effects."""
+        if isinstance(thing, Joint):
+            return any((id(body), at) in self.moved for body in thing.bodies for at in (10, 13))
+        return any((id(thing), at) in self.moved and at <= column < at + 3 for at in (10, 13))
 
     def states(self, body: Body, begin: int, end: int) -> list[Term]:
         """Numbers of a body."""
@@ -573,6 +580,26 @@ def _body_effort(function: str) -> Callable[..., None]:
     return add
 
 
+def _com_pose(recorder: Recorder, body: Body) -> GzPose:
+    u, qx, qy, qz, x, y, z = recorder.states(body, 3, 10)
+    position: Any = (x, y, z)
+    rotation: Any = (u, qx, qy, qz)
+    return GzPose(GzVector(*position), GzQuatern(*rotation))
+
+
+def _set_velocity(function: str, column: int) -> Callable[..., None]:
+    def set_velocity(recorder: Recorder, body: Body, velocity: Any) -> None:
+        handle, vector = recorder.handle(body, Operation.BODY), recorder._registers(3)
+        for i, value in enumerate(velocity):
+            source = recorder.limited(value, LARGEST)
+            recorder._add(recorder.operations, Operation.COPY, [(source, 0)], vector + 8 * i)
+        address = ode().address(function)
+        recorder.add(Operation.VELOCITY, one=vector, two=address, three=body.row, type=column, result=handle)
+        recorder.moved.add((id(body), column))
+
+    return set_velocity
+
+
 def _unmarked(recorder: Recorder, rays: RayProximity) -> bool:
     record = rays.record()
     recorder.kept += [record, rays]
@@ -616,6 +643,10 @@ _PRIMITIVES: dict[Any, Callable[..., Any]] = {
     Body.GetLinearVel: _body_vector(10),
     Body.GetAngularRate: _body_vector(13),
     Body.GetPointVel: _point_velocity,
+    Body.GetCoMPose: _com_pose,
+    Body.SetLinearVel: _set_velocity("dBodySetLinearVel", 10),
+    Body.SetAngularVel: _set_velocity("dBodySetAngularVel", 13),
+    Joint._value: lambda recorder, joint, column: recorder.state(joint, Joint, column),
     Body.AddRelForce: _body_effort("dBodyAddRelForce"),
     Body.AddRelTorque: _body_effort("dBodyAddRelTorque"),
     RayProximity.unmarked: _unmarked,

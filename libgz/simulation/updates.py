@@ -202,7 +202,8 @@ class UpdateRows:
             except LeftToPython:
                 return False
             known = body
-            recorder.take(body)
+            if not recorder.take(body):
+                return False  # what it is taken from differs each time that it is asked
         self._recording[key] = known
         if interface is None and not line.conditional and not recorder.operations and not recorder.effects:
             return True  # such as `act` of a robot that does nothing then

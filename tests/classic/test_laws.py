@@ -140,9 +140,8 @@ BASE = "<link name='base'><pose>0 0 0.15 0 0 0</pose><inertial><mass>5</mass></i
 ROVER = f"<model name='rover'>{BASE}{WHEELS}{{}}</model>"
 PAIR = {"left_joint": "left_front", "right_joint": "right_front"}
 DRIVES = {
-    "skid": plugin("SkidSteerDrivePlugin", max_force=20),
-    "two wheels": plugin("DiffDrivePlugin", torque=5, **PAIR),
-    "without a motor": plugin("DiffDrivePlugin", **PAIR),
+    "skid": plugin("SkidSteerDrivePlugin"),
+    "two wheels": plugin("DiffDrivePlugin", **PAIR),
 }
 
 
@@ -184,9 +183,9 @@ def test_drives_do_the_same_natively(drive, change):
     assert drive_off(text, True, change) == drive_off(text, False, change)
 
 
-@pytest.mark.parametrize("drive", [DRIVES["skid"], DRIVES["two wheels"]])
-def test_drives_run_without_python(drive, steps):
-    text = f"<sdf version='1.6'><world name='default'>{GROUND}{ROVER.format(drive)}</world></sdf>"
+def test_a_drive_runs_without_python(steps):
+    drive = ROVER.format(DRIVES["two wheels"])
+    text = f"<sdf version='1.6'><world name='default'>{GROUND}{drive}</world></sdf>"
     with libgz.World.from_string(text) as world:
         kept = command("~/rover/vel_cmd", 0.3)
         world.step(5)

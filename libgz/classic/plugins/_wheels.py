@@ -54,7 +54,7 @@ class Wheel:
         if self.torque > 0.0:
             self.joint.core.run_motor(rate, self.torque)
         else:
-            self.joint.SetVelocity(0, rate)
+            self.joint.core.set_velocity(rate)
 
     def speed(self) -> float:
         """The speed on the ground [m/s]."""

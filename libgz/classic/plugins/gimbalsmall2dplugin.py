@@ -39,10 +39,11 @@ class GimbalSmall2dPlugin(ModelPlugin):
         Raises:
             NotFoundError: there is no such joint.
         """
+        self.world = model.GetWorld()
         self.joint = find_joint(model, sdf.Get(str, "joint", "tilt_joint")[0].strip())
         self.pid = PID(1.0, 0.0, 0.0, 0.0, 0.0, EFFORT, -EFFORT)
         self.node = transport.Node()
-        self.node.Init(model.GetWorld().Name())
+        self.node.Init(self.world.Name())
         self.publisher = self.node.Advertise(msgs.GzString, f"~/{model.GetName()}/gimbal_tilt_status")
         self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/gimbal_tilt_cmd", self.OnStringMsg)
         self.Reset()
@@ -50,8 +51,8 @@ class GimbalSmall2dPlugin(ModelPlugin):
 
     def Reset(self) -> None:
         """Return to the angle of the start."""
-        self.target, self.iterations = math.pi / 2.0, 0
-        self.last: float | None = None  # [s]
+        self.target, self.iterations = math.pi / 2.0, ITERATIONS
+        self.last = self.world.SimTime().Double()  # [s]
         self.pid.Reset()
 
     def OnStringMsg(self, message: Any) -> None:
@@ -68,7 +69,7 @@ class GimbalSmall2dPlugin(ModelPlugin):
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the effort, and publish the angle."""
         now, angle = info.simTime.Double(), self.joint.Position(0)
-        if self.last is not None:
+        if now > self.last:
             self.joint.SetForce(0, self.pid.Update(angle - self.target, now - self.last))
         self.last = now
         self.iterations += 1

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import transport
+from libgz.classic.common import PID, gzwarn
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.classic.plugins._pids import pid_of
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo
-    from libgz.classic.physics import Joint, Model
+    from libgz.classic.physics import Model
+    from libgz.simulation.event import Connection
 
 log = logging.getLogger("libgz.classic")
 
@@ -24,17 +26,20 @@ class HarnessPlugin(ModelPlugin):
     """Makes joints between the model and the world, one of which is a winch.
 
     ~/<model>/harness/velocity takes the winch's velocity as a GzString with a number [m/s], downwards or upwards as the
-    joint's axis is; with 0 it holds its position. ~/<model>/harness/detach, a GzString `true`, removes the joint that
-    `<detach>` names.
+    joint's axis is; with 0 it holds its position. The controller of the velocity only pulls.
+    ~/<model>/harness/detach, a GzString `true`, removes the joint that `<detach>` names. As in Gazebo 11.1 that joint
+    goes in the second iteration if `<winch>` names no joint, and a controller without limits of its command does
+    nothing.
 
     Elements:
         joint: as in a `<model>`; its child is a link of the model. Several.
         winch: `<joint>`, the name of a prismatic joint; `<pos_pid>` and `<vel_pid>`, the controllers of its position
-            [N/m] and velocity [N s/m], with `<p>`, `<i>`, `<d>`, `<i_max>`, `<i_min>`, `<cmd_max>`, `<cmd_min>`.
-        detach: the name of the joint that is removed.
+            [N/m] and velocity [N s/m], with `<p>`, `<i>`, `<d>`, `<i_max>`, `<i_min>`, `<cmd_max>`, `<cmd_min>`, all 0
+            if they are missing.
+        detach: the name of the joint that is removed. Names that the harness does not have mean its first joint.
     """
 
-    STATE = ("velocity", "target", "attached", "pos_pid", "vel_pid", "before")
+    STATE = ("velocity", "target", "winch", "pos_pid", "vel_pid", "before")
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Make the joints, and subscribe.
@@ -48,15 +53,13 @@ class HarnessPlugin(ModelPlugin):
         if not self.elements:
             raise NotFoundError(f"{sdf.where}: <joint> is missing; it holds the model")
         winch = next(sdf.named("winch"), Element("winch"))
-        self.winch = self._name(sdf, winch.Get(str, "joint").strip(), "winch><joint")
-        self.loose = self._name(sdf, sdf.Get(str, "detach").strip(), "detach")
-        self.pos_pid = pid_of(winch, "pos_pid", p=1000.0, d=500.0)
-        self.vel_pid = pid_of(winch, "vel_pid", p=1000.0)
+        self.named_winch = self._name(winch, "joint")
+        self.loose = self._name(sdf, "detach")
+        self.pos_pid, self.vel_pid = _pid(winch, "pos_pid"), _pid(winch, "vel_pid")
         for element in self.elements.values():
             if model.CreateJoint(element) is None:
                 raise ParameterError(f"{element.where}: joint {element.Get(str, 'name')!r} cannot be made")
-        self.attached, self.velocity, self.before = True, 0.0, -1.0
-        self.target = self._joint().Position(0) if self.winch else 0.0
+        self._begin()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         topic = f"~/{model.GetName()}/harness"
@@ -66,60 +69,75 @@ class HarnessPlugin(ModelPlugin):
         ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
-    def _name(self, sdf: Element, name: str, tag: str) -> str:
-        if name and name not in self.elements:
-            raise NotFoundError(
-                f"{sdf.where}: <{tag}> is {name!r}; the harness has {', '.join(self.elements)}"
-                + nearest(name, self.elements)
-            )
-        return name
+    def _name(self, holder: Element, tag: str) -> str:
+        """The joint that a child names; an empty string if there is none."""
+        if not holder.HasElement(tag):
+            return ""
+        name, first = holder.Get(str, tag).strip(), next(iter(self.elements))
+        if name not in self.elements:
+            known = f"the harness has {', '.join(self.elements)}{nearest(name, self.elements)}"
+            gzwarn(f"{holder.where}: <{tag}> is {name!r}; {known}; {first!r} is used")
+        return name if name in self.elements else first
 
-    def _joint(self) -> Joint:
-        joint = self.model.GetJoint(self.winch)
-        if joint is None:
-            raise NotFoundError(f"model {self.model.GetName()!r} has no joint {self.winch!r} any more")
-        return joint
+    def _begin(self) -> None:
+        self.winch, self.velocity, self.target, self.before = self.named_winch, 0.0, 0.0, 0.0
+        for pid in (self.pos_pid, self.vel_pid):
+            pid.Reset()
+        self.connection: Connection | None = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:
         """Hold the model again where it started."""
         for name, element in self.elements.items():
             if self.model.GetJoint(name) is None:
                 self.model.CreateJoint(element)
-        self.attached, self.velocity, self.before = True, 0.0, -1.0
-        self.target = self._joint().Position(0) if self.winch else 0.0
-        for pid in (self.pos_pid, self.vel_pid):
-            pid.Reset()
+        self._begin()
 
     def OnVelocity(self, message: Any) -> None:
         """Set the winch's velocity."""
         try:
             velocity = float(message.data)
         except ValueError:
+            velocity = math.nan
+        joint = self.model.GetJoint(self.winch) if self.winch else None
+        if not math.isfinite(velocity):
             log.error("HarnessPlugin: the velocity %r is no number", message.data)
-            return
-        if self.winch and self.attached:
-            if velocity == 0.0 and self.velocity != 0.0:
-                self.target = self._joint().Position(0)
+        elif joint is None:
+            log.error("HarnessPlugin: there is no winch to set the velocity of")
+        else:
             self.velocity = velocity
+            if velocity == 0.0:
+                self.target = joint.Position(0)
+                self.pos_pid.Reset()
 
     def OnDetach(self, message: Any) -> None:
-        """Remove the joint, if the message says so."""
-        if message.data.strip().lower() in ("true", "1") and self.loose and self.model.RemoveJoint(self.loose):
-            self.attached = self.attached and self.loose != self.winch
+        """Remove the joint in the next iteration, if the message says so."""
+        if message.data in ("true", "True", "TRUE"):
+            self.winch = ""
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the winch's force."""
         now = info.simTime.Double()
-        passed = now - self.before if self.before >= 0.0 else 0.0
-        self.before = now
-        if not (self.winch and self.attached):
+        if self.before == 0.0:
+            self.before = now
             return
-        joint = self._joint()
-        if self.velocity == 0.0:
-            force = self.pos_pid.Update(joint.Position(0) - self.target, passed)
-        else:
-            force = self.vel_pid.Update(joint.GetVelocity(0) - self.velocity, passed)
-        joint.SetForce(0, force)
+        joint = self.model.GetJoint(self.winch) if self.winch else None
+        if joint is None:
+            self.connection = None
+            if self.loose:
+                self.model.RemoveJoint(self.loose)
+            return
+        passed, self.before = now - self.before, now
+        behind = joint.Position(0) - self.target if self.velocity == 0.0 else 0.0
+        held = self.pos_pid.Update(behind, passed)
+        pulled = self.vel_pid.Update(joint.GetVelocity(0) - self.velocity, passed)
+        joint.SetForce(0, held + max(pulled, 0.0))
+
+
+def _pid(winch: Element, tag: str) -> PID:
+    """The controller of an element; one that does nothing if there is none."""
+    element = next(winch.named(tag), None)
+    names = ("p", "i", "d", "i_max", "i_min", "cmd_max", "cmd_min")
+    return PID() if element is None else PID(*(element.Get(float, name, 0.0)[0] for name in names))
 
 
 def _described(joint: Element) -> Element:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._drive import DrivePlugin
 from libgz.classic.plugins._names import find_joint
@@ -21,32 +20,28 @@ class SkidSteerDrivePlugin(DrivePlugin):
     The joints are called right_front, right_rear, left_front and left_rear. ~/<model>/vel_cmd takes a Pose: x of the
     position is the speed [m/s], yaw of the orientation the turn rate [rad/s], left positive. As in Gazebo, the sides
     run with speed -+ yaw * separation: twice the ideal value, because skidding wheels turn the body less. Separation
-    and radius are those of the front wheels. A command is valid until the next one.
-
-    Elements:
-        max_force: maximum torque of each wheel's motor [N m]; without it the velocity of the wheels is set directly.
+    and radius are those of the front wheels. The wheels get their velocity once, when a message comes, as in Gazebo
+    from version 5 on, and coast until the next one: programs publish many in a second.
     """
 
     STATE = ()
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the wheels, and subscribe."""
-        torque = sdf.Get(float, "max_force", 0.0)[0]
         joints = {name: find_joint(model, name) for name in ("right_front", "right_rear", "left_front", "left_rear")}
         self.separation = separation(joints["right_front"], joints["left_front"])
         radius = radius_of(joints["right_front"].GetChild())
-        wheels = {name: Wheel(joint, torque, radius) for name, joint in joints.items()}
+        wheels = {name: Wheel(joint, radius=radius) for name, joint in joints.items()}
         self.right = wheels["right_front"], wheels["right_rear"]
         self.left = wheels["left_front"], wheels["left_rear"]
         self.listen(model)
 
-    @law
-    def OnUpdate(self) -> None:
-        """Run the wheels."""
+    def command(self, speed: float, turn: float) -> None:
+        """Give the wheels their velocity."""
         for wheel in self.right:
-            wheel.run(self.speed + self.turn * self.separation)
+            wheel.run(speed + turn * self.separation)
         for wheel in self.left:
-            wheel.run(self.speed - self.turn * self.separation)
+            wheel.run(speed - turn * self.separation)
 
 
 GZ_REGISTER_MODEL_PLUGIN(SkidSteerDrivePlugin)

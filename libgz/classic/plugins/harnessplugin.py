@@ -67,7 +67,6 @@ class HarnessPlugin(ModelPlugin):
             self.node.Subscribe(f"{topic}/velocity", self.OnVelocity),
             self.node.Subscribe(f"{topic}/detach", self.OnDetach),
         ]
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def _name(self, holder: Element, tag: str) -> str:
         """The joint that a child names; an empty string if there is none."""

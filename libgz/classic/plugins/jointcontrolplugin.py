@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
-from libgz.classic.common import PID, gzwarn
+from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
@@ -25,7 +25,8 @@ class JointControlPlugin(ModelPlugin):
         controller: several, with an attribute `type`: force, position or velocity (force).
             joint: a regular expression that matches the whole names of joints, or a name; several.
             target: the effort [N m] or [N], position [rad] or [m], or velocity [rad/s] or [m/s] (0).
-            pid: the gains P I D; of Gazebo's own if it is missing. Also pid_gains.
+            pid_gains: P I D, with the limits of Gazebo's own controllers: 1 of the integral term, 1,000 of the command;
+                those of Gazebo's own (1 0.1 0.01) if it is missing. Also pid.
     """
 
     STATE = ()  # targets belong to the joint controller
@@ -57,15 +58,17 @@ class JointControlPlugin(ModelPlugin):
             self.efforts.append((joint, target))
             return
         tag = next((tag for tag in ("pid", "pid_gains") if element.HasElement(tag)), None)
-        pid = PID(*element.Get(Vector3d, tag)) if tag is not None else None
-        if kind == "position":
-            if pid is not None:
-                controller.SetPositionPID(name, pid)
-            controller.SetPositionTarget(name, target)
-        else:
-            if pid is not None:
-                controller.SetVelocityPID(name, pid)
-            controller.SetVelocityTarget(name, target)
+        pids, aim = (
+            (controller.GetPositionPIDs(), controller.SetPositionTarget)
+            if kind == "position"
+            else (controller.GetVelocityPIDs(), controller.SetVelocityTarget)
+        )
+        if tag is not None:
+            pid, (p, i, d) = pids[name], element.Get(Vector3d, tag)
+            pid.SetPGain(p)
+            pid.SetIGain(i)
+            pid.SetDGain(d)
+        aim(name, target)
 
     def OnUpdate(self) -> None:
         """Apply the efforts, which last one iteration."""

@@ -24,7 +24,7 @@ def pioneer(*plugins, pose="0 0 0 0 0 0"):
     return f"{GROUND}<include><uri>model://pioneer2dx</uri><pose>{pose}</pose>{''.join(plugins)}</include>"
 
 
-# The wheels have their speed at the beginning of each step, and lose some of it in turns; as in Gazebo, a torque is unused.
+# The wheels have their speed at the beginning of each step, and lose some of it in turns; a torque is unused.
 @pytest.mark.parametrize("torque", [{}, {"torque": 5}])
 def test_diff_drive_turns_at_the_commanded_rate_right_if_positive(torque, run):
     wheels = {"left_joint": "left_wheel_hinge", "right_joint": "right_wheel_hinge"}

@@ -1,0 +1,372 @@
+"""The worlds: SDF, the commands that are published while they run, and how far links may be from Gazebo's [m].
+
+A command is (iteration, topic, speed [m/s], turn [rad/s]), as a Pose. What contacts decide is within some millimetres;
+the rest in docs/classic_cxx.md. All else is within 1e-6 m.
+"""
+
+from dataclasses import dataclass
+
+STEPS = 2000
+EXACT, TOUCHING, TURNING = 1e-6, 2e-3, 0.02  # [m]
+
+GROUND = (
+    "<model name='ground'><static>1</static><link name='l'><collision name='c'><geometry><plane><normal>0 0 1</normal>"
+    "<size>100 100</size></plane></geometry></collision></link></model>"
+)
+
+
+@dataclass
+class Beside:
+    """A world.
+
+    Attributes:
+        text: SDF.
+        commands: while it runs.
+        tolerance: [m].
+    """
+
+    text: str
+    commands: tuple = ()
+    tolerance: float = EXACT
+
+
+def inertia(mass, moment):
+    return (
+        f"<inertial><mass>{mass}</mass><inertia><ixx>{moment}</ixx><iyy>{moment}</iyy><izz>{moment}</izz></inertia>"
+        "</inertial>"
+    )
+
+
+def box_collision(size):
+    return f"<collision name='c'><geometry><box><size>{size}</size></box></geometry></collision>"
+
+
+def plugin(name, inside=""):
+    return f"<plugin name='{name}' filename='lib{name}.so'>{inside}</plugin>"
+
+
+def world(*parts, commands=(), tolerance=EXACT, gravity="0 0 -9.8"):
+    text = (
+        f"<sdf version='1.6'><world name='default'><gravity>{gravity}</gravity><physics type='ode'><max_step_size>0.001"
+        "</max_step_size><real_time_update_rate>0</real_time_update_rate></physics>"
+        f"{''.join(parts)}</world></sdf>"
+    )
+    return Beside(text, tuple(commands), tolerance)
+
+
+def wheel(name, x, y, radius=0.1):
+    shape = f"<cylinder><radius>{radius}</radius><length>.05</length></cylinder>"
+    return (
+        f"<link name='{name}w'><pose>{x} {y} {radius} -1.5707963 0 0</pose>{inertia(0.5, 0.002)}<collision name='c'>"
+        f"<geometry>{shape}</geometry></collision></link><joint name='{name}' type='revolute'><parent>base</parent>"
+        f"<child>{name}w</child><axis><xyz>0 0 1</xyz></axis></joint>"
+    )
+
+
+def base(height=0.15):
+    return f"<link name='base'><pose>0 0 {height} 0 0 0</pose>{inertia(5, 0.1)}{box_collision('.5 .3 .1')}</link>"
+
+
+def two_wheels(height, more=""):
+    slippery = "<surface><friction><ode><mu>0</mu><mu2>0</mu2></ode></friction></surface>"
+    caster = (
+        f"<link name='cw'><pose>-.2 0 .05 0 0 0</pose>{inertia(0.2, 0.001)}<collision name='c'>"
+        f"<geometry><sphere><radius>"
+        f".05</radius></sphere></geometry>{slippery}</collision></link><joint name='cj' type='ball'><parent>base"
+        "</parent><child>cw</child></joint>"
+    )
+    drive = plugin("DiffDrivePlugin", f"<left_joint>left</left_joint><right_joint>right</right_joint>{more}")
+    wheels = wheel("left", 0.1, 0.2) + wheel("right", 0.1, -0.2)
+    return f"<model name='dd'><pose>0 0 {height} 0 0 0</pose>{base()}{wheels}{caster}{drive}</model>"
+
+
+FOUR = {"left_front": (0.2, 0.2), "right_front": (0.2, -0.2), "left_rear": (-0.2, 0.2), "right_rear": (-0.2, -0.2)}
+
+
+def rover(inside, height=0.0):
+    wheels = "".join(wheel(name, *place) for name, place in FOUR.items())
+    return f"<model name='rover'><pose>0 0 {height} 0 0 0</pose>{base()}{wheels}{inside}</model>"
+
+
+def box(name, pose, inside="", link="", mass=1, moment=0.1):
+    return (
+        f"<model name='{name}'><pose>{pose}</pose><link name='link'>{inertia(mass, moment)}"
+        f"{box_collision('.4 .4 .4')}{link}</link>{inside}</model>"
+    )
+
+
+def wing(inside):
+    return (
+        f"<model name='wing'><pose>0 0 10 0 0 0</pose><link name='link'>{inertia(1, 0.2)}{box_collision('1 .2 .02')}"
+        f"</link>{inside}</model>"
+    )
+
+
+def arm(inside="", axis="<dynamics><damping>.1</damping></dynamics>", limits="<lower>-2</lower><upper>2</upper>"):
+    links = "".join(
+        f"<link name='l{i}'><pose>{0.4 * i} 0 1 0 0 0</pose>{inertia(1, 0.05)}{box_collision('.3 .1 .1')}</link>"
+        for i in range(3)
+    )
+    joints = "".join(
+        f"<joint name='j{i}' type='revolute'><pose>-.2 0 0 0 0 0</pose><parent>l{i - 1}</parent><child>l{i}</child>"
+        f"<axis><xyz>0 1 0</xyz><limit>{limits}<effort>100</effort></limit>{axis}</axis></joint>"
+        for i in (1, 2)
+    )
+    fixed = "<joint name='fix' type='fixed'><parent>world</parent><child>l0</child></joint>"
+    return f"<model name='arm'>{links}{fixed}{joints}{inside}</model>"
+
+
+def gears(inside):
+    wheels = "".join(
+        f"<link name='{name}'><pose>0 {y} .5 0 0 0</pose>{inertia(1, 0.05)}</link>"
+        f"<joint name='j{name}' type='revolute'>"
+        f"<parent>base</parent><child>{name}</child><axis><xyz>0 1 0</xyz></axis></joint>"
+        for name, y in (("a", 0), ("b", 0.5))
+    )
+    return (
+        f"<model name='g'><link name='base'>{inertia(1, 0.1)}</link><joint name='f' type='fixed'><parent>world</parent>"
+        f"<child>base</child></joint>{wheels}<joint name='gear' type='gearbox'><parent>a</parent><child>b</child>"
+        "<gearbox_reference_body>base</gearbox_reference_body><gearbox_ratio>-2</gearbox_ratio><axis><xyz>0 1 0</xyz>"
+        f"</axis><axis2><xyz>0 1 0</xyz></axis2></joint>{inside}</model>"
+    )
+
+
+def pid(tag, p, d, limits="<i_min>0</i_min><i_max>0</i_max><cmd_min>-1000</cmd_min><cmd_max>1000</cmd_max>"):
+    return f"<{tag}><p>{p}</p><i>0</i><d>{d}</d>{limits}</{tag}>"
+
+
+def harness(winch, detach="<detach>rope</detach>"):
+    rope = (
+        "<joint name='rope' type='prismatic'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz><dynamics>"
+        "<damping>10</damping></dynamics><limit><lower>-1.5</lower><upper>1.5</upper><effort>10000</effort></limit>"
+        "</axis></joint>"
+    )
+    held = plugin("HarnessPlugin", rope + winch + detach)
+    return world(
+        GROUND,
+        f"<model name='h'><pose>0 0 3 0 0 0</pose><link name='link'>{inertia(2, 0.1)}{box_collision('.3 .3 .3')}</link>"
+        f"{held}</model>",
+    )
+
+
+def pendulum(joint, pose="0 0 2 0 .3 0"):
+    return world(
+        f"<model name='p'><link name='a'><pose>{pose}</pose>{inertia(1, 0.05)}</link><joint name='b' {joint}</joint>"
+        "</model>"
+    )
+
+
+GIMBAL = (
+    f"<model name='gimbal_small_2d'><link name='base'>{inertia(1, 0.1)}</link>"
+    "<joint name='f' type='fixed'><parent>world</parent><child>base</child></joint>"
+    f"<link name='t'><pose>.2 0 0 0 0 0</pose>{inertia(0.2, 0.001)}</link><joint name='tilt_joint' type='revolute'>"
+    "<parent>base</parent><child>t</child><axis><xyz>0 1 0</xyz><limit><lower>-2</lower><upper>2</upper></limit></axis>"
+    f"</joint>{plugin('GimbalSmall2dPlugin', '<joint>tilt_joint</joint>')}</model>"
+)
+WING = (
+    "<a0>0.05</a0><cla>4</cla><cda>.1</cda><alpha_stall>.3</alpha_stall><cla_stall>-1</cla_stall>"
+    "<cda_stall>.2</cda_stall>"
+    "<cp>-.05 0 0</cp><forward>1 0 0</forward><upward>0 0 1</upward><area>.2</area><air_density>1.2</air_density>"
+    "<link_name>link</link_name>"
+)
+ELEVATOR = (
+    f"<model name='e'><link name='link'><pose>0 0 .1 0 0 0"
+    f"</pose>{inertia(50, 10)}{box_collision('1 1 .1')}</link><joint "
+    "name='lift' type='prismatic'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz>"
+    "<limit><lower>0</lower>"
+    f"<upper>10</upper><effort>100000</effort></limit></axis></joint><link name='door'><pose>0 1 .5 0 0 0</pose>"
+    f"{inertia(1, 1)}</link><joint name='dj' type='prismatic'><parent>link</parent><child>door</child><axis><xyz>0 1 0"
+    "</xyz><limit><lower>0</lower><upper>1</upper><effort>10</effort></limit></axis></joint>"
+    + plugin(
+        "ElevatorPlugin",
+        "<lift_joint>lift</lift_joint><door_joint>dj</door_joint><floor_height>3</floor_height><door_wait_time>5"
+        "</door_wait_time><topic>~/elevator</topic>",
+    )
+    + "</model>"
+)
+WIND = plugin(
+    "WindPlugin",
+    "<horizontal><magnitude><time_for_rise>.5</time_for_rise><sin><amplitude_percent>.1</amplitude_percent><period>.4"
+    "</period></sin></magnitude><direction><time_for_rise>.3</time_for_rise><sin><amplitude>10</amplitude><period>.5"
+    "</period></sin></direction></horizontal><vertical><time_for_rise>.3</time_for_rise></vertical>"
+    "<force_approximation_scaling_factor>.8</force_approximation_scaling_factor>",
+)
+BLOWN = box("a", "0 0 5 0 0 0", link="<enable_wind>true</enable_wind>")
+MUD = plugin(
+    "MudPlugin",
+    "<contact_sensor_name>s</contact_sensor_name><stiffness>10</stiffness><damping>1</damping>"
+    "<link_name>f::link</link_name>",
+)
+FEELING = "<sensor name='s' type='contact'><always_on>1</always_on><contact><collision>c</collision></contact></sensor>"
+SLIP = plugin(
+    "WheelSlipPlugin",
+    "".join(
+        f"<wheel link_name='{name}w'><slip_compliance_lateral>.5</slip_compliance_lateral>"
+        f"<slip_compliance_longitudinal>.2"
+        "</slip_compliance_longitudinal><wheel_normal_force>16</wheel_normal_force></wheel>"
+        for name in FOUR
+    ),
+)
+TRACKS = "".join(
+    f"<link name='{name}'><pose>0 {y} .1 0 0 0</pose>{inertia(2, 0.05)}{box_collision('.5 .1 .2')}</link><joint name="
+    f"'j{name}' type='fixed'><parent>base</parent><child>{name}</child></joint>"
+    for name, y in (("lt", 0.2), ("rt", -0.2))
+)
+TRACKED = plugin(
+    "SimpleTrackedVehiclePlugin",
+    "<body>base</body><left_track>lt</left_track><right_track>rt</right_track><track_mu>2</track_mu><track_mu2>.5"
+    "</track_mu2><tracks_separation>.4</tracks_separation>",
+)
+BREAKING = (
+    f"<link name='b'><pose>1.2 0 1 0 0 0</pose>{inertia(1, 0.05)}</link><joint name='bj' type='revolute'><parent>l2"
+    "</parent><child>b</child><axis><xyz>0 1 0</xyz></axis><sensor name='ft' type='force_torque'><always_on>1"
+    "</always_on><update_rate>1000</update_rate>"
+    + plugin("BreakableJointPlugin", "<breaking_force_N>12</breaking_force_N>")
+    + "</sensor></joint>"
+)
+DRIVEN = ((100, "~/dd/vel_cmd", 0.3, 0.0), (1000, "~/dd/vel_cmd", 0.2, 0.4))
+HELD = "<joint>rope</joint>"
+LINK = "<parent>world</parent><child>a</child>"
+SWUNG = plugin("InitialVelocityPlugin", "<linear>1 2 3</linear><angular>.3 .2 .1</angular>")
+
+WORLDS = {
+    "DiffDrive, straight": world(GROUND, two_wheels(0), commands=DRIVEN[:1], tolerance=TOUCHING),
+    "DiffDrive, turning": world(GROUND, two_wheels(0), commands=DRIVEN, tolerance=TURNING),
+    "DiffDrive, in the air": world(two_wheels(5), commands=DRIVEN, gravity="0 0 0"),
+    "DiffDrive with a torque": world(two_wheels(5, "<torque>5</torque>"), commands=DRIVEN, gravity="0 0 0"),
+    "SkidSteer": world(
+        GROUND, rover(plugin("SkidSteerDrivePlugin")), commands=[(100, "~/rover/vel_cmd", 0.3, 0.0)], tolerance=TOUCHING
+    ),
+    "SkidSteer, in the air": world(
+        rover(plugin("SkidSteerDrivePlugin"), 5), commands=[(100, "~/rover/vel_cmd", 0.3, 0.2)], gravity="0 0 0"
+    ),
+    "LiftDrag": world(
+        wing(
+            plugin("InitialVelocityPlugin", "<linear>10 1 0</linear><angular>0 0 .2</angular>"),
+        ).replace("</model>", plugin("LiftDragPlugin", WING) + "</model>")
+    ),
+    "InitialVelocity": world(box("a", "0 0 5 .1 .2 .3", SWUNG)),
+    "velocity_decay": world(
+        box("a", "0 0 5 0 0 0", SWUNG, "<velocity_decay><linear>.1</linear><angular>.2</angular></velocity_decay>")
+    ),
+    "RandomVelocity": world(
+        box(
+            "a",
+            "0 0 5 0 0 0",
+            plugin(
+                "RandomVelocityPlugin",
+                "<link>link</link><initial_velocity>1 0 .5</initial_velocity><velocity_factor>0</velocity_factor>"
+                "<update_period>100</update_period>",
+            ),
+        )
+    ),
+    "Buoyancy": world(
+        box(
+            "a",
+            "0 0 5 .1 .2 .3",
+            plugin(
+                "BuoyancyPlugin",
+                "<fluid_density>20</fluid_density><link name='link'><center_of_volume>.05 0 .1</center_of_volume>"
+                "<volume>.04</volume></link>",
+            ),
+        )
+    ),
+    "Buoyancy of collisions": world(
+        box("a", "0 0 5 .1 .2 .3", plugin("BuoyancyPlugin", "<fluid_density>12</fluid_density>"))
+    ),
+    "JointControl": world(
+        arm(
+            plugin(
+                "JointControlPlugin",
+                "<controller type='position'><joint>j1</joint><target>.6</target><pid_gains>40 2 5</pid_gains>"
+                "</controller>"
+                "<controller type='velocity'><joint>j2</joint><target>.3</target><pid_gains>5 .1 0</pid_gains>"
+                "</controller>",
+            )
+        )
+    ),
+    "JointControl, force": world(
+        arm(plugin("JointControlPlugin", "<controller type='force'><joint>j1</joint><target>-2</target></controller>"))
+    ),
+    "JointTrajectory": world(arm(plugin("JointTrajectoryPlugin", "<update_rate>100</update_rate>"))),
+    "Actuator": world(
+        arm(
+            plugin(
+                "ActuatorPlugin",
+                "<actuator><name>a</name><joint>j1</joint><index>0</index><type>electric_motor</type><power>3</power>"
+                "<max_velocity>1</max_velocity><max_torque>4</max_torque></actuator>",
+            )
+            + plugin("JointControlPlugin", "<controller type='force'><joint>j1</joint><target>-9</target></controller>")
+        )
+    ),
+    "BreakableJoint": world(arm(BREAKING)),
+    "springs and friction": world(
+        arm(
+            axis="<dynamics><damping>.1</damping><spring_stiffness>20</spring_stiffness><spring_reference>.2"
+            "</spring_reference><friction>.3</friction></dynamics>"
+        )
+    ),
+    "Harness, both controllers": harness(f"<winch>{HELD}{pid('pos_pid', 300, 20)}{pid('vel_pid', 50, 0)}</winch>"),
+    "Harness, position": harness(f"<winch>{HELD}{pid('pos_pid', 300, 20)}</winch>"),
+    "Harness, velocity": harness(f"<winch>{HELD}{pid('vel_pid', 50, 0)}</winch>"),
+    "Harness, no detach": harness(f"<winch>{HELD}{pid('pos_pid', 300, 20)}</winch>", ""),
+    "GimbalSmall2d": world(GIMBAL),
+    "Elevator": world(ELEVATOR),
+    "LinearBattery": world(
+        box(
+            "a",
+            "0 0 5 0 0 0",
+            plugin(
+                "LinearBatteryPlugin",
+                "<link_name>link</link_name><battery_name>bat</battery_name><open_circuit_voltage_constant_coef>12"
+                "</open_circuit_voltage_constant_coef><open_circuit_voltage_linear_coef>-3"
+                "</open_circuit_voltage_linear_coef><initial_charge>1</initial_charge><capacity>1</capacity>"
+                "<resistance>.1"
+                "</resistance><smooth_current_tau>2</smooth_current_tau>",
+            ),
+            "<battery name='bat'><voltage>12</voltage></battery>",
+        )
+    ),
+    "Wind": world(BLOWN, "<wind><linear_velocity>3 1 0</linear_velocity></wind>", WIND),
+    "Mud": world(
+        GROUND,
+        box("mud", "0 0 .2 0 0 0", MUD, FEELING, 50, 2),
+        box("f", "0 0 .62 0 0 0"),
+        tolerance=TOUCHING,
+    ),
+    "WheelSlip": world(
+        GROUND,
+        rover(SLIP + plugin("InitialVelocityPlugin", "<linear>.3 .1 0</linear>")),
+        tolerance=TOUCHING,
+    ),
+    "SimpleTrackedVehicle": world(GROUND, f"<model name='t'>{base(0.2)}{TRACKS}{TRACKED}</model>", tolerance=TOUCHING),
+    "VariableGearbox": world(
+        gears(
+            plugin(
+                "VariableGearboxPlugin",
+                "<gearbox_joint_name>gear</gearbox_joint_name><x_y_dydx>-1 -1 .5</x_y_dydx><x_y_dydx>0 0 1</x_y_dydx>"
+                "<x_y_dydx>1 1.5 2</x_y_dydx>",
+            )
+            + plugin(
+                "JointControlPlugin", "<controller type='force'><joint>ja</joint><target>.05</target></controller>"
+            )
+        )
+    ),
+    "gearbox": world(
+        gears(
+            plugin("JointControlPlugin", "<controller type='force'><joint>ja</joint><target>.3</target></controller>")
+        )
+    ),
+    "ball": pendulum(f"type='ball'><pose>0 0 .5 0 0 0</pose>{LINK}"),
+    "universal": pendulum(
+        f"type='universal'><pose>-.5 0 0 0 0 0</pose>{LINK}<axis><xyz>0 1 0</xyz></axis><axis2>"
+        f"<xyz>0 0 1</xyz></axis2>",
+        ".5 0 2 0 .3 0",
+    ),
+    "screw": pendulum(f"type='screw'>{LINK}<axis><xyz>0 0 1</xyz></axis><thread_pitch>2</thread_pitch>", "0 0 2 0 0 0"),
+    "prismatic": pendulum(
+        f"type='prismatic'>{LINK}<axis><xyz>0 0 1</xyz><limit><lower>-.5</lower><upper>.5</upper></limit><dynamics>"
+        "<friction>4</friction></dynamics></axis>",
+        "0 0 2 0 0 0",
+    ),
+}

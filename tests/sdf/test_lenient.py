@@ -108,6 +108,16 @@ def test_numbers_that_no_world_can_use_are_replaced_with_a_warning(inside, key, 
     assert element.Get(str) == used
 
 
+def test_bounds_of_numbers_leave_the_texts_of_plugins_alone():
+    inside = (
+        "<plugin name='p' filename='p'><solver><iters>many</iters></solver><mimic><offset>1 2</offset></mimic></plugin>"
+    )
+    file = SdfFile.from_string(MODEL.format(inside))
+    plugin = file.root.child("model").child("plugin")
+    assert plugin.child("solver").Get(str, "iters") == "many"
+    assert plugin.child("mimic").Get(str, "offset") == "1 2"
+
+
 def test_elements_with_a_prefix_are_kept_without_a_warning():
     text = MODEL.format("<x:speed>3</x:speed>").replace("<sdf", "<sdf xmlns:x='u'")
     assert warnings(text) == []

@@ -84,12 +84,13 @@ def test_a_wrong_type_is_refused_with_both_sums(node, master, caplog):
 def test_messages_are_delivered_between_steps(node, master):
     got = []
     subscription = node.subscribe("~talk", STRING.name, lambda message: got.append(message.data), 3)
+    waiting = subscription._waiting
     wait_for(lambda: "/sim/talk" in master.subscribers)
     talker = Talker(master, "/sim/talk", STRING.name, STRING.md5)
     assert talker.asked["md5sum"] == STRING.md5
     for index in range(5):
         talker.send(codec(STRING).pack(STRING(data=str(index))))
-    wait_for(lambda: [message.data for message in subscription._waiting] == ["2", "3", "4"])
+    wait_for(lambda: [message.data for message in waiting] == ["2", "3", "4"])
     assert got == []
     node.deliver()
     assert got == ["2", "3", "4"]

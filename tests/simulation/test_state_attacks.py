@@ -19,6 +19,7 @@ from libgz.base.encoding import FORMAT, decode, encode
 from libgz.base.errors import ParameterError, StateError
 from libgz.base.files import installed_worlds
 from libgz.base.geometry import GzPose, GzVector
+from libgz.physics.appearance import Appearance
 from libgz.physics.engine import Engine
 from libgz.physics.state import _assign, _saved, _values
 from libgz.simulation.state import encode as encode_state, get_state, set_state
@@ -162,6 +163,28 @@ def test_attributes_of_bodies_are_of_their_kind_and_none_where_they_may_be():
             assert name == "bodyName" or isinstance(present, (bool, int)), name
             assert isinstance(wrong, (str, float, type(None)))
             _assign(body, values)  # what was there can return
+
+
+def test_a_damaged_look_changes_nothing_and_all_of_it_returns():
+    look = Appearance()
+    packed, files, rest = look.saved()
+    before = encode(look.saved())
+    for wrong in (
+        (packed, files[:1], rest),
+        (packed, [1, None, None], rest),
+        (packed, ["x", None, None], rest[:-1]),
+        (packed, ["x", None, None], [1, *rest[1:]]),
+        (packed, ["x", None, None], [*rest[:-1], True]),
+    ):
+        with pytest.raises(StateError, match="other looks"):
+            look.restore(*wrong)
+        assert encode(look.saved()) == before
+    numbers = bytearray(packed)
+    numbers[-1] ^= 0x80  # another sign
+    look.restore(bytes(numbers), files, rest)
+    assert encode(look.saved()) != before
+    look.restore(packed, files, rest)
+    assert encode(look.saved()) == before
 
 
 def test_objects_of_models_are_not_replaced_in_lists():

@@ -1,4 +1,4 @@
-"""Texts of XML: their bytes, and a file's entities: `<!ENTITY width "0.5">` in its DOCTYPE, used as `&width;`."""
+"""Texts of XML: bytes, bounds, and a file's entities: `<!ENTITY width "0.5">` in its DOCTYPE, used as `&width;`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from typing import Any
 
 from lxml import etree
 
-from libgz.base.errors import ParameterError
+from libgz.base.errors import ParameterError, WorldFileError
 
-__all__ = ["Entities", "encoded"]
+__all__ = ["Entities", "check_attributes", "encoded"]
 
+MOST_ATTRIBUTES = 1000  # of an element; lxml needs a time that is quadratic in their number
 MOST = 100_000  # characters that a file's entities may have together, where they are used
 DEEPEST = 40  # entities in entities
 PREDEFINED = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
@@ -49,6 +50,22 @@ class Entities:
         if depth > DEEPEST or self._left < 0:
             raise ParameterError(f"entity &{name}; contains itself, or is longer than {MOST} characters in all")
         return REFERENCE.sub(lambda match: self._expanded(match[1], depth + 1), content)
+
+
+def check_attributes(root: etree._Element, label: str) -> None:
+    """Check that no element of a document has too many attributes to be read.
+
+    Raises:
+        WorldFileError: one has.
+    """
+    for element in root.iter(etree.Element):
+        count = len(element.attrib)
+        if count > MOST_ATTRIBUTES:
+            tag = str(element.tag).rpartition("}")[2]
+            line = element.sourceline or 1
+            raise WorldFileError(
+                f"{label}:{line}: <{tag}>: it has {count} attributes; at most {MOST_ATTRIBUTES} are read"
+            )
 
 
 def encoded(text: str) -> bytes:

@@ -68,21 +68,26 @@ class Appearance:
         return [_NUMBERS.pack(*_numbers_of(self)), files, [*_rest_of(self)]]
 
     def restore(self, packed: bytes, files: list[Any], rest: list[Any]) -> None:
-        """Take what `saved` returned, which may be damaged.
+        """Take what `saved` returned, which may be damaged: then nothing changes.
 
         Raises:
             StateError: it is not what a look has.
         """
-        numbers = iter(_NUMBERS.unpack(packed))
+        kinds = [*map(type, rest)], [*map(type, _rest_of(self))]
+        if (
+            kinds[0] != kinds[1]
+            or len(files) != len(_FILES)
+            or any(not isinstance(f, (str, type(None))) for f in files)
+        ):
+            raise StateError("the state is damaged: a geom has other looks")
+        numbers, present = iter(_NUMBERS.unpack(packed)), iter(_numbers_of(self))
         for name, (make, parts) in _PARTS.items():
-            value = make(*islice(numbers, len(parts) or 1))
-            if value != getattr(self, name):
-                setattr(self, name, value)
+            values, former = ([*islice(source, len(parts) or 1)] for source in (numbers, present))
+            if [*map(float.hex, values)] != [float(number).hex() for number in former]:  # to the sign of a zero
+                setattr(self, name, make(*values))
         for name, file in zip(_FILES, files, strict=True):
             setattr(self, name, None if file is None else Path(file))
         for name, number in zip(_REST, rest, strict=True):
-            if not isinstance(number, int):
-                raise StateError("the state is damaged: a geom has other looks")
             setattr(self, name, number)
 
 

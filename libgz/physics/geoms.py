@@ -244,11 +244,12 @@ class TriMeshGeom(Geom):
 
     @built
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        mesh = _checked_mesh(vertices, triangles)  # first: what is wrong leaves no geom behind
         super().__init__(body, space)
         self._data: int | None = None
         self._ode_vertices: NDArray[np.float64] | None = None
         self._ode_triangles: NDArray[np.uint32] | None = None
-        self.set_mesh(vertices, triangles)
+        self._take(mesh)
 
     @property
     def changed_mesh(self) -> Mesh | None:
@@ -264,22 +265,19 @@ class TriMeshGeom(Geom):
 
     @exclusive
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
-        """Replace the mesh."""
-        points = table(vertices, 3, "vertices").astype(np.float64)
-        numbers = table(triangles, 3, "triangles")
-        if not len(numbers) or not np.isfinite(points).all():
-            raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
-        reach = np.abs(points).max()
-        if reach > LARGEST:
-            raise ParameterError(f"a vertex lies at {reach:g} m; allowed is {LARGEST:g} m at most")
-        if reach > WIDE:
+        """Replace the mesh.
+
+        Raises:
+            ParameterError: an index is out of range, or a coordinate is not finite.
+        """
+        self._take(_checked_mesh(vertices, triangles))
+
+    def _take(self, mesh: Mesh) -> None:
+        points, corners = mesh.vertices, mesh.triangles
+        if np.abs(points).max() > WIDE:
             self.body.engine.extend_range()
-        for number in (numbers.min(), numbers.max()):
-            if not 0 <= number < len(points):
-                raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
-        corners = np.ascontiguousarray(numbers, dtype=np.uint32)
         self.vertices, self.triangles = points, corners
-        self._mesh = Mesh(points, corners)
+        self._mesh = mesh
         self._first_mesh = self._first_mesh or self._mesh
         self._reshaped()
         if self.space is None:
@@ -306,6 +304,20 @@ class TriMeshGeom(Geom):
         self.normals = self.texture_coordinates = self.colors = self.image = None
         self._mesh = self._first_mesh = None
         self._ode_vertices = self._ode_triangles = None
+
+
+def _checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Mesh:
+    points = table(vertices, 3, "vertices").astype(np.float64)
+    numbers = table(triangles, 3, "triangles")
+    if not len(numbers) or not np.isfinite(points).all():
+        raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
+    reach = np.abs(points).max()
+    if reach > LARGEST:
+        raise ParameterError(f"a vertex lies at {reach:g} m; allowed is {LARGEST:g} m at most")
+    for number in (numbers.min(), numbers.max()):
+        if not 0 <= number < len(points):
+            raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
+    return Mesh(points, np.ascontiguousarray(numbers, dtype=np.uint32))
 
 
 class PrismGeom(TriMeshGeom):

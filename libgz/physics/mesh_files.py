@@ -355,8 +355,9 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
             material = rest.strip()
         elif key == "mtllib":
             for library in _libraries(path.parent, rest.strip()):
-                libraries[library] = _changed(library)
-                looks |= _read_mtl(library)
+                if library not in libraries:
+                    libraries[library] = _changed(library)
+                    looks |= _read_mtl(library)
         elif key == "f":
             group = groups.setdefault((name, material), _Faces())
             group.add(rest.split(), (len(vertices), len(coordinates), len(normals)))

@@ -290,7 +290,7 @@ class EngineState:
             couplings = [(present[place], values) for place, values in state["couplings"]]
             for coupling, values in couplings:
                 for name, value, present in zip(_saved(_type(coupling)), values, _values(coupling), strict=True):
-                    if value is not None and not _fits(value, present):
+                    if not _fits(name, value, present):
                         raise StateError("the state is damaged: a screw or gear has numbers that none has")
                     setattr(coupling, name, value)
             engine.couplings = [coupling for coupling, _ in couplings]
@@ -464,7 +464,7 @@ def _assign(thing: Any, values: list[Any]) -> bool:
     changed = False
     for name, value, present in zip(_saved(_type(thing)), map(_tuples, values), _values(thing), strict=True):
         if encoding.encode(value) != encoding.encode(present):
-            if not _fits(value, present):
+            if not _fits(name, value, present):
                 raise StateError(f"the state is damaged: {name} of a {type(thing).__name__} is out of its range")
             setattr(thing, name, value)
             changed = True
@@ -492,25 +492,32 @@ encoding.register_raw(Mass, bytes, _made_mass)
 encoding.register(Mesh, lambda mesh: [mesh.vertices, mesh.triangles], Mesh)
 
 
-def _fits(value: Any, present: Any) -> bool:
-    """Whether a value may stand where another one is: as many numbers as there are; None in place of anything."""
+# SAVED attributes that may be None, and what they are else.
+_OPTIONAL: dict[str, type] = {
+    **{"bodyName": str, "name": str, "_given_mass": Mass, "_mass": Mass, "volume_mass": Mass, "changed_mesh": Mesh},
+    "_speed": float,
+}
+
+
+def _fits(name: str, value: Any, present: Any) -> bool:
+    """Whether a value of an attribute may stand where another one is: of the same kind, with as many numbers."""
+    if value is None or present is None:
+        kinds = (_OPTIONAL.get(name, type(None)), type(None))
+        return isinstance(value, kinds) and isinstance(present, kinds) and value == value  # not NaN
     if isinstance(value, (tuple, list)):
-        if isinstance(present, (tuple, list)):
-            return len(value) == len(present) and all(map(_fits, value, present))
-        return present is None and all(_fits(item, None) for item in value)
+        return (
+            isinstance(present, (tuple, list))
+            and len(value) == len(present)
+            and all(_fits("", item, former) for item, former in zip(value, present, strict=True))
+        )
     if isinstance(value, (int, float)):
-        return not math.isnan(value) and (present is None or isinstance(present, (int, float)))
+        return not math.isnan(value) and isinstance(present, (int, float))
     if isinstance(value, GzPose):
         return isinstance(present, GzPose) and all(_is_finite(number) for number in _place_of(value))
     for kind in (GzVector, GzQuatern, GzColor):  # a layer above has vectors of its own
         if isinstance(value, kind):
-            return isinstance(present, (kind, type(None))) and all(_is_finite(number) for number in value)
-    optional = (str, Mass, Mesh, type(None))
-    return (
-        isinstance(value, optional)
-        and (value is None or present is None or type(present) is type(value))
-        and (isinstance(present, optional))
-    )
+            return isinstance(present, kind) and all(_is_finite(number) for number in value)
+    return isinstance(value, (str, Mass, Mesh)) and type(present) is type(value)
 
 
 def _is_finite(number: Any) -> bool:

@@ -28,7 +28,8 @@ __all__ = ["Configuration", "Device", "Simulation", "read_configuration"]
 PORT = 6665
 MOST_INCLUDES = 20  # in each other
 MOST_DEVICES = 256  # of a port, as in Player
-MOST_TOKENS = 200_000
+MOST_TOKENS = 200_000  # of a file and those that it includes
+MOST_CHARACTERS = 16 << 20  # of these
 
 # The fields of a driver; those with False are known, and have no effect here.
 FIELDS = {
@@ -54,7 +55,7 @@ IDS = ("gz_id", "model_name", "laser_name", "camera_name")
 _TOKEN = re.compile(
     r"""(?P<space>[ \t\r\f\v]+|\#[^\n]*)
       | (?P<line>\n)
-      | (?P<word>[A-Za-z][A-Za-z0-9._:\-]*(?:\[[^\]\s"()]*\])*)
+      | (?P<word>[A-Za-z][A-Za-z0-9._:\-]*(?:\[[^\[\]\s"()]*\])*)
       | (?P<number>[+\-.0-9][+\-.0-9A-Za-z]*)
       | "(?P<string>[^"\n]*)"
       | (?P<mark>[()\[\]])
@@ -140,7 +141,7 @@ def read_configuration(path: str | os.PathLike[str], port: int = PORT) -> Config
         GazeboError: the file cannot be read.
     """
     result = Configuration(os.fspath(path))
-    tokens = list(_tokens(Path(path), result.diagnostics))
+    tokens = list(_tokens(Path(path), result.diagnostics, _Size()))
     sections = _Parser(tokens, result.diagnostics).sections()
     drivers = [driver for section in sections if (driver := _as_driver(section, result.diagnostics)) is not None]
     for driver in drivers:
@@ -154,14 +155,25 @@ def read_configuration(path: str | os.PathLike[str], port: int = PORT) -> Config
 # Text to tokens ------------------------------------------------------------------------------------------------------
 
 
-def _tokens(path: Path, diagnostics: Diagnostics, depth: int = 0) -> Iterator[_Token]:
+@dataclass
+class _Size:
+    """What was read of all files."""
+
+    tokens: int = 0
+    characters: int = 0
+
+
+def _tokens(path: Path, diagnostics: Diagnostics, size: _Size, depth: int = 0) -> Iterator[_Token]:
     """The tokens of a file, with those of the files it includes."""
     text = read_limited(path).decode(errors="replace")
+    size.characters += len(text)
     line, includes = 1, False
-    for count, match in enumerate(_TOKEN.finditer(text)):
+    for match in _TOKEN.finditer(text):
         kind, place = match.lastgroup, Place(str(path), line, "include" if includes else "file")
-        if count >= MOST_TOKENS:
-            diagnostics.error(place, f"has more than {MOST_TOKENS} words")
+        size.tokens += 1
+        if size.tokens > MOST_TOKENS or size.characters > MOST_CHARACTERS:
+            most = f"{MOST_TOKENS} words, or {MOST_CHARACTERS >> 20} Mi characters"
+            diagnostics.error(place, f"has more than {most}, with the files that it includes")
             return
         if kind == "line":
             line += 1
@@ -172,7 +184,7 @@ def _tokens(path: Path, diagnostics: Diagnostics, depth: int = 0) -> Iterator[_T
             diagnostics.error(place, f"the character {match[0]!r} has no meaning here")
         elif kind == "string" and includes:
             includes = False
-            yield from _included(path.parent / match["string"], place, diagnostics, depth)
+            yield from _included(path.parent / match["string"], place, diagnostics, size, depth)
         elif kind == "word" and match[0] == "include":
             includes = True
         elif kind == "mark":
@@ -183,12 +195,12 @@ def _tokens(path: Path, diagnostics: Diagnostics, depth: int = 0) -> Iterator[_T
             yield _Token("value", match[kind], str(path), line)
 
 
-def _included(path: Path, place: Place, diagnostics: Diagnostics, depth: int) -> Iterator[_Token]:
+def _included(path: Path, place: Place, diagnostics: Diagnostics, size: _Size, depth: int) -> Iterator[_Token]:
     if depth >= MOST_INCLUDES:
         diagnostics.error(place, f"files include each other more than {MOST_INCLUDES} deep")
         return
     try:
-        yield from _tokens(path, diagnostics, depth + 1)
+        yield from _tokens(path, diagnostics, size, depth + 1)
     except (GazeboError, OSError) as error:
         diagnostics.error(place, f"cannot include {str(path)!r}: {explain(error)}")
 

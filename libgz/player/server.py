@@ -136,7 +136,8 @@ class PlayerServer(Closing):
         elif any(device.subscribers for device in self._devices):
             timeout = max(0.0, min(timeout, self._next_poll - now))
         for key, events in self._selector.select(timeout):
-            self._handle(key, events)
+            if key.fileobj not in self._listeners or not self._accepts_from:
+                self._handle(key, events)
         self._answer()
         self._handle_frames()
         now = time.monotonic()
@@ -144,6 +145,10 @@ class PlayerServer(Closing):
             self._next_poll = now + PERIOD
             self._poll(now)
         self._remove_closed()
+        if 0.0 < self._accepts_from <= now:
+            self._accepts_from = 0.0
+            for listener in self._listeners:
+                self._selector.register(listener, selectors.EVENT_READ)
 
     def _handle_frames(self) -> None:
         """Handle frames of all clients in turn, for a while."""
@@ -177,8 +182,6 @@ class PlayerServer(Closing):
     # Connections -----------------------------------------------------------------------------------------------------
 
     def _accept(self, listener: socket.socket) -> None:
-        if time.monotonic() < self._accepts_from:
-            return
         try:
             sock, _ = listener.accept()
         except BlockingIOError:
@@ -187,6 +190,8 @@ class PlayerServer(Closing):
             self._warn(f"cannot accept a client: {error.strerror}")
             self._make_room()
             self._accepts_from = time.monotonic() + IDLE
+            for one in self._listeners:  # they stay readable
+                self._selector.unregister(one)
             return
         if len(self._connections) >= MOST_CONNECTIONS and not self._make_room():
             self._warn(f"refused a client: there are {MOST_CONNECTIONS} already")

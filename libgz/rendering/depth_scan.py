@@ -14,7 +14,7 @@ from libgz.rendering.camera import LEAST_NEAR, LONGEST_SIDE
 from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, View
 
-__all__ = ["DepthScan"]
+__all__ = ["DepthScan", "Face", "cover"]
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ MARGIN = 2  # [px] around the outermost directions
 
 
 @dataclass(frozen=True)
-class _Face:
+class Face:
     """A view that some of the directions are read from.
 
     Attributes:
@@ -45,6 +45,11 @@ class _Face:
     stretch: Array
     size: tuple[int, int]
     focal: float
+
+    @property
+    def hfov(self) -> float:
+        """Its horizontal field of view [rad]."""
+        return 2.0 * math.atan(self.size[0] / (2.0 * self.focal))
 
 
 class DepthScan(Closing):
@@ -69,7 +74,7 @@ class DepthScan(Closing):
         self._near, self._far = max(near, LEAST_NEAR), far
         self._options = RenderOptions(displayMaterials=False, displayTextures=False)
         focal = min(max(2.0 / max(spacing, 1e-6), COARSEST), FINEST)
-        self._faces = list(_faces(self._directions, focal))
+        self._faces = list(cover(self._directions, focal))
         self._closed = False
         self._scene = world.extension(Scene)
         self._scene.join()
@@ -84,8 +89,7 @@ class DepthScan(Closing):
         found = np.full(len(self._directions), np.inf)
         for face in self._faces:
             placed = GzCoordPoseAdd(GzPose(GzVector(), face.turn), pose)
-            hfov = 2.0 * math.atan(face.size[0] / (2.0 * face.focal))
-            view = View(placed, *face.size, hfov, self._near, self._far, self._options)
+            view = View(placed, *face.size, face.hfov, self._near, self._far, self._options)
             depth = self._scene.depth(self._scene.capture(view))
             found[face.which] = _sampled(depth, face.columns, face.rows) * face.stretch
         return found
@@ -97,8 +101,8 @@ class DepthScan(Closing):
             self._scene.leave()
 
 
-def _faces(directions: Array, focal: float) -> list[_Face]:
-    """The views that cover all directions."""
+def cover(directions: Array, focal: float) -> list[Face]:
+    """The views that cover all directions, unit vectors of shape (n, 3); `focal` [px] is that of each, or less."""
     steep = np.abs(directions[:, 2]) > math.sin(STEEP)
     found = []
     for up in (False, True):
@@ -126,14 +130,14 @@ def _faces(directions: Array, focal: float) -> list[_Face]:
     return found
 
 
-def _face(directions: Array, which: NDArray[np.int64], turn: GzQuatern, focal: float) -> _Face:
+def _face(directions: Array, which: NDArray[np.int64], turn: GzQuatern, focal: float) -> Face:
     axes = np.array([tuple(rotate(turn, axis)) for axis in np.eye(3)])  # rows: ahead, left, up
     local = directions[which] @ axes.T
     right, down = -local[:, 1] / local[:, 0], -local[:, 2] / local[:, 0]
     reach = max(float(np.abs(right).max()), float(np.abs(down).max()))
     focal = min(focal, (LONGEST_SIDE / 4 - MARGIN) / max(reach, 1e-6))
     width, height = (2 * (math.ceil(float(np.abs(side).max()) * focal) + MARGIN) for side in (right, down))
-    return _Face(
+    return Face(
         turn,
         which,
         right * focal + 0.5 * width - 0.5,

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from libgz.transport.peers import PeerCheck
+from libgz.transport.tally import Tally
 
 __all__ = ["Connection", "Listener", "Loop"]
 
@@ -23,6 +24,7 @@ SEND_AT_ONCE = 1 << 18  # bytes that are joined for one call
 MOST_CONNECTIONS = 1024
 POLL_PERIOD = 1e-3  # [s] between two looks for data to send, while there are some again and again
 POLL_TIME = 0.05  # [s] without any, after which the thread waits to be woken: that costs the waking thread a switch
+PAUSE = 0.25  # [s] without accepting, when no descriptors are left
 GREETING_TIME = 5.0  # [s] in which a peer must say what it wants
 
 
@@ -48,6 +50,8 @@ class Loop:
         self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
         self._woken = self._ended = False
         self.connections: dict[Connection, None] = {}
+        self._paused: dict[Listener, float] = {}  # until when [s]
+        self.tally = Tally(100)
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def start(self) -> None:
@@ -83,11 +87,22 @@ class Loop:
     def add(self, connection: Connection) -> None:
         """Serve a connection; one too many is closed."""
         if len(self.connections) >= MOST_CONNECTIONS:
-            log.warning("ROS: there are %d connections; that of %s is refused", MOST_CONNECTIONS, connection.peer)
+            text = "ROS: there are %d connections; that of %s is refused"
+            self.warn("many", text, MOST_CONNECTIONS, connection.peer)
             connection.socket.close()
             return
         self.connections[connection] = None
         self.watch(connection, selectors.EVENT_READ)
+
+    def pause(self, listener: Listener) -> None:
+        """Accept nothing for a while: a socket without descriptors for its connections would stay readable."""
+        self.remove(listener)
+        self._paused[listener] = time.monotonic() + PAUSE
+
+    def warn(self, cause: str, text: str, *values: object) -> None:
+        """Log what peers do again and again at growing counts only."""
+        if self.tally.due(cause):
+            log.warning(f"{text}%s", *values, self.tally.times(cause))
 
     def remove(self, one: Connection | Listener) -> None:
         """Serve a socket no longer."""
@@ -139,8 +154,11 @@ class Loop:
                 one.close("an error")
 
     def _expire(self) -> None:
-        """Close the connections of peers that did not greet in time."""
+        """Close the connections of peers that did not greet in time, and accept again after a pause."""
         now = time.monotonic()
+        for listener in [one for one, until in self._paused.items() if now > until]:
+            del self._paused[listener]
+            self.watch(listener, selectors.EVENT_READ)
         for connection in [one for one in self.connections if one.deadline is not None and now > one.deadline]:
             connection.close("it said nothing")
 
@@ -170,10 +188,14 @@ class Listener:
         """Accept a connection."""
         try:
             accepted, address = self.socket.accept()
-        except OSError:
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._loop.warn("accept", "ROS: a connection cannot be accepted: %s", error)
+            self._loop.pause(self)
             return
         if refused := self._peers.refusal(accepted):
-            log.warning("ROS: a connection was refused: %s", refused)
+            self._loop.warn("user", "ROS: a connection was refused: %s", refused)
             accepted.close()
             return
         self._loop.add(self._accepted(accepted, f"{address[0]}:{address[1]}"))

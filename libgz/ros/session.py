@@ -108,16 +108,20 @@ class Subscription:
         self._session, self._codec = owner, codec(kind)
         self._call = Callback(f"the callback of topic {topic}", callback)
         self._waiting: deque[Any] = deque(maxlen=max(queue, 1))
+        self._listed = False  # among those for which messages wait
         node, received = owner.node, self._received
         subscriber = node.subscribe(topic, kind, received)
         self._end = AtEnd(lambda: node.unsubscribe(subscriber, received))
 
     def _received(self, body: bytes) -> None:
         self._waiting.append(self._codec.unpack(body))
-        self._session.waiting.append(self)
+        if not self._listed:
+            self._listed = True
+            self._session.waiting.append(self)
 
     def deliver(self) -> None:
         """Call the callback for all that waits."""
+        self._listed = False  # first, so that what comes now is delivered at the latest next time
         for _ in range(len(self._waiting)):
             self._call(self._waiting.popleft())
 
@@ -280,10 +284,10 @@ class Session(Closing):
 
     def deliver(self) -> None:
         """Deliver what came, and send what waits; in the thread of the world."""
-        while self.node.changed:
+        for _ in range(len(self.node.changed)):
             for publication in list(self.watchers.get(self.node.changed.popleft(), ())):
                 publication.changed()
-        while self.waiting:
+        for _ in range(len(self.waiting)):  # what comes meanwhile has its turn after the next step
             self.waiting.popleft().deliver()
         for _ in range(len(self.requests)):
             service, body, answer = self.requests.popleft()

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import http.server
 import logging
+import socket
 import threading
+import time
 import xmlrpc.client
 from collections.abc import Callable, Mapping
 from typing import Any
 from urllib.parse import urlsplit
-from xml.parsers.expat import ExpatError
+from xml.parsers import expat
 
 from libgz.base.errors import GazeboError
 from libgz.transport.peers import PeerCheck
+from libgz.transport.tally import Tally
 
 __all__ = ["Server", "XmlRpcError", "call"]
 
@@ -23,8 +27,9 @@ MOST_ANSWER = 1 << 24  # bytes; a robot description is the longest
 MOST_REQUEST = 1 << 20
 MOST_THREADS = 32
 PATIENCE = 5.0  # [s]
+PAUSE = 0.25  # [s] when no descriptors are left
 
-_FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, KeyError)
+_FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError, LookupError)
 
 
 class XmlRpcError(GazeboError):
@@ -59,10 +64,20 @@ def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any
 def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:
     if len(data) > most:
         raise ValueError(f"more than {most} bytes")
-    if b"<!" in data.replace(b"<![CDATA[", b""):  # no entities; comments are nobody's need
-        raise ValueError("a document type or a comment")
-    values, method = xmlrpc.client.loads(data)
+    try:
+        probe = expat.ParserCreate()  # "<!" is other bytes in UTF-16
+        probe.StartDoctypeDeclHandler = _refuse_doctype
+        probe.Parse(data, True)
+        values, method = xmlrpc.client.loads(data)
+    except xmlrpc.client.Error:
+        raise
+    except Exception as error:  # noqa: BLE001 - Python's reader trusts what it reads
+        raise ValueError(f"no valid XML-RPC: {type(error).__name__}: {error}") from None
     return values, method
+
+
+def _refuse_doctype(*_: object) -> None:
+    raise ValueError("a document type")
 
 
 class Server:
@@ -97,29 +112,54 @@ class _HttpServer(http.server.ThreadingHTTPServer):
 
     def __init__(self, *values: Any) -> None:
         self._free = threading.BoundedSemaphore(MOST_THREADS)
-        self._peers = PeerCheck()
+        self._since: dict[Any, float] = {}  # requests under way -> when they began [s]
+        self._peers, self._tally = PeerCheck(), Tally(100)
         super().__init__(*values)
+
+    def warn(self, cause: str, text: str, *values: object) -> None:
+        """Log what peers do again and again at growing counts only."""
+        if self._tally.due(cause):
+            log.warning(f"{text}%s", *values, self._tally.times(cause))
+
+    def get_request(self) -> Any:
+        """A connection; without descriptors for it, some time later."""
+        try:
+            return super().get_request()
+        except OSError:
+            time.sleep(PAUSE)  # else the socket, which stays readable, would be asked again at once
+            raise
 
     def verify_request(self, request: Any, client_address: Any) -> bool:
         """Whether the peer may connect."""
         refused = self._peers.refusal(request)
         if refused:
-            log.warning("ROS: a request of %s was refused: %s", client_address[0], refused)
+            self.warn("user", "ROS: a request of %s was refused: %s", client_address[0], refused)
         return not refused
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """Serve a connection, unless there are too many."""
         if self._free.acquire(blocking=False):
+            self._since[request] = time.monotonic()
             super().process_request(request, client_address)
-        else:
-            log.warning("ROS: %d requests are under way; one of %s is refused", MOST_THREADS, client_address[0])
-            self.shutdown_request(request)
+            return
+        text = "ROS: %d requests are under way; one of %s is refused"
+        self.warn("many", text, MOST_THREADS, client_address[0])
+        self.shutdown_request(request)
+        self._close_slow()
+
+    def _close_slow(self) -> None:
+        """Close the requests that come byte by byte, for others that wait."""
+        latest = time.monotonic() - PATIENCE
+        for request in [request for request, since in list(self._since.items()) if since < latest]:
+            with contextlib.suppress(OSError):
+                request.shutdown(socket.SHUT_RDWR)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
         """Serve a connection in its thread."""
         try:
             super().process_request_thread(request, client_address)
         finally:
+            self._since.pop(request, None)
             self._free.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
@@ -144,7 +184,7 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         except ValueError:
             size = -1
         if not 0 <= size <= MOST_REQUEST:
-            log.warning("ROS: %s sent a request of %d bytes; it is refused", self.client_address[0], size)
+            self.server.warn("size", "ROS: %s sent a request of %d bytes; it is refused", self.client_address[0], size)
             self.close_connection = True
             self.send_error(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
             return
@@ -165,5 +205,6 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             result = function(*values)
             return xmlrpc.client.dumps((result,), methodresponse=True, allow_none=True).encode()
         except Exception as error:  # noqa: BLE001 - whatever a peer sent
-            log.warning("ROS: a request of %s is invalid: %s", self.client_address[0], error)
-            return xmlrpc.client.dumps(xmlrpc.client.Fault(1, str(error))).encode()
+            text = "ROS: a request of %s is invalid: %s"
+            self.server.warn("invalid", text, self.client_address[0], str(error)[:1000])
+            return xmlrpc.client.dumps(xmlrpc.client.Fault(1, str(error)[:1000])).encode()

@@ -40,6 +40,7 @@ _SIZES: dict[tuple[str, str], tuple[float, float]] = {
     ("joint", "thread_pitch"): (1e-5, 1e9),
     ("joint", "gearbox_ratio"): (1e-4, 1e4),
 }
+_NUMBERS = ("double", "int", "unsigned int")
 _LISTS = ("vector3", "vector2d", "pose")
 
 
@@ -57,7 +58,7 @@ def in_bounds(parent: str, child: str, kind: str, text: str, default: str) -> st
             return text
         return " ".join(repr(max(-LARGEST, min(LARGEST, float(word)))) for word in words)
     place = parent, child
-    if place not in _BOUNDS and place not in _SIZES:
+    if kind not in _NUMBERS or (place not in _BOUNDS and place not in _SIZES):  # in a plugin the names may be others'
         return text
     value = float(text or 0.0)
     least, most = _BOUNDS.get(place, (-math.inf, math.inf))

@@ -10,7 +10,7 @@ from libgz.sdf.element import Element
 __all__ = ["ABSENT_SENSORS", "warn_of_unsimulated"]
 
 # Types of sensors that Gazebo has.
-ABSENT_SENSORS = ("rfid", "rfidtag", "wideanglecamera")
+ABSENT_SENSORS = ("rfid", "rfidtag")
 PARTS = {
     "audio": "sound is not simulated",
     "audio_sink": "sound is not simulated",

@@ -8,7 +8,7 @@ from typing import Any
 
 from lxml import etree
 
-from libgz.base.entities import Entities
+from libgz.base.entities import Entities, check_attributes
 from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.base.files import xml_parser
 
@@ -32,11 +32,14 @@ ROBOT = "robot"  # of a robot description (URDF)
 READABLE = (*ROOTS, ROBOT)
 PLACE = "{urn:libgz}place"  # attribute of elements that were made of others: the line and file of those
 
-_DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
+_DECLARATION = re.compile(rb"<\?xml\s[^<>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")
 _DECLARED, _NAME = re.compile(rb"<!ENTITY\s+([\w.:-]+)"), re.compile(rb"([\w.:-]+);")  # entities
-# A comment, a CDATA section, or an ampersand that begins no reference.
-_SLIPS = re.compile(rb"<!--(.*?)-->|<!\[CDATA\[.*?\]\]>|&(?!(?:#\d+|#x[0-9a-fA-F]+|lt|gt|amp|quot|apos);)", re.DOTALL)
+# A comment, a CDATA section, or an ampersand that begins no reference. Those without an end reach up to that of the
+# document: searching for it again and again would take quadratic time.
+_SLIPS = re.compile(
+    rb"<!--(.*?)(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|&(?!(?:#\d+|#x[0-9a-fA-F]+|lt|gt|amp|quot|apos);)", re.DOTALL
+)
 # libxml2's names of what it recovers from without loss -> what is reported.
 _TOLERATED = {
     "NS_ERR_UNDEFINED_NAMESPACE": "{message}; it is read without xmlns",
@@ -67,6 +70,7 @@ def parse_document(data: bytes, label: str, diagnostics: Diagnostics) -> etree._
         WorldFileError: it is not well-formed, and cannot be read all the same.
     """
     root = _parsed(data, label, diagnostics)
+    check_attributes(root, label)
     _replace_entities(root, label, diagnostics)
     return root
 
@@ -74,6 +78,7 @@ def parse_document(data: bytes, label: str, diagnostics: Diagnostics) -> etree._
 def _replace_entities(root: etree._Element, label: str, diagnostics: Diagnostics) -> None:
     entities = Entities(root)
     found: list[Any] = list(root.iter(etree.Entity))  # its stubs have elements only
+    runs: list[tuple[Any, Any, list[str]]] = []  # parent, what stands before, texts of entities that follow each other
     for node in found:
         parent, before, text = node.getparent(), node.getprevious(), ""
         if parent is None:
@@ -82,19 +87,22 @@ def _replace_entities(root: etree._Element, label: str, diagnostics: Diagnostics
             text = entities.text(str(node.name))
         except ParameterError as error:
             diagnostics.error(Place(label, line_of(parent), tag_name(parent)), str(error))
-        text += node.tail or ""
+        if not runs or runs[-1][0] is not parent or runs[-1][1] is not before:
+            runs.append((parent, before, []))
+        runs[-1][2].extend((text, node.tail or ""))
         parent.remove(node)
+    for parent, before, texts in runs:  # at once: each change of a text copies it
         if before is None:
-            parent.text = (parent.text or "") + text
+            parent.text = "".join((parent.text or "", *texts))
         else:
-            before.tail = (before.tail or "") + text
+            before.tail = "".join((before.tail or "", *texts))
 
 
 def _parsed(data: bytes, label: str, diagnostics: Diagnostics) -> etree._Element:
     try:
         return etree.fromstring(data, xml_parser())
     except etree.XMLSyntaxError as error:
-        refused = WorldFileError(f"{label}:{error.lineno or 1}: {error.msg}")
+        refused = WorldFileError(f"{label}:{error.lineno or 1}: {str(error.msg).splitlines()[0]}")
 
     def report(line: int, message: str) -> None:
         found[Place(label, line, "xml"), message] = None
@@ -120,13 +128,11 @@ def _parsed(data: bytes, label: str, diagnostics: Diagnostics) -> etree._Element
 
 def _repaired(data: bytes, report: Report) -> bytes:
     """The document without what a strict parser stops at; lines keep their numbers."""
-
-    def line(at: int) -> int:
-        return data.count(b"\n", 0, at) + 1
-
     declaration = _DECLARATION.search(data)
     if declaration is not None and data[: declaration.start()] not in (b"", b"\xef\xbb\xbf"):
-        report(line(declaration.start()), "the XML declaration stands after the start of the document")
+        report(
+            data.count(b"\n", 0, declaration.start()) + 1, "the XML declaration stands after the start of the document"
+        )
         encoding = _ENCODING.search(declaration[0])
         blank = bytes(c if c == 10 else 32 for c in declaration[0])
         data = data[: declaration.start()] + blank + data[declaration.end() :]
@@ -134,6 +140,13 @@ def _repaired(data: bytes, report: Report) -> bytes:
             data = _decoded(data, encoding[1].decode()).encode()
 
     declared = set(_DECLARED.findall(data))
+    counted, lines = 0, 1
+
+    def line(at: int) -> int:
+        nonlocal counted, lines
+        lines += data.count(b"\n", counted, at)
+        counted = at
+        return lines
 
     def repair(match: re.Match[bytes]) -> bytes:
         name = _NAME.match(data, match.end()) if match[0] == b"&" else None
@@ -143,7 +156,7 @@ def _repaired(data: bytes, report: Report) -> bytes:
             report(line(match.start()), "'&' should be written &amp;")
             return b"&amp;"
         inside = match[1]
-        if inside is None or (b"--" not in inside and not inside.endswith(b"-")):
+        if inside is None or not match[0].endswith(b"-->") or (b"--" not in inside and not inside.endswith(b"-")):
             return match[0]
         report(line(match.start()), "'--' in a comment is not allowed in XML")
         return b"<!--" + inside.replace(b"-", b" ") + b"-->"

@@ -414,10 +414,8 @@ class SdfJoint:
         mechanism = self._mechanism
         if mechanism is None or mechanism.joint is None or axis.velocity >= 0.0:
             return None
-        if type(mechanism) not in (HingeMechanism, SliderMechanism):
-            return None
         waking = [body for body in (self.parent, self.child) if body is not None and body.auto_disable]
-        return mechanism.joint.held_effort(effort, waking)
+        return mechanism.held_effort(effort, waking)
 
     def was_held(self, effort: float, steps: int) -> None:
         """Note the effort of a number of steps that are over, as `add_force` notes it."""

@@ -17,13 +17,14 @@ A new kind of joint is a class here and a row in `MECHANISMS`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.errors import ParameterError, nearest
 from libgz.base.geometry import GzVector, GzVectorAdd, GzVectorDot, GzVectorMag, GzVectorMul
 from libgz.base.law import constant, law
+from libgz.ode.context import HeldEffort
 from libgz.ode.types import (
     dParamBounce,
     dParamCFM,
@@ -209,6 +210,15 @@ class Mechanism:
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         """Apply an effort for one step [N m] or [N]; `anchor` returns the joint's, global [m]."""
 
+    def held_effort(self, effort: float, waking: Iterable[Body]) -> HeldEffort | None:
+        """What `apply` does, for `Engine.holding`; None where that depends on more than the effort.
+
+        Args:
+            effort: [N m] or [N].
+            waking: bodies that it wakes.
+        """
+        return None
+
     @law
     def axis(self, index: int) -> GzVector | None:
         """An axis as it lies now, global; None if it is fixed to the child."""
@@ -266,6 +276,9 @@ class HingeMechanism(Mechanism):
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetTorque(effort)
 
+    def held_effort(self, effort: float, waking: Iterable[Body]) -> HeldEffort | None:
+        return self.joint.held_effort(effort, waking)
+
     @law
     def axis(self, index: int) -> GzVector:
         return self.joint.GetAxis()
@@ -289,6 +302,9 @@ class SliderMechanism(Mechanism):
 
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetSliderForce(effort)
+
+    def held_effort(self, effort: float, waking: Iterable[Body]) -> HeldEffort | None:
+        return self.joint.held_effort(effort, waking)
 
     def axis(self, index: int) -> GzVector:
         return self.joint.GetAxis()

@@ -25,7 +25,7 @@ import threading
 import weakref
 from collections import deque
 from collections.abc import Callable, Sequence
-from itertools import chain
+from itertools import chain, zip_longest
 from operator import attrgetter
 from typing import Any, TypeVar
 
@@ -215,11 +215,26 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any,
     kind = type(value)
     if kind in _EXACT and type(before) is kind and before == value:
         return
-    if ours and kind is not Declared and _class(type(before)).declares:
-        raise StateError(f"the state is damaged: it has something else in place of a {type(before).__name__}")
+    if ours:
+        _require_objects(before, value)
     after = value if kind in SCALARS and type(before) in SCALARS else _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
+
+
+def _require_objects(before: Any, value: Any) -> None:
+    """Check that a value has objects where there are some, also in containers: they are made in Load alone."""
+    kind = type(before)
+    if kind in SCALARS or type(value) is Declared:
+        return
+    if _class(kind).declares:
+        raise StateError(f"the state is damaged: it has something else in place of a {kind.__name__}")
+    if kind is dict:
+        for key, item in before.items():
+            _require_objects(item, value.get(key) if type(value) is dict else None)
+    elif kind in (list, tuple, deque) and not SCALARS.issuperset(map(type, before)):
+        for item, other in zip_longest(before, value if type(value) is kind else ()):
+            _require_objects(item, other)
 
 
 def get_state(thing: Any) -> dict[str, Any]:

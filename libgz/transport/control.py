@@ -10,6 +10,7 @@ import contextlib
 import os
 import socket
 import threading
+import time
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -23,6 +24,8 @@ __all__ = ["Control", "Request", "ask"]
 
 LONGEST_LINE = 256  # [byte]
 MOST = 1 << 31  # [byte]
+MOST_REQUESTS = 16  # at a time; others wait for their turn
+PAUSE = 0.25  # [s] when no descriptors are left
 PATIENCE = 10.0  # [s] for each part of a request to arrive
 
 
@@ -75,17 +78,29 @@ class Control:
             self._socket.close()
             raise ServerError(f"cannot create {self._path}: {error.strerror}") from None
         self._closed = False
+        self._free = threading.BoundedSemaphore(MOST_REQUESTS)
         threading.Thread(target=self._accept, name="control", daemon=True).start()
 
     def _accept(self) -> None:
-        while not self._closed:
+        while True:
+            self._free.acquire()
             try:
                 connection, _ = self._socket.accept()
             except OSError:
-                return  # closed
+                self._free.release()
+                if self._closed:
+                    return
+                time.sleep(PAUSE)
+                continue
             threading.Thread(target=self._serve, args=(connection,), name="control", daemon=True).start()
 
     def _serve(self, connection: socket.socket) -> None:
+        try:
+            self._answer(connection)
+        finally:
+            self._free.release()
+
+    def _answer(self, connection: socket.socket) -> None:
         with connection, contextlib.suppress(OSError):
             connection.settimeout(PATIENCE)
             words, content = _receive(connection)

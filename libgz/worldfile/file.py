@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.base.entities import Entities, encoded
+from libgz.base.entities import Entities, check_attributes, encoded
 from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.base.files import expand, is_file, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
@@ -110,6 +110,7 @@ class WorldFile:
             raise WorldFileError("\n".join(f"{label}:{e.line}: {e.message.strip()}" for e in fatal))
         if root is None:
             raise WorldFileError(f"{label}:1: the document is empty")
+        check_attributes(root, label)
         self.encoding = _encoding(root)
         self._numbered = 0
         self._entities = Entities(root)

@@ -117,7 +117,7 @@ def test_what_cannot_be_done_is_one_sentence(wire, serve, tmp_path):
     for words, message in (
         (("restore", tmp_path / "other"), "its file has another text"),
         (("restore", tmp_path / "text"), "is no state: it was not written by `libgz snapshot save`"),
-        (("restore", tmp_path / "old"), "this state has format 1; this version of libgz has format 8"),
+        (("restore", tmp_path / "old"), "this state has format 1; this version of libgz has format 9"),
         (("restore", tmp_path / "truncated"), "the state is damaged"),
         (("restore", tmp_path / "huge"), "is larger than 2 GiB"),
         (("restore", "/dev/zero"), "it is a device, not a file"),

@@ -177,8 +177,10 @@ def test_meshes_of_one_triangle_meet_other_meshes():
     ],
 )
 def test_meshes_that_are_none(corners, triangles, message):
+    body = libgz.Body(Engine())
     with pytest.raises(ParameterError, match=message):
-        mesh(corners, triangles)(libgz.Body(Engine()), None)
+        mesh(corners, triangles)(body, None)
+    assert body.geoms == []
 
 
 def test_a_pair_whose_collision_detection_fails_is_skipped(monkeypatch, caplog):

@@ -169,6 +169,14 @@ def test_d_comes_before_tr(file, lines, opacity):
     assert part.color == (1.0, 0.0, 0.0, opacity)
 
 
+def test_a_material_library_is_read_once_however_often_it_is_named(file, monkeypatch):
+    read_paths, read_mtl = [], mesh_files._read_mtl
+    monkeypatch.setattr(mesh_files, "_read_mtl", lambda path: read_paths.append(path) or read_mtl(path))
+    file("a.mtl", "newmtl m\nKd 1 0 0\n")
+    read_mesh(file("a.obj", "mtllib a.mtl\n" * 9 + "usemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+    assert len(read_paths) == 1
+
+
 def test_damaged_numbers_of_an_obj_are_zero_and_lines_may_be_continued(file):
     (part,) = read_mesh(file("a.obj", "v 0 0\nv 1 \\\n0 0\nv 0 one 1\nf 1 2 3\n"))
     assert part.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 0, 1]]

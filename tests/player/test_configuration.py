@@ -134,6 +134,14 @@ def test_includes_are_relative_to_their_file_and_bounded(tmp_path):
     assert [d.id for d in read(tmp_path, 'include "parts/all.inc"\n').devices] == ["a"]
     with pytest.raises(WorldFileError, match="more than 20 deep"):
         read(tmp_path, 'include "robot.cfg"\n')
+    with pytest.raises(WorldFileError, match="more than 200000 words") as error:
+        read(tmp_path, 'include "robot.cfg"\n' * 100)  # 100 ** 20 files
+    assert len(str(error.value).splitlines()) < 200_000
+
+
+def test_brackets_that_do_not_close_are_read_in_linear_time(tmp_path):
+    with pytest.raises(WorldFileError, match="more than 200000 words"):
+        read(tmp_path, "a[" * 4_000_000)
 
 
 def test_simulation(tmp_path):

@@ -5,7 +5,9 @@ import itertools
 import random
 import socket
 import struct
+import time
 
+from descriptors import none_left
 from player_clients import ACK, NACK, Client1, Client2, free_port
 
 from libgz.interfaces.catalog import new_interface
@@ -161,6 +163,19 @@ def test_more_connections_than_there_is_room_for(serve, interfaces, monkeypatch)
             one.close()
     turns(server)
     assert server.connections == 0
+
+
+def test_without_descriptors_the_server_does_not_spin(serve, interfaces):
+    server = serve()
+    with socket.socket() as sock, none_left():
+        sock.connect(("127.0.0.1", server.ports[0]))
+        server.turn(0.1)
+        assert not [key for key in server._selector.get_map().values() if key.fileobj in server._listeners]
+        assert server.connections == 0
+    end = time.monotonic() + 20.0
+    while not server._selector.get_map().get(next(iter(server._listeners)).fileno()) and time.monotonic() < end:
+        server.turn(0.01)
+    assert well(server, interfaces)
 
 
 def test_a_client_that_floods_leaves_turns_to_others(serve, interfaces):

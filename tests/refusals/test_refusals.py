@@ -116,6 +116,9 @@ def urdf_joint(name, parent, child, kind="fixed", more=""):
 POSE = "<model name='m'><link name='l'><pose {}>{}</pose></link></model>"
 STATE = "<state world_name='w'>{}</state>"
 CASES = {
+    ("libgz/base/entities.py", "{}:{}: <{}>: it has {} attributes; at most {} are read"): sdf(
+        "<model {}/>".format(" ".join(f"a{i}='1'" for i in range(1001)))
+    ),
     ("libgz/base/entities.py", "entity &{}; is not text of this file; other files are not read"): ENTITY.format(
         "SYSTEM 'other'"
     ),

@@ -5,11 +5,15 @@ import http.client
 import logging
 import socket
 import struct
+import threading
+import time
 import xmlrpc.client
 
 import pytest
+from descriptors import none_left
 from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for
 
+from libgz.ros import loop as loop_module, xmlrpc as xmlrpc_module
 from libgz.ros.names import read_names
 from libgz.ros.packing import codec
 from libgz.ros.server import Ros1
@@ -80,17 +84,45 @@ def test_a_wrong_type_is_refused_with_both_sums(node, master, caplog):
 def test_messages_are_delivered_between_steps(node, master):
     got = []
     subscription = node.subscribe("~talk", STRING.name, lambda message: got.append(message.data), 3)
+    waiting = subscription._waiting
     wait_for(lambda: "/sim/talk" in master.subscribers)
     talker = Talker(master, "/sim/talk", STRING.name, STRING.md5)
     assert talker.asked["md5sum"] == STRING.md5
     for index in range(5):
         talker.send(codec(STRING).pack(STRING(data=str(index))))
-    wait_for(lambda: len(node.waiting) == 5)
+    wait_for(lambda: [message.data for message in waiting] == ["2", "3", "4"])
     assert got == []
     node.deliver()
     assert got == ["2", "3", "4"]
     talker.close()
     del subscription
+
+
+def test_what_waits_for_a_long_step_is_bounded(node, master):
+    heard = []
+    subscription = node.subscribe("talk", STRING.name, heard.append, 3)
+    for i in range(100):
+        subscription._received(codec(STRING).pack(STRING(data=str(i))))
+    assert len(node.waiting) == 1
+    node.deliver()
+    assert [message.data for message in heard] == ["97", "98", "99"]
+    subscription._received(codec(STRING).pack(STRING(data="100")))
+    node.deliver()
+    assert heard[-1].data == "100"
+
+
+def test_messages_that_come_faster_than_they_are_handled_do_not_hold_a_step(node, master):
+    handled = []
+
+    def slow(message):
+        handled.append(message.data)
+        assert len(handled) < 100
+        subscription._received(codec(STRING).pack(message))
+
+    subscription = node.subscribe("talk", STRING.name, slow)
+    subscription._received(codec(STRING).pack(STRING(data="again")))
+    node.deliver()
+    assert handled == ["again"]
 
 
 def test_services_are_answered_between_steps(node, master):
@@ -215,6 +247,68 @@ def test_calls_by_xmlrpc_have_bounds(node, caplog):
     assert b"a document type" in answer
     with pytest.raises(xmlrpc.client.Fault, match="no method"):
         ask(node.node.uri, "steal")
+
+
+@pytest.mark.parametrize("coding", ["utf-8", "utf-16"])
+def test_document_types_are_refused_in_all_encodings(coding):
+    text = "<!DOCTYPE a [<!ENTITY b 'c'>]><methodResponse><params><param><value>&b;</value></param></params>"
+    with pytest.raises(ValueError, match="a document type"):
+        xmlrpc_module._loads(f"{text}</methodResponse>".encode(coding), 1 << 20)
+
+
+WRONG_ANSWERS = (
+    "<methodResponse><params></params></methodResponse>",
+    "<methodResponse><params><param><data></data></param></params></methodResponse>",
+    "<methodResponse><params><param><value><struct><name>a</name></struct></value></param></params></methodResponse>",
+    "<?xml version='1.0' encoding='none'?><methodResponse/>",
+    "<methodResponse><params><param><value><int>1.5</int></value></param></params></methodResponse>",
+    "<methodResponse><params><param><value><base64>a</base64></value></param></params></methodResponse>",
+)
+
+
+@pytest.mark.parametrize("answer", WRONG_ANSWERS)
+def test_answers_that_are_none_are_one_error(answer):
+    def serve():
+        sock, _ = listener.accept()
+        with sock:
+            sock.recv(1 << 16)
+            sock.sendall(f"HTTP/1.0 200 OK\r\nContent-Length: {len(answer)}\r\n\r\n{answer}".encode())
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        thread = threading.Thread(target=serve)
+        thread.start()
+        with pytest.raises(xmlrpc_module.XmlRpcError, match="getPid of http"):
+            xmlrpc_module.call(f"http://127.0.0.1:{listener.getsockname()[1]}/", "getPid")
+        thread.join()
+
+
+def test_requests_that_come_byte_by_byte_are_closed_when_others_wait(node, monkeypatch):
+    monkeypatch.setattr(xmlrpc_module, "PATIENCE", 0.1)
+    address = ("127.0.0.1", node.node._slave.port)
+    with contextlib.ExitStack() as stack:
+        slow = [stack.enter_context(socket.create_connection(address, 10.0)) for _ in range(xmlrpc_module.MOST_THREADS)]
+        for one in slow:
+            one.sendall(b"POST / HTTP/1.1\r\n")
+
+        def served():
+            try:
+                return ask(node.node.uri, "getPid", "/tester")[0] == 1
+            except (OSError, http.client.HTTPException):
+                return False
+
+        wait_for(served)
+
+
+def test_without_descriptors_a_node_neither_spins_nor_ends(node, caplog):
+    loop = node.node._loop
+    with socket.socket() as sock, none_left():
+        sock.connect(("127.0.0.1", int(node.node._listener.port)))
+        wait_for(lambda: "cannot be accepted" in caplog.text)
+        before = loop.tally._counts["accept"][0]
+        time.sleep(3.0 * loop_module.PAUSE)
+        assert loop.tally._counts["accept"][0] - before <= 3  # thousands if it spun
+    with socket.create_connection(("127.0.0.1", int(node.node._listener.port)), 10.0) as sock:
+        wait_for(lambda: len(loop.connections) == 1)
 
 
 def test_names_and_addresses(monkeypatch):

@@ -349,13 +349,13 @@ def test_elements_of_one_kind_and_name_in_one_parent_are_a_warning():
 def test_what_is_not_simulated_is_one_warning_for_each_kind():
     projector = "<projector name='p'><texture>x.png</texture></projector>"
     camera = "<sensor name='{}' type='camera'><camera><distortion><k1>{}</k1></distortion></camera></sensor>"
-    wide = "<sensor name='w' type='wideanglecamera'/><sensor name='t' type='rfidtag'><rfidtag/></sensor>"
+    wide = "<sensor name='w' type='rfid'/><sensor name='t' type='rfidtag'><rfidtag/></sensor>"
     link = f"<link name='l'>{projector}{projector}{camera.format('a', -0.1)}{camera.format('b', 0)}{wide}</link>"
     ends = "<parent>world</parent><child>l</child><physics><ode><cfm>{}</cfm></ode></physics>"
     joints = "".join(f"<joint name='j{cfm}' type='revolute'>{ends.format(cfm)}</joint>" for cfm in (0, 0.1))
     assert texts(world(f"<model name='m'>{link}{joints}</model>")) == [
         "<string>:1: <projector>: projectors are not simulated: nothing is projected (1 more in this world)",
-        "<string>:1: <sensor>: type 'wideanglecamera' is not simulated; the sensor is left out",
+        "<string>:1: <sensor>: type 'rfid' is not simulated; the sensor is left out",
         "<string>:1: <sensor>: type 'rfidtag' is not simulated; the sensor is left out",
         "<string>:1: <cfm>: softens the joint's motor and stops only, not what holds its links together as in Gazebo",
     ]

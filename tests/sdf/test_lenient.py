@@ -4,10 +4,11 @@ import pytest
 from commands import run_libgz
 
 import libgz
-from libgz.base.errors import WorldFileError
+from libgz.base.errors import Diagnostics, WorldFileError
 from libgz.reference.check import check_sdf
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.value import repaired
+from libgz.sdf.xml import parse_document
 
 MODEL = "<sdf version='1.6'>\n<model name='m'>{}<link name='l'/></model></sdf>"
 
@@ -106,6 +107,16 @@ def test_numbers_that_no_world_can_use_are_replaced_with_a_warning(inside, key, 
     for tag in key.split("/"):
         element = element.child(tag)
     assert element.Get(str) == used
+
+
+def test_bounds_of_numbers_leave_the_texts_of_plugins_alone():
+    inside = (
+        "<plugin name='p' filename='p'><solver><iters>many</iters></solver><mimic><offset>1 2</offset></mimic></plugin>"
+    )
+    file = SdfFile.from_string(MODEL.format(inside))
+    plugin = file.root.child("model").child("plugin")
+    assert plugin.child("solver").Get(str, "iters") == "many"
+    assert plugin.child("mimic").Get(str, "offset") == "1 2"
 
 
 def test_elements_with_a_prefix_are_kept_without_a_warning():
@@ -211,3 +222,42 @@ def test_axes_of_later_versions_are_in_the_frames_that_they_name(version, in_mod
     assert axis.Get(bool, "use_parent_model_frame") == in_model
     said = f"w.sdf:3: <use_parent_model_frame>: is not part of SDF {version} and has no effect; the attribute"
     assert any(one.startswith(said) for one in found) == (not in_model)
+
+
+ENDLESS = {
+    "comments": b"<sdf>" + b"<!--" * 1_000_000,
+    "sections": b"<sdf>" + b"<![CDATA[" * 1_000_000,
+    "declarations": b"<?xml " * 1_000_000 + b"<sdf>",
+    "ampersands": b"<sdf version='1.6'>" + b"&a " * 1_000_000 + b"</sdf>",
+    "entities": b"<!DOCTYPE sdf [<!ENTITY a ''>]><sdf version='1.6'>" + (b"&a;" + b"x" * 100) * 90_000 + b"</sdf>",
+}
+
+
+@pytest.mark.parametrize("name", ENDLESS)
+def test_documents_of_repeated_beginnings_are_read_in_linear_time(name):
+    """Each of these would take hours in quadratic time."""
+    diagnostics = Diagnostics()
+    try:
+        parse_document(ENDLESS[name], "w.sdf", diagnostics)
+    except WorldFileError as error:
+        assert str(error).startswith("w.sdf:1: ")
+        assert len(str(error).splitlines()) == 1
+    else:
+        assert name in ("ampersands", "entities")
+
+
+def test_texts_around_entities_keep_their_order():
+    data = b"<!DOCTYPE a [<!ENTITY e '1'><!ENTITY f '2'>]><a>x&e;y&f;z<b>p&e;&f;</b>q&f;r<!-- c -->s&e;<c/>&e;t</a>"
+    root = parse_document(data, "w.sdf", Diagnostics())
+    assert (root.text, root[0].text, root[0].tail) == ("x1y2z", "p12", "q2r")
+    assert (root[1].tail, root[2].tail) == ("s1", "1t")
+
+
+@pytest.mark.parametrize(
+    "document", ["<sdf version='1.6'>\n<world name='w' {}/></sdf>", "<gz:world xmlns:gz='g'>\n<a b='' {}/></gz:world>"]
+)
+def test_an_element_has_a_bounded_number_of_attributes(document):
+    words = [f"a{i}='1'" for i in range(1000)]
+    libgz.World.from_string(document.format(" ".join(words[:-1]))).close()
+    with pytest.raises(WorldFileError, match=r":2: <\w+>: it has 1001 attributes; at most 1000"):
+        libgz.World.from_string(document.format(" ".join(words)))

@@ -114,6 +114,8 @@ def value(expression, *properties):
         ("python.isinstance(1.0, (int, float))", "True"),
         ("python.type('') == str", "True"),
         ("xacro.tokenize('a, b;c')", "['a', 'b', 'c']"),
+        ("xacro.tokenize('a b', '')", "['a b']"),
+        ("xacro.tokenize('a[b', '[[')", "['a', 'b']"),
         ("'a' in 'abc' and 2 in [1, 2]", "True"),
         ("[y for x, y in python.zip([1], [2])]", "[2]"),
         ("python.list(python.set(['b', 'a']))", "['a', 'b']"),
@@ -444,6 +446,7 @@ TREES = {
     "long chain": "".join(prop(f"a{i}", f"${{a{i + 1}}}") for i in range(3000)) + "<l v='${a0}'/>",
     "texts of macros": f"<xacro:macro name='m'>{'x' * 100000}</xacro:macro>" + "<xacro:m/>" * 500,
     "attributes": f"<xacro:macro name='m'><a {' '.join(f'a{i}=1' for i in range(2000))}/></xacro:macro><xacro:m/>",
+    "parameters": "<xacro:macro name='m' params='" + "a=$( " * 20_000 + "'/>",
     "element of xacro": "<xacro:element xacro:name='xacro:element'/>",
 }
 

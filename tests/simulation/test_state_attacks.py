@@ -12,11 +12,17 @@ import numpy as np
 import pytest
 from state_attacks import WORDS, world as attacked
 
+from libgz import Body, World
 from libgz.base import encoding
 from libgz.base.budget import VARIABLE
 from libgz.base.encoding import FORMAT, decode, encode
 from libgz.base.errors import ParameterError, StateError
+from libgz.base.files import installed_worlds
 from libgz.base.geometry import GzPose, GzVector
+from libgz.physics.appearance import Appearance
+from libgz.physics.engine import Engine
+from libgz.physics.state import _assign, _saved, _values
+from libgz.simulation.state import encode as encode_state, get_state, set_state
 
 
 def data(value):
@@ -140,6 +146,56 @@ def test_what_stands_in_place_of_a_part_is_refused(world):
             else:
                 assert part in ("extensions", "interfaces"), value  # what is not in it stays as it is
                 world.set_state(state)
+
+
+def test_attributes_of_bodies_are_of_their_kind_and_none_where_they_may_be():
+    body = Body(Engine())
+    names, values = _saved(Body), list(_values(body))
+    for name in names:
+        for wrong in (None, 0.5, "x", (1.0,), [], GzVector()):
+            try:
+                _assign(body, [wrong if one == name else value for one, value in zip(names, values, strict=True)])
+            except StateError:
+                continue
+            present = values[names.index(name)]
+            if wrong is present:
+                continue
+            assert name == "bodyName" or isinstance(present, (bool, int)), name
+            assert isinstance(wrong, (str, float, type(None)))
+            _assign(body, values)  # what was there can return
+
+
+def test_a_damaged_look_changes_nothing_and_all_of_it_returns():
+    look = Appearance()
+    packed, files, rest = look.saved()
+    before = encode(look.saved())
+    for wrong in (
+        (packed, files[:1], rest),
+        (packed, [1, None, None], rest),
+        (packed, ["x", None, None], rest[:-1]),
+        (packed, ["x", None, None], [1, *rest[1:]]),
+        (packed, ["x", None, None], [*rest[:-1], True]),
+    ):
+        with pytest.raises(StateError, match="other looks"):
+            look.restore(*wrong)
+        assert encode(look.saved()) == before
+    numbers = bytearray(packed)
+    numbers[-1] ^= 0x80  # another sign
+    look.restore(bytes(numbers), files, rest)
+    assert encode(look.saved()) != before
+    look.restore(packed, files, rest)
+    assert encode(look.saved()) == before
+
+
+def test_objects_of_models_are_not_replaced_in_lists():
+    with World.from_file(installed_worlds() / "bandit.world") as bandit:
+        robot = bandit.model("robot1")
+        state = get_state(robot)
+        assert len(state["servos"]) > 2
+        servos = decode(encode_state(state["servos"]))
+        for wrong in ([14, *servos[1:]], servos[:-1], [None, *servos[1:]], None, ()):
+            with pytest.raises(StateError, match="in place of a JointServo"):
+                set_state(robot, {**state, "servos": wrong})
 
 
 def test_a_time_of_msgpack_is_a_number():

@@ -1,20 +1,26 @@
 """A server's directory: its creation and removal, stale files, and files of other programs."""
 
+import contextlib
 import errno
 import os
 import resource
+import socket
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
+from descriptors import none_left
+from ros_peers import wait_for
 from served import serve
 
 import libgz
 from libgz.base.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.position import Position
-from libgz.transport.control import Control
+from libgz.transport import control as control_module
+from libgz.transport.control import Control, ask
 from libgz.transport.paths import CONTROL_SOCKET, LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
 from libgz.transport.server import Server, free_server_id
@@ -168,6 +174,45 @@ def test_a_server_ends_where_a_folder_took_the_place_of_its_socket(tmp_path):
     (tmp_path / CONTROL_SOCKET).unlink()
     (tmp_path / CONTROL_SOCKET).mkdir()
     control.close()
+
+
+def test_control_takes_requests_again_when_there_are_descriptors_again(server, monkeypatch):
+    tried = threading.Event()
+    monkeypatch.setattr(control_module, "PAUSE", 0.01)
+    monkeypatch.setattr(control_module.time, "sleep", lambda _: tried.set())
+    control = Control(server.path)
+    try:
+        with socket.socket(socket.AF_UNIX) as waiting:
+            waiting.connect(f"{server.path}/{CONTROL_SOCKET}")  # the thread waits for another one by now, or will
+            with socket.socket(socket.AF_UNIX) as second, none_left():
+                second.connect(f"{server.path}/{CONTROL_SOCKET}")
+                assert tried.wait(20.0)
+        answered = threading.Thread(target=ask, args=(server.server_id, "verb"))
+        answered.start()
+        wait_for(lambda: control.waiting)
+        control.waiting.popleft().answer()
+        answered.join()
+    finally:
+        control.close()
+
+
+def test_control_serves_a_bounded_number_of_requests_at_a_time(server, monkeypatch):
+    monkeypatch.setattr(control_module, "MOST_REQUESTS", 3)
+    control = Control(server.path)
+    before = threading.active_count()
+    try:
+        with contextlib.ExitStack() as stack:
+            for _ in range(20):
+                one = stack.enter_context(socket.socket(socket.AF_UNIX))
+                one.connect(f"{server.path}/{CONTROL_SOCKET}")
+                one.sendall(b"verb - 0\n")
+            wait_for(lambda: len(control.waiting) == 3)
+            assert threading.active_count() <= before + 3
+            for _ in range(20):
+                wait_for(lambda: control.waiting)
+                control.waiting.popleft().answer()
+    finally:
+        control.close()
 
 
 def test_a_free_server_id(wire):

@@ -32,7 +32,7 @@ ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[Budget, bytes], b
     "bz2": (bz2.compress, Budget.bz2),
     "txt": (bytes, lambda _, data: data),
 }
-_DECLARATION = re.compile(r"<\?xml[^>]*\?>")
+_DECLARATION = re.compile(r"<\?xml[^<>]*\?>")
 
 
 class LogHeader(NamedTuple):

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Hull", "Wave", "height", "hull_of", "waves_of"]
 
 MOST_WAVES = 100
+LARGEST_CHANGE = 100.0  # the logarithm of the last amplitude of a group over the first
 CELLS = 8  # of a hull in each direction
 GRAVITY = 9.8  # [m/s^2] of the dispersion of waves
 
@@ -40,8 +41,8 @@ class Wave(NamedTuple):
     phase: float
 
 
-def waves_of(sdf: Element) -> list[Wave]:
-    """The waves of all `<wave>` in an element.
+def waves_of(*elements: Element) -> list[Wave]:
+    """The waves of all `<wave>` in some elements.
 
     Each may stand for `<number>` waves: number i of n, counted from the middle, has `<scale>`^i times the amplitude,
     1 / sqrt(scale^i) times the frequency, and a direction that is turned by i `<angle>`.
@@ -49,9 +50,11 @@ def waves_of(sdf: Element) -> list[Wave]:
     Raises:
         ParameterError: a period is not positive, a direction has no length, or there are more than 100 waves.
     """
-    found = [wave for element in sdf.named("wave") for wave in _group(element)]
-    if len(found) > MOST_WAVES:
-        raise ParameterError(f"{sdf.where}: there are {len(found)} waves; at most {MOST_WAVES} are allowed")
+    found: list[Wave] = []
+    for element in (wave for sdf in elements for wave in sdf.named("wave")):
+        found += _group(element)
+        if len(found) > MOST_WAVES:
+            raise ParameterError(f"{element.where}: there are more than {MOST_WAVES} waves")
     return found
 
 
@@ -62,10 +65,11 @@ def _group(element: Element) -> list[Wave]:
     count, phase = element.Get(int, "number", 1)[0], element.Get(float, "phase", 0.0)[0]
     length = math.hypot(*direction)
     finite = all(map(math.isfinite, (amplitude, period, scale, angle, phase, length)))
-    if not (finite and period > 0.0 and scale > 0.0 and length > 0.0 and 0 <= count <= MOST_WAVES):
+    allowed = finite and period > 0.0 and scale > 0.0 and length > 0.0 and 0 <= count <= MOST_WAVES
+    if not (allowed and abs(math.log(scale)) * count < LARGEST_CHANGE):
         raise ParameterError(
-            f"{element.where}: <wave> needs a <period> and a <scale> above 0, a <direction> that is not zero, and a "
-            f"<number> from 0 to {MOST_WAVES}"
+            f"{element.where}: <wave> needs a <period> and a <scale> above 0, a <direction> that is not zero, a "
+            f"<number> from 0 to {MOST_WAVES}, and a <scale> that leads to usable amplitudes"
         )
     heading = math.atan2(direction[1], direction[0])
     waves = []

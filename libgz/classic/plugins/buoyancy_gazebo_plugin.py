@@ -10,7 +10,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Pose3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._water import Hull, Wave, hull_of, waves_of
+from libgz.classic.plugins._water import Hull, hull_of, waves_of
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo
@@ -73,7 +73,8 @@ class BuoyancyGazeboPlugin(ModelPlugin):
             other = self.world.ModelByName(self.wave_model)
             if other is None:
                 raise NotFoundError(f"<wave_model> is {self.wave_model!r}; the world has no such model")
-            self.waves = [wave for plugin in other.GetSDF().named("plugin") for wave in _waves_in(plugin)]
+            plugins = list(other.GetSDF().named("plugin"))  # their <wave>, or those in elements such as <wave_field>
+            self.waves = waves_of(*(part for plugin in plugins for part in (plugin, *plugin.children)))
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the forces."""
@@ -86,11 +87,6 @@ class BuoyancyGazeboPlugin(ModelPlugin):
             link.AddForceAtWorldPosition(gravity * (-self.density * volume), centre)
             link.AddForce(link.WorldLinearVel() * (-self.drag[0] * share))
             link.AddTorque(link.WorldAngularVel() * (-self.drag[1] * share))
-
-
-def _waves_in(plugin: Element) -> list[Wave]:
-    """The waves of a plugin's element, and of elements in it, such as `<wave_field>`."""
-    return [*waves_of(plugin), *(wave for inner in plugin.children for wave in waves_of(inner))]
 
 
 GZ_REGISTER_MODEL_PLUGIN(BuoyancyGazeboPlugin)

@@ -86,6 +86,7 @@ class Camera(Closing):
         LibraryError: the chosen OpenGL does not work here.
     """
 
+    core_type: ClassVar[type[CoreCamera]] = CoreCamera
     STATE: ClassVar[tuple[str, ...]] = ("_format", "_capture", "_saving", "_saved", "_rate", "_fresh", "mount", "core")
 
     def __init__(
@@ -103,7 +104,7 @@ class Camera(Closing):
 
         self._world, self._name = world, name
         self._format = check_format(image_format)
-        self.core = CoreCamera(world.core, width, height, float(hfov), near, far)
+        self.core = self.core_type(world.core, width, height, float(hfov), near, far)
         self.mount = Mount(self.core)
         self.filters: list[Callable[[NDArray[np.uint8]], object]] = []
         self.distortion: Any = None

@@ -27,6 +27,7 @@ if TYPE_CHECKING:  # at run time each is imported when it is first used
     from libgz.classic.sensors.multi_camera import MultiCameraSensor as MultiCameraSensor
     from libgz.classic.sensors.ray import RaySensor as RaySensor
     from libgz.classic.sensors.sonar import SonarSensor as SonarSensor
+    from libgz.classic.sensors.wide_angle_camera import WideAngleCameraSensor as WideAngleCameraSensor
     from libgz.classic.sensors.wireless import (
         WirelessReceiver as WirelessReceiver,
         WirelessTransmitter as WirelessTransmitter,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from libgz.base.geometry import GzCoordPoseAdd
 from libgz.classic import msgs
 from libgz.classic.rendering.camera import Camera as CameraView, render_frame
-from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
+from libgz.classic.sensors.camera_sdf import WIDEST, CameraPlan, image_message
 from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
 
@@ -33,12 +33,13 @@ class CameraSensor(LinkSensor):
     renders: ClassVar[bool] = True
     camera_type: ClassVar[type[CameraView]] = CameraView
     measures_depth: ClassVar[bool] = False
+    widest: ClassVar[float] = WIDEST  # horizontal field of view [rad]
 
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
         camera = sdf.child("camera")
         self.add_noise(SensorNoiseType.CAMERA_NOISE, camera)
-        self._plan = CameraPlan(camera, self.noises.get(SensorNoiseType.CAMERA_NOISE), self.measures_depth)
+        self._plan = CameraPlan(camera, self.noises.get(SensorNoiseType.CAMERA_NOISE), self.measures_depth, self.widest)
         self._camera: CameraView | None = None
 
     def Init(self) -> None:

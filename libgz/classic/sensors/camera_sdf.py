@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import World
     from libgz.sdf.element import Element
 
-__all__ = ["CameraPlan", "image_message"]
+__all__ = ["NARROWEST", "WIDEST", "CameraPlan", "image_message"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -42,26 +42,28 @@ class CameraPlan:
         element: the `<camera>`.
         noise: on its images; None for none.
         depth: whether the clipping distances of `<depth_camera>` apply.
+        widest: horizontal field of view that it can have [rad]; a plain lens has less than pi.
 
     Raises:
         ParameterError: a value is not allowed.
     """
 
-    def __init__(self, element: Element, noise: Noise | None, depth: bool = False) -> None:
+    def __init__(self, element: Element, noise: Noise | None, depth: bool = False, widest: float = WIDEST) -> None:
         self.element, self.noise = element, noise
         self.pose = element.Get(GzPose, "pose")  # in the sensor [m]
-        self.hfov = number(element, "horizontal_fov", NARROWEST, WIDEST, "rad")
+        self.hfov = number(element, "horizontal_fov", NARROWEST, widest, "rad")
         image = element.child("image")
         self.width, self.height = (count(image, key, most=LONGEST_SIDE) for key in ("width", "height"))
-        if self.width * self.height > MOST_PIXELS:
+        most = MOST_PIXELS if widest < math.pi else MOST_PIXELS // 4  # a direction is kept for each pixel
+        if self.width * self.height > most:
             size = f"{self.width} x {self.height}"
-            raise wrong(image, "width", f"the image has {size} px; {MOST_PIXELS} px in all are allowed")
+            raise wrong(image, "width", f"the image has {size} px; {most} px in all are allowed")
         try:
             self.format = check_format(image.Get(str, "format"))
         except ParameterError as error:
             log.warning("%s; the camera uses %s", wrong(image, "format", str(error)), DEFAULT_FORMAT)
             self.format = DEFAULT_FORMAT
-        self.lens = self._lens()
+        self.lens = self._lens() if widest < math.pi else None
         distances = element.child("clip")
         if depth and "depth_camera" in known_children(element) and element.HasElement("depth_camera"):
             distances = first(element.child("depth_camera"), "clip") or distances

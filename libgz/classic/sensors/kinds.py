@@ -27,6 +27,7 @@ KINDS = {
     "multicamera": "libgz.classic.sensors.multi_camera:MultiCameraSensor",
     "ray": "libgz.classic.sensors.ray:RaySensor",
     "sonar": "libgz.classic.sensors.sonar:SonarSensor",
+    "wideanglecamera": "libgz.classic.sensors.wide_angle_camera:WideAngleCameraSensor",
     "wireless_receiver": "libgz.classic.sensors.wireless:WirelessReceiver",
     "wireless_transmitter": "libgz.classic.sensors.wireless:WirelessTransmitter",
 }

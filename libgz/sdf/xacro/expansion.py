@@ -306,7 +306,7 @@ class _Expansion:
         name = name.removeprefix(PREFIX)
         if name == "call" or "." in name:
             raise ExpansionError(f"a macro cannot have the name {name[:80]!r}")
-        context.macros.macros[name] = Macro(name, source, parameters_of(parameters or ""))
+        context.macros.macros[name] = Macro(name, source, parameters_of(parameters or "", self.budget))
 
     def _condition(self, source: etree._Element, name: str, into: etree._Element, context: _Context) -> Steps | None:
         (condition,) = self._given(source, ("value",))

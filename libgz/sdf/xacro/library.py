@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
@@ -92,10 +93,14 @@ class Library:
     def _tokenize(self, _: Any, text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
         self.budget.length(len(text))
         # Separators are the inside of [...] in a regular expression, which they must not leave.
-        inside = sep if "]" not in sep and len(sep) < 100 else re.escape(sep[:100])
         try:
-            parts = re.split(f"[{inside}]", text)
+            if "]" in sep or len(sep) >= 100:
+                raise re.error("no inside of brackets")
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", FutureWarning)  # of what a later Python reads as sets in sets
+                separator = re.compile(f"[{sep}]")
         except (re.error, FutureWarning):
-            parts = re.split(f"[{re.escape(sep[:100])}]", text)
+            separator = re.compile(f"[{re.escape(sep[:100])}]" if sep else r"(?!)")
+        parts = separator.split(text)
         self.budget.items(len(parts))
         return [part for part in parts if part] if skip_empty else parts

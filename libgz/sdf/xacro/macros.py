@@ -8,6 +8,7 @@ from typing import Any
 
 from lxml import etree
 
+from libgz.sdf.xacro.limits import Budget
 from libgz.sdf.xacro.scopes import Scope
 
 __all__ = ["Macro", "MacroTable", "Parameter", "parameters_of"]
@@ -47,11 +48,16 @@ class Macro:
     parameters: tuple[Parameter, ...]
 
 
-def parameters_of(text: str) -> tuple[Parameter, ...]:
-    """The parameters that `params` names."""
+def parameters_of(text: str, budget: Budget) -> tuple[Parameter, ...]:
+    """The parameters that `params` names.
+
+    Raises:
+        LimitError: they are too long: what follows a parameter is searched for the end of its default.
+    """
     found: dict[str, Parameter] = {}
     at = 0
     while at < len(text):
+        budget.length(len(text) - at)
         match = _WITH_DEFAULT.match(text, at)
         if match is not None:
             parameter = Parameter(match[1], bool(match[2]), match[3] or None)

@@ -174,9 +174,15 @@ def test_elements_that_are_missing_are_named(run, caplog):
     wrong = {"buoyancy": "<link_name>link</link_name><geometry><sphere><radius>1</radius></sphere></geometry>"}
     run(body("c", inside=plugin("buoyancy_gazebo_plugin", wave="<period>0</period>", **wrong)))
     run(body("d", inside=plugin("buoyancy_gazebo_plugin", wave_model="sea", **wrong)))
+    many = dict.fromkeys(("north", "south"), "<wave><number>60</number></wave>")
+    sea, boat = plugin("buoyancy_gazebo_plugin", **many), plugin("buoyancy_gazebo_plugin", wave_model="sea", **wrong)
+    run(body("sea", inside=sea) + body("boat", inside=boat))
+    steep = "<number>100</number><scale>1e200</scale>"
+    run(body("steep", inside=plugin("buoyancy_gazebo_plugin", wave=steep, **wrong)))
     run(body("e", inside=plugin("gazebo_grasp_fix")))
     run(body("f", inside=plugin("gazebo_grasp_fix", arm="<palm_link>lnk</palm_link><gripper_link>link</gripper_link>")))
     for text in ("<buoyancy> is missing", "has no <box>, <cylinder> or <sphere>", "<period> and a <scale> above 0",
+                 "there are more than 100 waves", "usable amplitudes",
                  "<wave_model> is 'sea'", "<arm> is missing", "no link 'lnk'; did you mean 'link'?"):  # fmt: skip
         assert text in caplog.text
 

@@ -119,8 +119,6 @@ def test_rewinding_and_saving(ask, tmp_path, monkeypatch):
     ],
 )
 def test_wrong_requests_are_refused_with_a_sentence(ask, verb, argument, content):
-    if verb == "insert" and ask.world.sdf is not None and "model" in content:
-        pytest.skip("classic logs it")
     with pytest.raises(GazeboError) as error:
         ask(verb, argument, **content)
     assert str(error.value)

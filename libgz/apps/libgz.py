@@ -29,6 +29,7 @@ COMMANDS = {
     "demo": "start a server with a robot, and drive the robot from a second process",
     "doctor": "check what libgz needs on this machine",
     "echo": "print the data of an interface of a running server, live",
+    "edit": "edit a world in a browser, paused; an empty one if there is none",
     "export": "write the interfaces, states and topics of a log as CSV files",
     "interfaces": "list the interfaces of a running server",
     "joint": "apply forces to joints of a running SDF world, and set their targets",

@@ -242,7 +242,7 @@ class Editing:
         return bool(self._held)
 
     def _hold(self, argument: str, content: dict[str, Any]) -> None:
-        """Hold an entity at a pose, or where it is, for a short time; or let go of it."""
+        """Hold an entity at a pose, or where it is, for a short time; or release it."""
         if argument not in ("on", "off"):
             raise ParameterError(f"hold is {argument!r}; allowed are on and off")
         if argument == "off":
@@ -253,7 +253,7 @@ class Editing:
         pose = pose_of(content) if "pose" in content else None
         if name not in self._held:
             if len(self._held) >= MOST_HELD:
-                raise StateError(f"{MOST_HELD} models are held already; let go of one first")
+                raise StateError(f"{MOST_HELD} models are held already; release one first")
             moment = Moment.of(self._world, f"move {name}")
             self._history.add(moment)
             self._held[name] = _Held(entity, entity.GetPose(), until)
@@ -264,7 +264,7 @@ class Editing:
             self._keep(held)
             self._settle()
 
-    def let_go(self) -> None:
+    def release_all(self) -> None:
         """Hold nothing any more."""
         self._held.clear()
 

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from lxml import etree
 
 from libgz.apps.editing import Editing, in_parent, pose_of
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
-from libgz.base.files import is_file
+from libgz.base.files import is_file, read_limited, xml_parser
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
 from libgz.front import World
 from libgz.legacy.model import Model
@@ -30,6 +31,7 @@ __all__ = ["WorldControl"]
 
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
+MOST_LISTED = 2000  # models of the catalogue, with their titles
 # Requests that only read.
 READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings")
 KEYS = "~/keyboard/keypress"
@@ -147,7 +149,7 @@ class WorldControl:
 
     def _reset_now(self) -> None:
         paused = self.world.paused
-        self._editing.let_go()
+        self._editing.release_all()
         self.world.Reset()
         if self._servos is not None:
             self._servos.clear()
@@ -287,14 +289,21 @@ class WorldControl:
         number = next(i for i in range(1, len(taken) + 2) if f"{name.lower()}{i}" not in taken)
         return f"<model:{found.name}>\n  <id>{name.lower()}{number}</id>\n</model:{found.name}>"
 
-    def _catalogue(self, _argument: str, _content: dict[str, Any]) -> list[str]:
-        """What `insert` knows by name."""
+    def _catalogue(self, argument: str, _content: dict[str, Any]) -> list[Any]:
+        """What `insert` knows by name; with the argument `full`, each with its title and where it is from."""
         if self.world.sdf is None:
             from libgz.reference.catalogue import entries
 
-            return [one.name for one in entries()]
-        found = {f"model://{path.parent.name}" for root in model_directories() for path in root.glob("*/model.config")}
-        return [*_SIMPLE, *sorted(found)]
+            legacy = list(entries())
+            if argument != "full":
+                return [one.name for one in legacy]
+            return [{"name": one.name, "title": one.summary, "group": "built-in"} for one in legacy]
+        roots = {root: sorted(path.parent for path in root.glob("*/model.config")) for root in model_directories()}
+        found = {f"model://{folder.name}": folder for folders in roots.values() for folder in reversed(folders)}
+        names = [*_SIMPLE, *sorted(found)]
+        if argument != "full":
+            return names
+        return [_entry(name, found.get(name)) for name in names[:MOST_LISTED]]
 
     # Knowledge -------------------------------------------------------------------------------------------------------
 
@@ -398,6 +407,17 @@ class WorldControl:
             self._nodes[""] = Node()
             self._nodes[""].Init(self._classic().Name())
         return self._nodes[""]
+
+
+def _entry(name: str, folder: Path | None) -> dict[str, str]:
+    """An entry of the catalogue: the title is that of the model's `model.config`."""
+    if folder is None:
+        return {"name": name, "title": name, "group": "shapes"}
+    title = folder.name
+    with contextlib.suppress(OSError, etree.XMLSyntaxError):
+        config = etree.fromstring(read_limited(folder / "model.config"), xml_parser())
+        title = (config.findtext("name") or "").strip()[:LONGEST_LABEL] or title
+    return {"name": name, "title": title, "group": str(folder.parent)}
 
 
 _SIMPLE = {

@@ -57,6 +57,11 @@ class SdfText:
         """The element that holds the models: the first `<world>`, or the root."""
         return next(children(self.root, "world"), self.root)
 
+    @property
+    def indent(self) -> str:
+        """The blanks in front of what is in the world."""
+        return (indent_of(self.source, self._span(self.holder)) or b"\n  ").decode(errors="replace").rpartition("\n")[2]
+
     def find(self, path: Sequence[Step], start: etree._Element | None = None) -> etree._Element | None:
         """The first element at the end of a path; None if there is none."""
         found: etree._Element | None = self.holder if start is None else start

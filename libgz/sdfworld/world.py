@@ -53,6 +53,7 @@ BUILT = ("model", "actor", "light")
 MODELS = {"model": SdfModel, "actor": SdfActor}
 POPULATION = (zlib.crc32(b"population"),)  # its random numbers are its own: equal seeds place equal models
 MOST_DOCUMENTS = 64  # of entities that are gone, besides as many as there are entities
+DIGITS = 9  # decimals of poses that are written
 SAME = 1e-9  # [m], and of a quaternion's numbers: two poses that differ by less are one
 FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
 
@@ -451,15 +452,13 @@ class SdfWorld(Era):
             if entity is None:
                 edits.append(text.removal(found))
             elif not _same_pose(entity.GetPose(), model_pose(element)):
-                edits.append(text.pose(found, exact_pose(entity.GetPose())))
+                edits.append(text.pose(found, _written(entity.GetPose())))
         inserted = []
         for one in tops:
             if one.origin is not None and one.origin.source.number:
                 part = upgraded(self._document_of(one.origin.source).elements[one.origin.place // FAMILY])
-                (next(part.named("pose"), None) or part.AddElement("pose")).value.SetFromString(
-                    exact_pose(one.GetPose())
-                )
-                inserted.append(part.ToString("    "))
+                (next(part.named("pose"), None) or part.AddElement("pose")).value.SetFromString(_written(one.GetPose()))
+                inserted.append(part.ToString(text.indent))
         return text.changed(*edits, *([text.addition(inserted)] if inserted else []))
 
     def save(self, world: World, whole: bool = False) -> int:
@@ -536,6 +535,11 @@ class SdfWorld(Era):
         settings.physics, diagnostics = settings.profiles[name], Diagnostics()
         apply_physics(self.world, settings.physics, diagnostics)
         diagnostics.raise_errors()
+
+
+def _written(pose: GzPose) -> str:
+    """A pose as a file has it, without digits that are rounding."""
+    return " ".join(repr(round(float(word), DIGITS) + 0.0).removesuffix(".0") for word in exact_pose(pose).split())
 
 
 def _same_pose(one: GzPose, other: GzPose) -> bool:

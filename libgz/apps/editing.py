@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import logging
 import math
 import time
 from collections.abc import Callable
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from libgz.physics.body import Body
 
 __all__ = ["Editing", "in_parent", "pose_of"]
+
+log = logging.getLogger("libgz.gazebo")
 
 HOLD = 2.0  # [s] of real time after its last request, that something is held
 TOGETHER = 1.0  # [s] of real time between two moves of one model that are undone as one
@@ -77,26 +80,34 @@ class Editing:
         Raises:
             GazeboError: that failed.
         """
-        world = self._world
-        try:
-            before = Moment.of(world, label)
-        except GazeboError:  # of a model's own state: nothing can be undone then
-            before = None
+        before = self._before(label)
         try:
             answer = action()
         except BaseException:
             if before is not None:
                 with self._replaced():
-                    return_to(world, before)
+                    return_to(self._world, before)
             raise
-        if before is None:
-            self._history.clear()
-        else:
-            self._history.add(before)
+        self._remember(before)
         self._last_move = ("", 0.0)
         if begins:
             self._settle()
         return answer
+
+    def _before(self, label: str) -> Moment | None:
+        """The present moment; None if the world's state cannot be saved, such as that of a user's model."""
+        try:
+            return Moment.of(self._world, label)
+        except GazeboError as error:
+            log.debug("%s cannot be undone: %s", label, error)
+            return None
+
+    def _remember(self, before: Moment | None) -> None:
+        """Add the moment before a change; without one, nothing before it can be undone any more."""
+        if before is None:
+            self._history.clear()
+        else:
+            self._history.add(before)
 
     def move(self, name: str, action: Callable[[], Any]) -> Any:
         """The same for a move, many of which may be one drag of a hand."""
@@ -254,8 +265,7 @@ class Editing:
         if name not in self._held:
             if len(self._held) >= MOST_HELD:
                 raise StateError(f"{MOST_HELD} models are held already; release one first")
-            moment = Moment.of(self._world, f"move {name}")
-            self._history.add(moment)
+            self._remember(self._before(f"move {name}"))
             self._held[name] = _Held(entity, entity.GetPose(), until)
         held = self._held[name]
         held.entity, held.until = entity, until

@@ -112,7 +112,8 @@ class Moment(NamedTuple):
         Raises:
             GazeboError: the state of the world cannot be saved.
         """
-        return cls(label, world.get_state(), world.era.text)
+        with world.lock:
+            return cls(label, world.snapshots.save(), world.era.text)
 
 
 def return_to(world: World, moment: Moment) -> None:

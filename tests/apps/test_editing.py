@@ -358,3 +358,30 @@ def test_random_requests_leave_a_world_that_can_be_undone_to_its_beginning(ask):
     while ask("undo") is not None:
         pass
     assert ask.world.get_state() == before
+
+
+class Stubborn(libgz.Model):
+    """A model whose state cannot be saved."""
+
+    STATE = ("odd",)
+
+    def Load(self, file, node):
+        self.odd = object()
+        self.AddBody(libgz.Body(self.world), True)
+
+
+def test_a_world_whose_state_cannot_be_saved_is_edited_without_undo(tmp_path):
+    path = tmp_path / "my.world"
+    path.write_text(
+        LEGACY.replace("<model:SimpleSolid>", "<model:Stubborn><id>s</id></model:Stubborn><model:SimpleSolid>", 1)
+    )
+    world = libgz.World()
+    world.legacy.factory.RegisterModel("Stubborn", "Stubborn", Stubborn)
+    with world:
+        world.LoadFile(path)
+        world.Initialize()
+        ask = Asker(world)
+        ask("edit", name="box1", key="size", value=[2, 2, 2])
+        ask("hold", "on", name="box1", pose=[0, 5, 3, 1, 0, 0, 0])
+        assert ask.value("size", name="box1")["value"] == [2, 2, 2]
+        assert ask("undo") is None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import logging
 import math
 import time
@@ -238,6 +237,8 @@ class Editing:
 
     def _diff(self, _argument: str, _content: dict[str, Any]) -> dict[str, str]:
         """What `write` would change in the world's file."""
+        import difflib  # for a user who looks
+
         name, before, after = self._world.era.saved_text(self._world)
         label = name or self._world.name
         old, new = (text.decode("utf-8", "replace").splitlines(keepends=True) for text in (before, after))

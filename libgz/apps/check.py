@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import json
+import sys
 
 from libgz.apps.console import Parser
 from libgz.apps.untrusted import add_untrusted_option
-from libgz.base.errors import Diagnostic
+from libgz.base.errors import Diagnostic, ParameterError
 from libgz.reference.check import check
 
 __all__ = ["configure", "run"]
+
+MOST = 64 << 20  # [byte] of a text on standard input
 
 
 def configure(parser: Parser) -> None:
@@ -23,11 +26,23 @@ def configure(parser: Parser) -> None:
     )
     parser.add_argument("--strict", action="store_true", help="treat warnings as errors")
     parser.add_argument("--json", action="store_true", help="print a JSON array instead of lines")
+    parser.add_argument(
+        "--stdin", action="store_true", help="check the text on standard input, as if the one WORLDFILE had it"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the diagnostics of all files; return 1 if there is an error."""
-    diagnostics = [error for name in options.worldfiles for error in check(name, options.arguments)]
+    """Print the diagnostics of all files; return 1 if there is an error.
+
+    Raises:
+        ParameterError: there is one text and not one file.
+    """
+    text = None
+    if options.stdin:
+        if len(options.worldfiles) != 1:
+            raise ParameterError(f"--stdin is the text of one WORLDFILE, not of {len(options.worldfiles)}")
+        text = sys.stdin.buffer.read(MOST)
+    diagnostics = [error for name in options.worldfiles for error in check(name, options.arguments, text)]
     if options.strict:
         diagnostics = [dataclasses.replace(error, severity="error") for error in diagnostics]
     if options.json:

@@ -11,11 +11,11 @@ import select
 import subprocess
 import sys
 import time
-import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 
 from libgz.apps.console import number_above_zero, number_from_zero
+from libgz.apps.view import open_page
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, ServerError
 from libgz.base.files import installed_worlds
@@ -94,18 +94,13 @@ def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
         try:
             line = (viewer.stdout.readline() if viewer.stdout else "").strip()
             print(line, flush=True)
-            if not options.no_open and _has_display():
-                webbrowser.open(line.removeprefix("open "))
+            if not options.no_open:
+                open_page(line.removeprefix("open "))
             print(f"the robot waits for the page, at most {PAGE_PATIENCE:g} s", flush=True)
             _wait_for_line(viewer, PAGE_PATIENCE)
             yield
         finally:
             viewer.terminate()
-
-
-def _has_display() -> bool:
-    """Whether a browser would have a window; one that has none would take the terminal."""
-    return sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 def _wait_for_line(process: subprocess.Popen[str], timeout: float) -> None:

@@ -35,6 +35,11 @@ class Extra:
 
 
 EXTRAS = {
+    "lsp": Extra(
+        ("pygls",),
+        "errors, completion and meanings in text editors",
+        "libgz check and libgz sdf --check report the same errors",
+    ),
     "mesh": Extra(
         ("trimesh",),
         "meshes and skins of more formats",

@@ -102,6 +102,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add("-l", dest="logfile", metavar="FILE", help="also write all messages to a file")
     add("-n", dest="free", action="store_true", help="run as fast as possible, like --rate 0")
+    add("-u", "--pause", action="store_true", help="start paused")
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")
     add(
         "--rate",
@@ -311,6 +312,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             world.backdrop.threaded = options.render_thread
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path, options.arguments)
+            world.starts_paused = world.starts_paused or options.pause
             world.Initialize()
             if options.record:
                 from libgz.apps.record import new_recorder  # it needs OpenGL, which other runs may do without

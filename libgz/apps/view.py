@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import logging
 import os
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +21,7 @@ from libgz.base.extras import install
 from libgz.transport.observer import Observer
 from libgz.transport.paths import server_directory
 
-__all__ = ["configure", "make_viewer", "observed_server", "run", "running_servers"]
+__all__ = ["configure", "make_viewer", "observed_server", "open_page", "run", "running_servers"]
 
 log = logging.getLogger("libgz.view")
 
@@ -127,6 +128,14 @@ def make_viewer(source: Any, controls: Any, options: argparse.Namespace, **more:
     return Viewer(source, controls, host=options.view_host, port=options.view_port, token=token, **more)
 
 
+def open_page(url: str) -> bool:
+    """Open an address in the user's browser, where there is a display; whether that was tried."""
+    import webbrowser
+
+    display = sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return display and webbrowser.open(url)
+
+
 def _stopped(viewer: Any, options: argparse.Namespace) -> Callable[[], bool]:
     """Whether the process that started this one has ended; reports the first page, too, if that is wanted."""
     parent, opened = options.parent, not options.report_opened
@@ -156,6 +165,8 @@ def run(options: argparse.Namespace) -> int:
         with make_viewer(observer, controls, options, rate=options.rate) as viewer:
             viewer.frame()
             print(f"open {viewer.url}", flush=True)
+            if options.open:
+                open_page(viewer.url)
             try:
                 viewer.run(_stopped(viewer, options))
             except KeyboardInterrupt:

@@ -10,7 +10,7 @@ from typing import Any
 
 from libgz.apps.console import port_number
 
-__all__ = ["add_view_options", "view_process"]
+__all__ = ["HOST", "PORT", "add_view_options", "view_process"]
 
 HOST, PORT = "127.0.0.1", 8080
 
@@ -27,6 +27,7 @@ def add_view_options(parser: Any, optional: bool) -> None:
         metavar="ADDRESS",
         help="address to bind (default 127.0.0.1: only this machine can connect)",
     )
+    add("--open", action="store_true", help="open the page in this machine's browser, if there is a display")
 
 
 @contextlib.contextmanager
@@ -38,6 +39,7 @@ def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator
     from libgz.apps.viewer_process import ViewerProcess  # servers without a viewer do without it
 
     words = ["-s", str(server_id), "--view-port", str(options.view_port), "--view-host", options.view_host]
+    words += ["--open"] if options.open else []
     process = ViewerProcess([*words, "--parent", str(os.getpid())])
     try:
         yield

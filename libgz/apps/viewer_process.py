@@ -49,6 +49,7 @@ class ViewerProcess(Closing):
                 return
             log.warning("the viewer ended with code %d and is started again", self._process.returncode)
             begin = time.monotonic()
+            self._words = [word for word in self._words if word != "--open"]  # the page is open
             self._process = self._start()
 
     def close(self) -> None:

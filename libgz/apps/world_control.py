@@ -10,14 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from lxml import etree
 
+from libgz.apps.editing import Editing, in_parent, pose_of
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
-from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
+from libgz.base.files import is_file, read_limited, xml_parser
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
 from libgz.rendering.image import jpeg_text
-from libgz.sdf.paths import model_directories
+from libgz.sdf.paths import find_model, model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
 
@@ -28,9 +31,11 @@ __all__ = ["WorldControl"]
 
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
+MOST_LISTED = 2000  # models of the catalogue, with their titles
 # Requests that only read.
 READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings")
 KEYS = "~/keyboard/keypress"
+LONGEST_LABEL = 80  # characters of what was inserted, in the history
 
 
 class WorldControl:
@@ -72,6 +77,8 @@ class WorldControl:
             "reload": self._reload,
             "readings": self._readings,
         }
+        self._editing = Editing(world, self.replaced, self._insert_now)
+        self._verbs |= self._editing.verbs
         self._watch_only = watch_only
         if watch_only:
             self._verbs = {verb: function for verb, function in self._verbs.items() if verb in READING}
@@ -97,7 +104,7 @@ class WorldControl:
     @property
     def follows(self) -> bool:
         """Whether `stepped` has something to do after each step."""
-        return (self._servos is not None and self._servos.active) or self._steps > 0
+        return (self._servos is not None and self._servos.active) or self._steps > 0 or self._editing.holds
 
     @contextlib.contextmanager
     def replaced(self) -> Iterator[None]:
@@ -110,6 +117,8 @@ class WorldControl:
         """Pause again after the steps that were asked for, and set joints' motors; called after each step."""
         if self._servos is not None:
             self._servos.act()
+        if self._editing.holds:
+            self._editing.act()
         if self._steps:
             self._steps -= 1
             if not self._steps:
@@ -136,7 +145,11 @@ class WorldControl:
             self.world.paused = False
 
     def _reset(self, _argument: str, _content: dict[str, Any]) -> None:
+        self._editing.change("reset", self._reset_now, begins=False)
+
+    def _reset_now(self) -> None:
         paused = self.world.paused
+        self._editing.release_all()
         self.world.Reset()
         if self._servos is not None:
             self._servos.clear()
@@ -152,12 +165,12 @@ class WorldControl:
         self.world.keep_rewind(_number(argument, "seconds to keep"))
 
     def _write(self, argument: str, content: dict[str, Any]) -> str:
-        """Save the world: a legacy one to its file, an SDF one to a file of another name beside it."""
+        """Save the world to its file; an SDF world that has none, or a file's name is given, as a new file."""
         world = self.world
-        if world.sdf is None:
+        if world.sdf is None or (not content.get("file") and is_file(Path(world.era.saved_text(world)[0] or ""))):
             if world.Save(whole=True) != 0:
                 raise GazeboError("the world could not be saved; the server's log says why")
-            return str(world.file.filename) if world.file is not None else ""
+            return str(world.era.saved_text(world)[0] or "")
         path = Path(content.get("file") or f"{world.name}_saved.world").absolute()
         self._classic().Save(str(path))
         return str(path)
@@ -169,9 +182,8 @@ class WorldControl:
         return entity
 
     def _move(self, _argument: str, content: dict[str, Any]) -> None:
-        entity, pose = self._entity(content), _pose(content)
-        parent = entity.parentBody
-        self.world.SetModelPose(entity, GzCoordPoseSub(pose, parent.GetPose()) if parent is not None else pose)
+        entity, pose = self._entity(content), pose_of(content)
+        self._editing.move(entity.GetId(), lambda: self.world.SetModelPose(entity, in_parent(entity, pose)))
 
     def _light(self, _argument: str, content: dict[str, Any]) -> None:
         """Set the colour of an entity's lights."""
@@ -182,8 +194,12 @@ class WorldControl:
         lights = [geom for body in entity.bodies for geom in body.geoms if isinstance(geom, LightGeom)]
         if not lights:
             raise NotFoundError(f"{entity.GetId()!r} has no light")
-        for light in lights:
-            light.SetDiffuseColor(GzColor(*parts))
+
+        def act() -> None:
+            for light in lights:
+                light.SetDiffuseColor(GzColor(*parts))
+
+        self._editing.move(f"light {entity.GetId()}", act)
 
     def _joint_servos(self) -> JointServos:
         from libgz.apps.joint_servos import JointServos  # legacy worlds do without SDF
@@ -204,15 +220,18 @@ class WorldControl:
 
     def _delete(self, _argument: str, content: dict[str, Any]) -> None:
         entity = self._entity(content)
-        if self.world.sdf is not None:
-            self._classic().RemoveModel(entity.GetId())
-        else:
-            self.world.DeleteModel(entity)
+
+        self._editing.change(f"delete {entity.GetId()}", lambda: self.world.DeleteModel(entity))
 
     def _insert(self, _argument: str, content: dict[str, Any]) -> list[str]:
         """Insert a text, or a model of the catalogue, at a pose; the names of what came."""
+        label = f"insert {str(content.get('model') or 'a model')[:LONGEST_LABEL]}"
+        names: list[str] = self._editing.change(label, lambda: self._insert_now(content))
+        return names
+
+    def _insert_now(self, content: dict[str, Any]) -> list[str]:
         before = {entity.GetId() for entity in self.world.entities}
-        pose = _pose(content) if "pose" in content else None
+        pose = pose_of(content) if "pose" in content else None
         if self.world.sdf is not None:
             self._insert_sdf(content, pose)
         else:
@@ -237,24 +256,31 @@ class WorldControl:
             self.world.SetModelPose(model, GzPose(GzVector(x, y, z + missing), place.rot))
 
     def _insert_sdf(self, content: dict[str, Any], pose: GzPose | None) -> None:
-        view = self._classic()
-        text, uri = str(content.get("text", "")), str(content.get("model", ""))
-        if text:
-            view.InsertModelString(text)
-            return
-        from libgz.classic import msgs
+        """Insert models and lights of SDF, or of a robot description, under names that are free."""
+        from libgz.sdf.reader import SdfFile  # legacy worlds do without it
+        from libgz.sdfworld.world import BUILT, SdfWorld
 
-        place = pose or GzPose()
-        position = {"x": place.pos.x, "y": place.pos.y, "z": place.pos.z}
-        turn = {"w": place.rot.u, "x": place.rot.x, "y": place.rot.y, "z": place.rot.z}
-        where = {"position": position, "orientation": turn}
-        message = msgs.message_type("gazebo.msgs.Factory")()
-        shape = _SIMPLE.get(uri)
-        if shape is not None:
-            message.FromDict({"sdf": _simple(uri, shape), "pose": where, "allow_renaming": True})
+        world, text, uri = self.world, str(content.get("text", "")), str(content.get("model", ""))
+        if text:
+            file = SdfFile.from_string(text, "<inserted>")
+        elif uri in _SIMPLE:
+            file = SdfFile.from_string(_simple(uri, _SIMPLE[uri]))
         else:
-            message.FromDict({"sdf_filename": uri, "pose": where, "allow_renaming": True})
-        self._commands().factory(message)
+            file = SdfFile.load(find_model(uri))
+        file.diagnostics.raise_errors()
+        taken = {entity.GetId() for entity in world.entities}
+        for element in next(file.root.named("world"), file.root).children:
+            if element.name in BUILT:
+                name = element.Get(str, "name")
+                free = next(one for one in (name, *(f"{name}_{i}" for i in range(len(taken)))) if one not in taken)
+                taken.add(free)
+                element.set_attribute("name", free)
+                if pose is not None:
+                    (next(element.named("pose"), None) or element.AddElement("pose")).Set(pose)
+        if file.busy:
+            world.attach_era()
+        world.extension(SdfWorld).insert(file)
+        self._editing.finish()
 
     def _example(self, name: str, taken: set[str]) -> str:
         from libgz.reference.catalogue import entry
@@ -263,14 +289,21 @@ class WorldControl:
         number = next(i for i in range(1, len(taken) + 2) if f"{name.lower()}{i}" not in taken)
         return f"<model:{found.name}>\n  <id>{name.lower()}{number}</id>\n</model:{found.name}>"
 
-    def _catalogue(self, _argument: str, _content: dict[str, Any]) -> list[str]:
-        """What `insert` knows by name."""
+    def _catalogue(self, argument: str, _content: dict[str, Any]) -> list[Any]:
+        """What `insert` knows by name; with the argument `full`, each with its title and where it is from."""
         if self.world.sdf is None:
             from libgz.reference.catalogue import entries
 
-            return [one.name for one in entries()]
-        found = {f"model://{path.parent.name}" for root in model_directories() for path in root.glob("*/model.config")}
-        return [*_SIMPLE, *sorted(found)]
+            legacy = list(entries())
+            if argument != "full":
+                return [one.name for one in legacy]
+            return [{"name": one.name, "title": one.summary, "group": "built-in"} for one in legacy]
+        roots = {root: sorted(path.parent for path in root.glob("*/model.config")) for root in model_directories()}
+        found = {f"model://{folder.name}": folder for folders in roots.values() for folder in reversed(folders)}
+        names = [*_SIMPLE, *sorted(found)]
+        if argument != "full":
+            return names
+        return [_entry(name, found.get(name)) for name in names[:MOST_LISTED]]
 
     # Knowledge -------------------------------------------------------------------------------------------------------
 
@@ -367,11 +400,6 @@ class WorldControl:
 
         return attach(self.world).world
 
-    def _commands(self) -> Any:
-        from libgz.classic.commands import Commands, PausedSteps
-
-        return Commands(self._classic(), lambda _answer: None, PausedSteps(self.world))
-
     def _node(self) -> Any:
         if "" not in self._nodes:
             from libgz.classic.transport import Node
@@ -379,6 +407,17 @@ class WorldControl:
             self._nodes[""] = Node()
             self._nodes[""].Init(self._classic().Name())
         return self._nodes[""]
+
+
+def _entry(name: str, folder: Path | None) -> dict[str, str]:
+    """An entry of the catalogue: the title is that of the model's `model.config`."""
+    if folder is None:
+        return {"name": name, "title": name, "group": "shapes"}
+    title = folder.name
+    with contextlib.suppress(OSError, etree.XMLSyntaxError):
+        config = etree.fromstring(read_limited(folder / "model.config"), xml_parser())
+        title = (config.findtext("name") or "").strip()[:LONGEST_LABEL] or title
+    return {"name": name, "title": title, "group": str(folder.parent)}
 
 
 _SIMPLE = {
@@ -402,12 +441,3 @@ def _number(text: str, what: str) -> float:
     if not math.isfinite(number):
         raise ParameterError(f"{what} is {text!r}; it must be a finite number")
     return number
-
-
-def _pose(content: dict[str, Any]) -> GzPose:
-    values = content.get("pose")
-    numbers = [float(v) for v in values] if isinstance(values, list) and len(values) == 7 else []
-    if not numbers or not all(map(math.isfinite, numbers)) or not any(numbers[3:]):
-        raise ParameterError("a pose is seven finite numbers: x, y, z [m] and a quaternion u, x, y, z")
-    length = math.sqrt(sum(part * part for part in numbers[3:]))
-    return GzPose(GzVector(*numbers[:3]), GzQuatern(*(part / length for part in numbers[3:])))

@@ -1,4 +1,4 @@
-"""Replacement: a model that takes the place of another one in a running world, because its class was edited."""
+"""Replacement: a model in the place of another one in a running world, because its class or element was edited."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 from libgz.base.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
+from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
 from libgz.simulation.plugins import own_place, own_traceback
 from libgz.simulation.state import carry_state, decode, encode, get_state
@@ -24,10 +25,12 @@ class Replacement:
     Args:
         loader: of the world.
         old: the model that runs.
+        anew: whether the new one begins anew at the pose of the former one, at rest, as after an edit of its element;
+            where its bodies and joints are may depend on what was edited.
     """
 
-    def __init__(self, loader: ModelLoader, old: Model) -> None:
-        self._loader, self._world, self._old = loader, loader.world, old
+    def __init__(self, loader: ModelLoader, old: Model, *, anew: bool = False) -> None:
+        self._loader, self._world, self._old, self._anew = loader, loader.world, old, anew
 
     def run(self) -> Model:
         """Replace the model; the new one.
@@ -47,7 +50,8 @@ class Replacement:
                     doing = "Init"
                     new._entity_start()
                     doing = "the return of its state"
-                    self._carry(new, state)
+                    if not self._anew:
+                        self._carry(new, state)
                     doing = "the attachment of other models"
                     for child, body in holders:
                         kept = child.relPose
@@ -70,12 +74,16 @@ class Replacement:
         """Place and move the new bodies as the former ones."""
         old = self._old
         before = {body.bodyName: body for body in old.bodies}
-        if before.keys() != {body.bodyName for body in new.bodies} or len(before) != len(new.bodies):
+        if self._anew:
+            pose = old.GetPose() if old.parentBody is None else old.relPose
+            move_with_world_joints(new, lambda: self._world.SetModelPose(new, pose))
+            new.initPose = old.initPose
+        elif before.keys() != {body.bodyName for body in new.bodies} or len(before) != len(new.bodies):
             if old.parentBody is None:
                 new.SetPose(old.GetPose())
-            return
-        for body in new.bodies:
-            self._place_body(body, before[body.bodyName])
+        else:
+            for body in new.bodies:
+                self._place_body(body, before[body.bodyName])
 
     @staticmethod
     def _place_body(body: Body, before: Body) -> None:

@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 from libgz.base.digest import blake2b
 from libgz.base.entities import encoded
 from libgz.base.errors import GazeboError, ParameterError, StateError, WorldFileError, advise
+from libgz.base.files import read_limited
 from libgz.base.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
@@ -53,7 +54,7 @@ class LegacyWorld(Era):
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self._text = b""  # of the file
+        self._text = self._read_text = b""  # of the file: with edits, and as it was read
         self.file: WorldFile | None = None
         self.settings = GlobalAttributes()
         self.factory = ModelFactory()
@@ -183,7 +184,7 @@ class LegacyWorld(Era):
             WorldFileError: there are errors; the message lists them all, one a line.
         """
         if self.file is None:
-            self._text = file.source
+            self._text = self._read_text = file.source
             self.digest = blake2b(file.source, digest_size=16).digest()
             self._sources[file] = Source(BUILDER, 0, file.label, b"")
         self.file = file
@@ -274,20 +275,88 @@ class LegacyWorld(Era):
         if self.file.filename is not None and is_ready_world(Path(self.file.filename)):
             log.error("%s belongs to libgz and is not written to; run a copy of it", self.file.filename)
             return -1
-        present = {model.node: model for model in self.models if model.node is not None}
-        top = [(node, model) for node, model in present.items() if model.parent is None]
-        for node, model in top:
-            pose = to_file(model, model.GetPose())
-            model.initPose = model.GetPose()
-            node.put_pose(pose.pos, pose.rot)
-        added = [node for node, _ in top if whole and node.file is not self.file]
-        removed = self.loader.built - present.keys() if whole else ()
+        for model in self.models:
+            if model.parent is None and model.node is not None:
+                model.initPose = model.GetPose()
+        file, removed, added = self._whole(whole)
         try:
-            self.file.Save(removed=removed, added=added, backup=True)
+            file.Save(removed=removed, added=added, backup=True)
         except WorldFileError as error:
             log.error("%s", error)
             return -1
         return 0
+
+    def _whole(self, whole: bool) -> tuple[WorldFile, list[WorldFileNode], list[WorldFileNode]]:
+        """A copy of the file with the present poses, the elements that are not in the world, and those from elsewhere.
+
+        Raises:
+            StateError: there is no file.
+        """
+        if self.file is None:
+            raise StateError("this world was not loaded from a worldfile")
+        copy = self.file.changed()
+        twins = dict(zip(self.file.models, copy.models, strict=True))
+        present = {model.node: model for model in self.models if model.node is not None}
+        added = []
+        for node, model in present.items():
+            if model.parent is None:
+                pose = to_file(model, model.GetPose())
+                twins.get(node, node).put_pose(pose.pos, pose.rot)
+                if whole and node not in twins:
+                    added.append(node)
+        removed = [twins.get(node, node) for node in self.loader.built - present.keys()] if whole else []
+        return copy, removed, added
+
+    # Edits -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def text(self) -> bytes:
+        """The text of the worldfile, with what was edited since it was read."""
+        return self._text
+
+    def set_text(self, text: bytes) -> None:
+        """Take another text as that of the worldfile; what is in the world stays until a state is restored.
+
+        Raises:
+            StateError: there is no file.
+            WorldFileError: it is not well-formed.
+        """
+        if self.file is None:
+            super().set_text(text)
+            return
+        self.exchange_file(self.file, self._parse(text, self.file.label))
+
+    def exchange_file(self, old: WorldFile, new: WorldFile) -> None:
+        """Let an edited worldfile take the place of one with the same models, which are those of the new one then."""
+        twins, source = dict(zip(old.models, new.models, strict=True)), self._source_of(old)
+        del self._sources[old]
+        if old is self.file:
+            self.file, self._text = new, new.source
+            self.digest = blake2b(new.source, digest_size=16).digest()
+        else:
+            source = source._replace(text=new.source)
+        self._sources[new] = source
+        for model in self.models:
+            if model.node is not None and model.node in twins:
+                model.node = twins[model.node]
+                model.origin = Origin(source, model.node.number)
+        for node, twin in twins.items():
+            if node in self.loader.built:
+                self.loader.built.add(twin)
+                self.loader.built.discard(node)
+
+    def saved_text(self, world: World) -> tuple[str | None, bytes, bytes]:
+        """What `save` of the whole world would write: the file's name or None, its text now, and its text then."""
+        file, removed, added = self._whole(True)
+        return file.filename, self._on_disk(), file.text(removed=removed, added=added)
+
+    def _on_disk(self) -> bytes:
+        """The text of the file at present; that which was read, if it has no name or is gone."""
+        name = self.file.filename if self.file is not None else None
+        try:
+            return read_limited(Path(name)) if name is not None else self._read_text
+        except OSError:
+            return self._read_text
 
 
 def _with_root(text: str) -> str:

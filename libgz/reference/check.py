@@ -19,7 +19,7 @@ from libgz.rendering.choice import prefer, preferred
 from libgz.rendering.image import read_image
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
-from libgz.sdf.recognition import is_sdf
+from libgz.sdf.recognition import is_sdf, is_sdf_text
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.search import find_worldfile, why_missing
 
@@ -37,7 +37,9 @@ class _Collector(logging.Handler):
         self.records.append(record)
 
 
-def check(filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> list[Diagnostic]:
+def check(
+    filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None, text: bytes | None = None
+) -> list[Diagnostic]:
     """All errors and warnings about a worldfile, in order of its lines.
 
     Loading runs `Load` of its plugins; `Init` of no model is called. An SDF file is checked by `check_sdf`.
@@ -45,16 +47,21 @@ def check(filename: str | os.PathLike[str], arguments: Mapping[str, str] | None 
     Args:
         filename: the worldfile, or the name of one of libgz's worlds.
         arguments: of the macros of a robot description.
+        text: what is checked instead of the file's text, as if the file had it.
     """
     path = find_worldfile(filename)
-    if is_sdf(path):
-        return check_sdf(path, arguments)
+    if is_sdf(path) if text is None else is_sdf_text(text):
+        return check_sdf(path, arguments, text)
     file, name = WorldFile(), str(path)
-    if not exists(path):
+    if text is None and not exists(path):
         missing = f"cannot read worldfile {name!r}: it does not exist{why_missing(filename)}"
         return [Diagnostic(name, 0, "", missing, "error")]
     try:
-        file.Load(path)
+        if text is None:
+            file.Load(path)
+        else:
+            file.LoadString(text, name)
+            file.filename = name
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
     with _collected(file.diagnostics, name) as found, World() as world:
@@ -88,7 +95,9 @@ def _collected(diagnostics: Diagnostics, name: str) -> Iterator[list[Diagnostic]
     found += sorted([*diagnostics.errors, *diagnostics.warnings], key=lambda diagnostic: diagnostic.line)
 
 
-def check_sdf(filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> list[Diagnostic]:
+def check_sdf(
+    filename: str | os.PathLike[str], arguments: Mapping[str, str] | None = None, text: bytes | None = None
+) -> list[Diagnostic]:
     """All errors and warnings about an SDF file: it is built with its sensors, in order of its lines.
 
     Plugins are searched for, not run; nothing is rendered.
@@ -96,10 +105,14 @@ def check_sdf(filename: str | os.PathLike[str], arguments: Mapping[str, str] | N
     Args:
         filename: the file.
         arguments: of the macros of a robot description.
+        text: what is checked instead of the file's text, as if the file had it.
     """
     name = str(filename)
     try:
-        file = SdfFile.load(filename, arguments=arguments)
+        if text is None:
+            file = SdfFile.load(filename, arguments=arguments)
+        else:
+            file = SdfFile.from_string(text, name, Path(name).parent)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
     file.diagnostics.most_alike = sys.maxsize

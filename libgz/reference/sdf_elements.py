@@ -6,7 +6,7 @@ import csv
 import re
 
 from libgz.reference.markdown import NOTE, cell
-from libgz.sdf.description import ABSENT, TABLE, UNSET
+from libgz.sdf.description import ABSENT, TABLE, UNITS, UNSET
 
 __all__ = ["NO_EFFECT", "rows_of_sdf", "sdf_block", "sdf_blocks", "sdf_elements_page", "without_effect"]
 
@@ -58,7 +58,6 @@ NO_EFFECT: dict[str, str] = {
     "camera/lens": "warning: images are rendered without it",
 }
 VERSIONS = ("1.4", "1.5", "1.6")  # of the table
-UNITS = ("m", "rad", "s", "Hz", "kg", "rad or m", "rgba 0..1", "rad/s or m/s; negative = no limit")
 
 
 def rows_of_sdf() -> dict[str, dict[str, str]]:

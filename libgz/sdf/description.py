@@ -15,13 +15,14 @@ from pathlib import Path
 
 from libgz.base.errors import ParameterError
 
-__all__ = ["LATER", "NEWEST", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
+__all__ = ["LATER", "NEWEST", "UNITS", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
 
 NEWEST = "1.6"  # that is written, and has all that worlds of Gazebo classic need
 LATER = ("1.7", "1.8", "1.9")
 VERSIONS = ("1.4", "1.5", NEWEST, *LATER)
 UNSET = "__default__"  # instead of a default, where none makes sense: a name, a type, a file
 ABSENT = "(absent)"
+UNITS = ("m", "rad", "s", "Hz", "kg", "rad or m", "rgba 0..1", "rad/s or m/s; negative = no limit")  # among the notes
 TABLE = Path(__file__).with_name("elements.tsv")
 ADDED = Path(__file__).with_name("later.tsv")
 # Of every pose; up to 1.6 the frame that it is relative to has another name.
@@ -43,6 +44,7 @@ class AttributeDescription:
     type: str
     default: str
     required: bool
+    note: str = ""  # its unit, or how it is meant
 
 
 @dataclass
@@ -56,6 +58,7 @@ class Description:
     attributes: dict[str, AttributeDescription] = field(default_factory=dict)
     own_children: dict[str, Description] = field(default_factory=dict)
     any_children: bool = False
+    note: str = ""  # its unit, or how it is meant
     path: str = ""  # of names, from a block on
     block: str = ""  # a block that gives its attributes and children
     blocks: Mapping[str, Description] = field(default_factory=dict)
@@ -86,6 +89,11 @@ class Description:
                 yield newer, found
 
     @property
+    def unit(self) -> str:
+        """The unit of its value; empty for none."""
+        return self.note if self.note in UNITS else ""
+
+    @property
     def required(self) -> bool:
         """Whether the element must exist; a missing one is created with its defaults."""
         return self.count in ("1", "+")
@@ -105,7 +113,7 @@ def describe(version: str) -> Mapping[str, Description]:
     for row in _rows(TABLE):
         default, count = row[f"default_{column}"], row[f"count_{column}"]
         if default != ABSENT and count != "-":
-            _add(blocks, row["path"], row["type"], default, count)
+            _add(blocks, row["path"], row["type"], default, count, row["note"])
     for row in _rows(ADDED):
         if row["version"] <= version:
             _add(blocks, row["path"], row["type"], row["default"], row["count"])
@@ -127,7 +135,7 @@ def _complete_poses(element: Description, attributes: Mapping[str, str]) -> None
         _complete_poses(child, attributes)
 
 
-def _add(blocks: dict[str, Description], path: str, kind: str, default: str, count: str) -> None:
+def _add(blocks: dict[str, Description], path: str, kind: str, default: str, count: str, note: str = "") -> None:
     """Add one row; rows of parents come before those of their children."""
     where, _, attribute = path.partition("@")
     head, *steps = where.split("/")
@@ -143,8 +151,8 @@ def _add(blocks: dict[str, Description], path: str, kind: str, default: str, cou
             return  # its parent is absent in this version
         node = node.own_children[step]
     if attribute:
-        node.attributes[attribute] = AttributeDescription(attribute, kind, default, count == "1")
+        node.attributes[attribute] = AttributeDescription(attribute, kind, default, count == "1", note)
     else:
-        node.type, node.default, node.count = kind, default, count
+        node.type, node.default, node.count, node.note = kind, default, count, note
         if kind.startswith("@"):
             node.type, node.block, node.blocks = "", kind[1:], blocks

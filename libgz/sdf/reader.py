@@ -107,9 +107,14 @@ class SdfFile:
         self.label, self._path, self._folder = str(path), path, path.parent
         self._read(data)
 
-    def read_again(self) -> SdfFile:
-        """The document as it was read, without what has been changed in its elements since."""
-        return SdfFile.from_string(self._text, self.label, self._folder)
+    @property
+    def text(self) -> bytes:
+        """The text as it was read, its macros expanded."""
+        return self._text
+
+    def read_again(self, text: bytes | None = None) -> SdfFile:
+        """The document as it was read, without what has been changed in its elements since; or one of another text."""
+        return SdfFile.from_string(self._text if text is None else text, self.label, self._folder)
 
     @property
     def busy(self) -> bool:

@@ -25,9 +25,9 @@ def is_sdf(filename: str | os.PathLike[str]) -> bool:
         return False
 
 
-def is_sdf_text(text: str) -> bool:
+def is_sdf_text(text: str | bytes) -> bool:
     """The same for a text."""
-    return _root_of(BytesIO(encoded(text))) in READABLE
+    return _root_of(BytesIO(encoded(text) if isinstance(text, str) else text)) in READABLE
 
 
 def is_robot_text(text: str) -> bool:

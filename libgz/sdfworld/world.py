@@ -6,17 +6,22 @@ import logging
 import struct
 import zlib
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from libgz.base.digest import blake2b
 from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, advise, nearest
+from libgz.base.files import is_file, read_limited, write_whole
 from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdf.value import exact_pose
+from libgz.sdf.xacro.expansion import SUFFIX
+from libgz.sdf.xml import ROOTS, local_name
 from libgz.sdfworld.actor import SdfActor
 from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
@@ -27,24 +32,29 @@ from libgz.sdfworld.road import make_road
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.standing import set_down
 from libgz.sdfworld.state import apply_state
+from libgz.sdfworld.text import SdfText
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
 from libgz.simulation.problems import NOTED, Problem
 from libgz.simulation.world import World
+from libgz.worldfile.search import is_ready_world
 
-__all__ = ["BUILT", "SdfWorld"]
+__all__ = ["BUILT", "WORLD_FILE", "SdfWorld"]
 
 log = logging.getLogger("libgz.simulation")
 
 _AIR = struct.Struct("6d?3d?")
 
 BUILDER = "sdf"  # in the journal
+WORLD_FILE = Source(BUILDER, 0, "", b"")
 BUILT = ("model", "actor", "light")
 MODELS = {"model": SdfModel, "actor": SdfActor}
 POPULATION = (zlib.crc32(b"population"),)  # its random numbers are its own: equal seeds place equal models
 MOST_DOCUMENTS = 64  # of entities that are gone, besides as many as there are entities
+DIGITS = 9  # decimals of poses that are written
+SAME = 1e-9  # [m], and of a quaternion's numbers: two poses that differ by less are one
 FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
 
 
@@ -76,6 +86,7 @@ class SdfWorld(Era):
     def __init__(self, world: World) -> None:
         self.world = world
         self.file: SdfFile | None = None
+        self._read_text = b""  # of the file, without edits
         self.settings: SdfSettings = default_settings()
         self._documents: dict[Source, Document] = {}
         world.journal.builders[BUILDER] = self
@@ -123,6 +134,7 @@ class SdfWorld(Era):
         world.engine.exact_rest = world.engine.record_motion = True
         world.engine.count_turns = True
         if self.file is None:
+            self._read_text = file.text
             self.digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()
         self.file = file
         named = next(file.root.named("world"), None)
@@ -155,12 +167,8 @@ class SdfWorld(Era):
         """Settings, models, lights and joints of a `<world>`, placed where its first `<state>` says."""
         world = self.world
         self.settings = apply_settings(world, element, diagnostics)
-        state = next(element.named("state"), None)
-        built = [part for part in element.children if part.name in BUILT]
-        built += populate(
-            element, np.random.default_rng(np.random.SeedSequence(world.seed, spawn_key=POPULATION)), diagnostics
-        )
-        document = Document(Source(BUILDER, 0, "", b""), [*built, element])
+        state, document = next(element.named("state"), None), self._document(element, diagnostics)
+        built = document.elements[: document.elements.index(element)]
         self._documents[document.source] = document
         self._add(document, range(len(built)), diagnostics)
         if any(True for _ in element.named("joint")):
@@ -171,16 +179,24 @@ class SdfWorld(Era):
             except GazeboError as error:
                 diagnostics.failure(road, error)
         if state is not None:
-            first = len(document.elements)
-            inserted = [part for insertions in state.named("insertions") for part in insertions.children]
-            document.elements.extend(part for part in inserted if part.name in BUILT)
-            self._add(document, range(first, len(document.elements)), diagnostics)
+            self._add(document, range(len(built) + 1, len(document.elements)), diagnostics)
             apply_state(world, state, diagnostics)
         if not diagnostics.errors:
             models = [model for model in world.entities if isinstance(model, SdfModel)]
             if state is None:
                 set_down(models)
             advise(warn_of_contacts, None, models, diagnostics)
+
+    def _document(self, element: Element, diagnostics: Diagnostics) -> Document:
+        """What entities are built from a `<world>`: its own ones, itself for its joints, those that its state adds."""
+        built = [part for part in element.children if part.name in BUILT]
+        built += populate(
+            element, np.random.default_rng(np.random.SeedSequence(self.world.seed, spawn_key=POPULATION)), diagnostics
+        )
+        state = next(element.named("state"), None)
+        holders = state.named("insertions") if state is not None else ()
+        inserted = [part for insertions in holders for part in insertions.children if part.name in BUILT]
+        return Document(WORLD_FILE, [*built, element, *inserted])
 
     def insert(self, file: SdfFile) -> list[Entity]:
         """Add the models and lights of a document to a running world, between two steps; all of them, or none.
@@ -333,6 +349,139 @@ class SdfWorld(Era):
         if self.file.busy:
             world.attach_era()
 
+    # Edits -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def text(self) -> bytes:
+        """The text of the world's file, with what was edited since it was read."""
+        return self.file.text if self.file is not None else b""
+
+    def sdf_text(self) -> SdfText:
+        """The same, and its elements.
+
+        Raises:
+            StateError: there is no file.
+            WorldFileError: its text cannot be changed.
+        """
+        if self.file is None:
+            raise StateError("this world was not loaded from an SDF file")
+        return SdfText(self.file.text, self.file.label)
+
+    def set_text(self, text: bytes) -> None:
+        """Take another text as that of the world's file; what is in the world stays until it is built again.
+
+        Raises:
+            StateError: there is no file.
+            WorldFileError: it has errors.
+        """
+        if self.file is None:
+            super().set_text(text)
+            return
+        file, diagnostics = self.file.read_again(text), Diagnostics()
+        file.diagnostics.raise_errors()
+        digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()
+        element = next(file.root.named("world"), None) or _world_around(file.root)
+        document = self._document(element, diagnostics)
+        diagnostics.raise_errors()
+        self._documents[document.source] = document
+        self.file, self.digest = file, digest
+
+    def exchange_insertion(self, source: Source, text: bytes) -> Source:
+        """Take another text for one that was inserted; its source. What was built of it is still of the old one.
+
+        Raises:
+            WorldFileError: it has errors.
+        """
+        file = SdfFile.from_string(text, source.label)
+        file.diagnostics.raise_errors()
+        new = source._replace(text=text)
+        self._documents[new] = Document(new, [part for part in file.root.children if part.name in BUILT])
+        return new
+
+    def apply_again(self, diagnostics: Diagnostics) -> None:
+        """Apply the settings of the world's file again, after an edit of its text."""
+        if self.file is not None:
+            element = next(self.file.root.named("world"), None)
+            if element is not None:
+                self.settings = apply_settings(self.world, element, diagnostics)
+
+    def build_again(self, entity: Entity, source: Source) -> Entity:
+        """Build a model, light or actor again, with all in it, as its document describes it now; the new one.
+
+        Raises:
+            WorldFileError: it cannot be built.
+        """
+        world, origin, diagnostics = self.world, entity.origin, Diagnostics()
+        if origin is None:
+            raise StateError(f"{entity.GetId()!r} was made by code, not from a file")
+        others = [joints for joints in world.entities if isinstance(joints, WorldJoints)]
+        world.remove([*others, *entity.with_attached()])
+        count = len(world.entities)
+        self._add(self._document_of(source), [origin.place // FAMILY], diagnostics)
+        for joints in others:
+            if joints.origin is not None:
+                self._add(self._document_of(joints.origin.source), [joints.origin.place // FAMILY], diagnostics)
+        diagnostics.raise_errors()
+        world.initialize(world.entities[count:])
+        return world.entities[count]
+
+    def saved_text(self, world: World) -> tuple[str | None, bytes, bytes]:
+        """What `save` of the whole world would write: the file's name or None, its text now, and its text then."""
+        text, read = self.sdf_text(), self._read_text
+        path = Path(text.label)
+        if not is_file(path):
+            return None, read, self._placed(text)
+        if path.suffix == SUFFIX or local_name(text.root) not in ROOTS:
+            raise WorldFileError(f"{path} is no plain SDF; name a file to write to, or convert it with `libgz upgrade`")
+        return str(path), read_limited(path), self._placed(text)
+
+    def _placed(self, text: SdfText) -> bytes:
+        """A text of the file with the present poses, without what is deleted, and with what was inserted."""
+        world, edits = self.world, []
+        document = self._documents[WORLD_FILE]
+        tops = [one for one in world.entities if one.parent is None and not isinstance(one, WorldJoints)]
+        present = {one.origin.place // FAMILY: one for one in tops if one.origin and not one.origin.source.number}
+        for number, element in enumerate(document.elements):
+            if element.name not in BUILT:
+                break
+            name, entity = element.Get(str, "name"), present.get(number)
+            found = text.find([(element.name, name)]) if element.file == text.label else None
+            found = text.include(name) if found is None else found
+            if found is None:
+                continue
+            if entity is None:
+                edits.append(text.removal(found))
+            elif not _same_pose(entity.GetPose(), model_pose(element)):
+                edits.append(text.pose(found, _written(entity.GetPose())))
+        inserted = []
+        for one in tops:
+            if one.origin is not None and one.origin.source.number:
+                part = upgraded(self._document_of(one.origin.source).elements[one.origin.place // FAMILY])
+                (next(part.named("pose"), None) or part.AddElement("pose")).value.SetFromString(_written(one.GetPose()))
+                inserted.append(part.ToString(text.indent))
+        return text.changed(*edits, *([text.addition(inserted)] if inserted else []))
+
+    def save(self, world: World, whole: bool = False) -> int:
+        """Write the world's file with the present poses, edits, insertions and deletions; 0 or -1.
+
+        Comments and order stay; the file as it was is kept as ``NAME.bak``. Worlds of libgz are not written to.
+        """
+        if not whole:
+            return super().save(world, whole)
+        try:
+            name, before, text = self.saved_text(world)
+            if name is None:
+                raise WorldFileError("this world was loaded from text: name a file to save it to")
+            if is_ready_world(Path(name)):
+                raise WorldFileError(f"{name} belongs to libgz and is not written to; run a copy of it")
+            if before != text:
+                write_whole(Path(f"{name}.bak"), before)
+                write_whole(Path(name), text)
+        except (GazeboError, OSError) as error:
+            log.error("%s", error)
+            return -1
+        return 0
+
     # Era -------------------------------------------------------------------------------------------------------------
 
     def start(self, world: World) -> None:
@@ -386,6 +535,18 @@ class SdfWorld(Era):
         settings.physics, diagnostics = settings.profiles[name], Diagnostics()
         apply_physics(self.world, settings.physics, diagnostics)
         diagnostics.raise_errors()
+
+
+def _written(pose: GzPose) -> str:
+    """A pose as a file has it, without digits that are rounding."""
+    return " ".join(repr(round(float(word), DIGITS) + 0.0).removesuffix(".0") for word in exact_pose(pose).split())
+
+
+def _same_pose(one: GzPose, other: GzPose) -> bool:
+    """Whether two poses differ by no more than rounding."""
+    near = max(abs(a - b) for a, b in zip(one.pos, other.pos, strict=True)) < SAME
+    signs = (1.0, -1.0)
+    return near and min(max(abs(a - s * b) for a, b in zip(one.rot, other.rot, strict=True)) for s in signs) < SAME
 
 
 def _family(element: Element) -> list[Element]:

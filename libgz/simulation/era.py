@@ -48,6 +48,27 @@ class Era:
         """
         raise StateError("this world was not loaded from a file, so there is nothing to make a second one from")
 
+    @property
+    def text(self) -> bytes:
+        """The text of the world's file, with what was edited since it was read; empty without a file."""
+        return b""
+
+    def set_text(self, text: bytes) -> None:
+        """Take another text as that of the world's file; what is in the world stays until a state is restored.
+
+        Raises:
+            WorldFileError: it has errors.
+        """
+        raise StateError("this world was not loaded from a file, so there is no text to edit")
+
+    def saved_text(self, world: World) -> tuple[str | None, bytes, bytes]:
+        """What `save` of the whole world would write: the file's name or None, its text now, and its text then.
+
+        Raises:
+            GazeboError: there is no file, or its text cannot be changed.
+        """
+        raise StateError("this world was not loaded from a file, so there is nothing to write")
+
     def save(self, world: World, whole: bool = False) -> int:
         """Write the present poses to the world's file; 0, or -1 if there is none or it cannot be written."""
         return -1

@@ -941,6 +941,15 @@ class World(Closing):
         self.snapshots.restore(start, anew=self._start_is_old)
         self._start, self._start_is_old = start, False
 
+    @exclusive
+    def begin_here(self) -> None:
+        """Make the present state the one that a reset returns to, such as after an edit before the first step."""
+        self._start, self._start_is_old = None, False  # while it is taken, the world is `starting`
+        try:
+            self._start = self.snapshots.save()
+        except GazeboError as error:
+            self._start = error
+
     def _first_state(self) -> bytes | GazeboError | None:
         """The state at the start of a world of the same file, with models as their classes are now."""
         with self._twin() as twin:

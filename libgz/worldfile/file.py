@@ -256,8 +256,7 @@ class WorldFile:
         if target is None:
             raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
         try:
-            elements = [self._adopted(node, removed) for node in added]
-            source = self._changed_source({n.number for n in removed if n.file is self}, elements)
+            source = self.text(removed=removed, added=added)
         except WorldFileError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
         log.info("saving: %s", target)
@@ -271,6 +270,36 @@ class WorldFile:
         except OSError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error.strerror}") from None
         return 0
+
+    def text(self, *, removed: Collection[WorldFileNode] = (), added: Iterable[WorldFileNode] = ()) -> bytes:
+        """What `Save` writes, with the same arguments.
+
+        Raises:
+            WorldFileError: the document is in UTF-16 or UTF-32.
+        """
+        elements = [self._adopted(node, removed) for node in added]
+        return self._changed_source({n.number for n in removed if n.file is self}, elements)
+
+    def text_with(self, element: bytes) -> bytes:
+        """The file's bytes with another element at the end.
+
+        Raises:
+            WorldFileError: the document is in UTF-16 or UTF-32.
+        """
+        return self._changed_source(appended=[element])
+
+    def element_text(self, node: WorldFileNode) -> str:
+        """The text of one element, with its changed values and the prefixes that it needs.
+
+        Raises:
+            WorldFileError: the document is in UTF-16 or UTF-32.
+        """
+        return self._changed_source(only=node.number).decode(self.encoding)
+
+    @property
+    def models(self) -> list[WorldFileNode]:
+        """The elements of models, in order of the document."""
+        return [node for node in self.GetRootNode().walk() if node.prefix == "model"]
 
     def _changed_source(self, removed: Collection[int] = (), appended: Sequence[bytes] = (), only: int = 0) -> bytes:
         """The file's bytes, or those of one element, with its changed values."""

@@ -1,0 +1,373 @@
+"""SdfEditor: edits values in the text of an SDF file, and builds what they belong to again in the running world."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from lxml import etree
+
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, WorldFileError, nearest
+from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.sdf.description import UNITS, UNSET, VERSIONS, Description, describe
+from libgz.sdf.element import Element
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdf.value import check
+from libgz.sdf.xml import ROOTS, local_name
+from libgz.sdfworld.text import SdfText, Step, children
+from libgz.sdfworld.world import BUILT, WORLD_FILE, SdfWorld
+from libgz.simulation.editor import LONGEST_TEXT, Value, numbers_of
+from libgz.simulation.entity import Entity
+from libgz.simulation.journal import Source
+from libgz.simulation.world import World
+
+__all__ = ["SdfEditor"]
+
+# Types of the description -> those of `Value`, and how many numbers.
+TYPES = {
+    "double": ("number", 1, 1),
+    "int": ("integer", 1, 1),
+    "unsigned int": ("integer", 1, 1),
+    "bool": ("bool", 1, 1),
+    "vector2d": ("vector", 2, 2),
+    "vector2i": ("vector", 2, 2),
+    "vector3": ("vector", 3, 3),
+    "pose": ("vector", 6, 6),
+    "color": ("color", 3, 4),
+}
+# Elements with values of their own, which are parts of a model.
+PARTS = ("model", "link", "joint", "sensor", "collision", "visual", "light", "actor", "gripper", "plugin", "projector")
+# What is offered although the file does not have it.
+OFFERED = (
+    *("inertial", "inertia", "material", "limit", "dynamics", "surface", "friction", "ode", "solver", "constraints"),
+    *("attenuation", "physics", "scene", "fog", "wind", "atmosphere"),
+)
+# Of a world: what has editors of its own, or no value.
+NOT_OFFERED = ("audio", "gui", "road", "state", "population", "include", "frame", "plugin", "bullet", "simbody", "dart")
+INSIDE = {"link": ("collision", "visual")}  # whose values are listed with those of their link
+DEEPEST = 8
+MOST_VALUES = 2000
+
+
+class _Place(NamedTuple):
+    """Where values are: a document, an element of it, and its description.
+
+    Attributes:
+        source: in the journal; number 0 is the world's file.
+        text: the document.
+        element: the element.
+        about: its description.
+    """
+
+    source: Source
+    text: SdfText
+    element: etree._Element
+    about: Description
+
+
+class SdfEditor:
+    """Edits a world of Gazebo classic; `World.extension(SdfEditor)` returns it.
+
+    Args:
+        world: of classic.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._era: SdfWorld = world.extension(SdfWorld)
+
+    def values(self, entity: Entity | None, part: str = "", kind: str = "") -> list[Value]:
+        """The values of a model, light, actor, or a part of one, or of the world, as SDF describes them."""
+        place = self._place(entity, part, kind)
+        found = list(self._values(place, place.element, place.about, "", "", 0))
+        links = list(children(place.element, "link"))
+        if local_name(place.element) == "model" and len(links) == 1:
+            about = place.about.children["link"]
+            name = links[0].get("name", "")
+            found += self._values(place, links[0], about, f"link[{name}]/", f"link {name}", 0)
+        for value in found:
+            if value.key == "pose" and not part and entity is not None and entity.parent is None:
+                pose = entity.GetPose()
+                value.value = [*pose.pos, *GzQuaternToEuler(pose.rot)]
+        return found[:MOST_VALUES]
+
+    def _values(
+        self, place: _Place, xml: etree._Element | None, about: Description, key: str, group: str, depth: int
+    ) -> Iterator[Value]:
+        def below(name: str) -> str:
+            return f"{group} / {name}".strip(" /")
+
+        for name, attribute in about.all_attributes.items():
+            given = None if xml is None else xml.get(name)
+            yield self._value(place, xml, attribute, f"{key}@{name}", name, group, given)
+        for name, child in about.children.items():
+            if name in NOT_OFFERED or depth > DEEPEST:
+                continue
+            present = [] if xml is None else list(children(xml, name))
+            if name in INSIDE.get(about.name, ()):
+                for one in present:
+                    own = one.get("name", "")
+                    yield from self._values(
+                        place, one, child, f"{key}{name}[{own}]/", below(f"{name} {own}"), depth + 1
+                    )
+            elif name in PARTS or len(present) > 1:
+                continue
+            elif child.type:
+                given = (present[0].text or "").strip() if present else None
+                yield self._value(place, present[0] if present else xml, child, key + name, name, group, given)
+            elif present or child.required or name in OFFERED:
+                inner = f"{group} / {name}".strip(" /")
+                yield from self._values(
+                    place, present[0] if present else None, child, f"{key}{name}/", inner, depth + 1
+                )
+
+    @staticmethod
+    def _value(
+        place: _Place, xml: etree._Element | None, about: Any, key: str, label: str, group: str, text: str | None
+    ) -> Value:
+        kind = TYPES.get(about.type, ("text", 1, 1))[0]
+        default = "" if about.default == UNSET else about.default
+        unit = about.note if about.note in UNITS else "m, rad" if about.type == "pose" else ""
+        line = xml.sourceline if xml is not None and isinstance(xml.sourceline, int) else 0
+        note = "" if about.note in UNITS else about.note
+        return Value(
+            key, label, group, kind, _shown(kind, default if text is None else text), text or "", unit,
+            help=note, file=place.text.label, line=line,
+        )  # fmt: skip
+
+    def edit(self, entity: Entity | None, part: str, kind: str, key: str, value: Any) -> Entity | None:
+        """Change a value of a model, which is built again at its pose, at rest; or of the world.
+
+        Raises:
+            NotFoundError: there is no such value.
+            GazeboError: the value is not allowed.
+        """
+        place = self._place(entity, part, kind)
+        about = _about(place.about, key)
+        text = _text(about, key, value)
+        if entity is None:
+            self._take(place, self._edited(place, key, text))
+            self._apply_world()
+            return None
+        if key == "pose" and not part and entity.parent is None:
+            numbers = numbers_of(value, 6, 6)
+            pose = GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:]))
+            self._take(place, place.text.changed(place.text.pose(place.element, text)))
+            self._world.SetModelPose(entity, pose)
+            entity.initPose = pose
+            return entity
+        if key == "@name" and not part:
+            self._check_name(entity, text)
+        return self._rebuild(entity, place, self._edited(place, key, text))
+
+    def copy_text(self, entity: Entity) -> str:
+        """The SDF of an entity under a name that no other one has, at its present pose."""
+        top = _top(entity)
+        element = getattr(top, "sdf", None)
+        if not isinstance(element, Element) or element.name not in BUILT:
+            raise ParameterError(f"{entity.GetId()!r} has no text to copy")
+        copy = upgraded(element)
+        stem = re.sub(r"_?\d+$", "", top.GetId()) or "model"
+        taken = {one.GetId() for one in self._world.entities}
+        copy.set_attribute("name", next(f"{stem}_{n}" for n in range(1, len(taken) + 2) if f"{stem}_{n}" not in taken))
+        (next(copy.named("pose"), None) or copy.AddElement("pose")).Set(top.GetPose())
+        return f"<sdf version='{NEWEST}'>{copy.ToString()}</sdf>"
+
+    # Places ----------------------------------------------------------------------------------------------------------
+
+    def _file(self) -> SdfFile:
+        if self._era.file is None:
+            raise WorldFileError("this world was not loaded from an SDF file, so there is nothing to edit")
+        return self._era.file
+
+    def _place(self, entity: Entity | None, part: str, kind: str) -> _Place:
+        """Where the values of an entity, or of a part of it, are in the text.
+
+        Raises:
+            NotFoundError: they are not in it.
+        """
+        if entity is None:
+            text = self._era.sdf_text()
+            if local_name(text.holder) != "world":
+                raise NotFoundError(f"{text.label} has no <world>, so its settings cannot be edited")
+            return _Place(WORLD_FILE, text, text.holder, self._blocks(text)["world"])
+        top, path = _top(entity), _path(entity)
+        source = top.origin.source if top.origin is not None else None
+        if source is None:
+            raise NotFoundError(f"{entity.GetId()!r} was made by code, not from a file; it cannot be edited")
+        text = self._era.sdf_text() if not source.number else SdfText(source.text, source.label or "<inserted>")
+        element = text.find(path)
+        if element is None:
+            sdf = getattr(top, "sdf", None)
+            where = sdf.file if isinstance(sdf, Element) else ""
+            why = f"it is included from {where}" if where and where != text.label else "it is made by another element"
+            raise NotFoundError(f"{entity.GetId()!r} has no element of its own in {text.label}: {why}; edit it there")
+        about = self._blocks(text)[local_name(element)]
+        for step in _parts(element, part, kind):
+            below = next((one for one in children(element, step[0]) if one.get("name") == step[1]), None)
+            if below is None:
+                names = [str(one.get("name")) for one in children(element, step[0])]
+                raise NotFoundError(f"{entity.GetId()!r} has no {step[0]} {step[1]!r}{nearest(step[1], names)}")
+            element, about = below, about.children[step[0]]
+        return _Place(source, text, element, about)
+
+    @staticmethod
+    def _blocks(text: SdfText) -> Any:
+        version = (text.root.get("version") or "").strip()
+        if local_name(text.root) not in ROOTS or version not in VERSIONS:
+            raise WorldFileError(
+                f"{text.label} is not SDF {VERSIONS[0]} to {VERSIONS[-1]}; `libgz upgrade` converts it, for editing"
+            )
+        return describe(version)
+
+    @staticmethod
+    def _edited(place: _Place, key: str, text: str) -> bytes:
+        steps = _steps(key)
+        element, left = place.element, []
+        for index, (tag, name) in enumerate(steps):
+            if not name:
+                left = [tag for tag, _ in steps[index:]]
+                break
+            found = place.text.find([(tag, name)], element)
+            if found is None:
+                raise NotFoundError(f"there is no {tag} {name!r}")
+            element = found
+        return place.text.changed(place.text.value(element, left, text))
+
+    def _take(self, place: _Place, text: bytes) -> Source:
+        """Take an edited text; its source in the journal."""
+        self._world.forget_states()
+        if not place.source.number:
+            self._era.set_text(text)
+            return place.source
+        return self._era.exchange_insertion(place.source, text)
+
+    # Building again --------------------------------------------------------------------------------------------------
+
+    def _check_name(self, entity: Entity, text: str) -> None:
+        taken = any(one is not entity and one.GetId() == text for one in self._world.entities)
+        if taken or not text or "::" in text:
+            raise ParameterError(f"name {text!r} is not allowed; it must be a name that nothing else in the world has")
+
+    def _apply_world(self) -> None:
+        diagnostics = Diagnostics()
+        self._era.apply_again(diagnostics)
+        diagnostics.raise_errors()
+
+    def _rebuild(self, entity: Entity, place: _Place, text: bytes) -> Entity:
+        """Take an edited text, and build the entity at the top again."""
+        top, world = _top(entity), self._world
+        family = [one for one in world.entities if _top(one) is top]
+        nested = family.index(entity)
+        pose, home, moved = top.GetPose(), top.initPose, _differs(top.GetPose(), top.initPose)
+        source = self._take(place, text)
+        with world.hold():
+            new = self._era.build_again(top, source)
+            if moved:
+                world.SetModelPose(new, pose)
+            new.initPose = home
+        again = [one for one in world.entities if _top(one) is new]
+        return again[nested] if nested < len(again) else new
+
+
+def _differs(one: GzPose, other: GzPose) -> bool:
+    return any(abs(a - b) > 0.0 for a, b in zip((*one.pos, *one.rot), (*other.pos, *other.rot), strict=True))
+
+
+def _top(entity: Entity) -> Entity:
+    while entity.parent is not None:
+        entity = entity.parent
+    return entity
+
+
+def _path(entity: Entity) -> list[Step]:
+    """The path of an entity's element from the world on."""
+    steps: list[Step] = []
+    element = getattr(entity, "sdf", None)
+    while isinstance(element, Element) and element.name in BUILT:
+        steps.insert(0, (element.name, element.Get(str, "name")))
+        element = element.parent
+    return steps or [("model", entity.GetId())]
+
+
+def _parts(element: etree._Element, part: str, kind: str) -> Iterator[Step]:
+    """The path of a part from its model on; a sensor may be named with its link."""
+    if not part:
+        return
+    tag = {"body": "link"}.get(kind, kind) or "link"
+    if tag not in ("link", "joint", "sensor", "light", "model"):
+        raise ParameterError(f"kind {kind!r} is not allowed; it must be link, joint, sensor or light")
+    *above, name = part.split("::")
+    if (
+        tag == "link"
+        and name == "canonical"
+        and not any(True for one in children(element, "link") if one.get("name") == name)
+    ):
+        name = next((str(one.get("name")) for one in children(element, "link")), name)
+    if tag in ("sensor", "light") and not above:
+        holders = [one for one in children(element, "link") if any(s.get("name") == name for s in children(one, tag))]
+        above = [str(holders[0].get("name"))] if holders else []
+    for step in above:
+        yield ("model", step) if any(one.get("name") == step for one in children(element, "model")) else ("link", step)
+    yield tag, name
+
+
+_STEP = re.compile(r"([^/\[\]]+)(?:\[([^\[\]]*)\])?(?:/|$)")
+
+
+def _steps(key: str) -> list[Step]:
+    """The steps of a key: ``link[base]/inertial/mass``."""
+    return [(match[1], match[2] or "") for match in _STEP.finditer(key)]
+
+
+def _about(about: Description, key: str) -> Any:
+    """The description of the value of a key.
+
+    Raises:
+        NotFoundError: SDF has none.
+    """
+    for tag, _ in _steps(key)[: DEEPEST + 3]:
+        known: Any = about.all_attributes if tag.startswith("@") else about.children
+        found = known.get(tag.removeprefix("@"))
+        if found is None or tag in NOT_OFFERED:
+            raise NotFoundError(f"<{about.name}> has no {tag!r} to edit{nearest(tag, known)}")
+        about = found
+    if not about.type or _steps(key) == []:
+        raise NotFoundError(f"{key!r} is no value; it holds others")
+    return about
+
+
+def _shown(kind: str, text: str) -> Any:
+    words = text.split()
+    try:
+        if kind in ("vector", "color"):
+            return [float(word) for word in words]
+        if kind in ("number", "integer"):
+            return (int if kind == "integer" else float)(words[0]) if words else 0
+    except ValueError:
+        return text
+    return text.strip().lower() in ("true", "1") if kind == "bool" else text
+
+
+def _text(about: Any, key: str, value: Any) -> str:
+    """The text of a value that a page sends.
+
+    Raises:
+        ParameterError: it is not of the type that SDF describes.
+    """
+    kind, least, most = TYPES.get(about.type, ("text", 1, 1))
+    if kind == "bool":
+        if not isinstance(value, bool):
+            raise ParameterError(f"{value!r} is not allowed; it must be true or false")
+        return "true" if value else "false"
+    if kind == "text":
+        if not isinstance(value, str) or len(value) > LONGEST_TEXT or not value.replace("\n", " ").isprintable():
+            raise ParameterError(f"the value must be a text of at most {LONGEST_TEXT} printable characters")
+        return value.strip()
+    text = " ".join(repr(v + 0.0).removesuffix(".0") for v in numbers_of(value, least, most))
+    allowed = check(about.type, text)
+    if allowed:
+        raise ParameterError(f"{text!r} is not allowed; {key} must be {allowed}")
+    return text

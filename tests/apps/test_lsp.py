@@ -1,0 +1,128 @@
+"""The language server, spoken to by a client of the protocol over its standard input and output."""
+
+import asyncio
+import contextlib
+
+import pytest
+from lsprotocol import types
+from pygls.lsp.client import LanguageClient
+
+from libgz.base.python import run_module
+
+LEGACY = """<?xml version="1.0"?>
+<gz:world xmlns:gz="http://playerstage.sourceforge.net/gazebo/xmlschema/#gz"
+  xmlns:model="http://playerstage.sourceforge.net/gazebo/xmlschema/#model">
+  <model:SimpleSolid>
+    <id>b</id>
+    <sise>1 1 1</sise>
+  </model:SimpleSolid>
+</gz:world>
+"""
+SDF = """<sdf version="1.6">
+<world name="w">
+<model name="m"><link name="l"><inertial><mass>heavy</mass></inertial></link></model>
+</world>
+</sdf>
+"""
+PLUGIN = """from pathlib import Path
+Path(__file__).with_name("ran").touch()
+"""
+
+
+class Editor:
+    """A client that keeps the diagnostics that it receives."""
+
+    def __init__(self):
+        self.client = LanguageClient("test", "1")
+        self.received = asyncio.Queue()
+
+        @self.client.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
+        def take(parameters):
+            self.received.put_nowait(parameters)
+
+    async def open(self, path, text):
+        document = types.TextDocumentItem(path.as_uri(), "xml", 1, text)
+        self.client.text_document_did_open(types.DidOpenTextDocumentParams(document))
+        return await self.diagnostics()
+
+    async def change(self, path, text, version=2):
+        document = types.VersionedTextDocumentIdentifier(uri=path.as_uri(), version=version)
+        changes = [types.TextDocumentContentChangeWholeDocument(text)]
+        self.client.text_document_did_change(types.DidChangeTextDocumentParams(document, changes))
+        return await self.diagnostics()
+
+    async def diagnostics(self):
+        found = await asyncio.wait_for(self.received.get(), 120)
+        return found.diagnostics
+
+
+@contextlib.asynccontextmanager
+async def editor():
+    one = Editor()
+    await one.client.start_io(*run_module("libgz", "lsp"))
+    try:
+        await one.client.initialize_async(types.InitializeParams(types.ClientCapabilities()))
+        one.client.initialized(types.InitializedParams())
+        yield one
+    finally:
+        await one.client.shutdown_async(None)
+        one.client.exit(None)
+        await one.client.stop()
+
+
+async def errors_completions_and_meanings(path, text, wrong, right, begun, offered):
+    document = types.TextDocumentIdentifier(path.as_uri())
+    line = next(number for number, one in enumerate(text.splitlines()) if wrong in one)
+    async with editor() as one:
+        found = await one.open(path, text)
+        assert [error.range.start.line for error in found] == [line]
+        assert found[0].source == "libgz"
+        fixed = text.replace(wrong, right)
+        assert list(await one.change(path, fixed)) == []
+        await one.change(path, fixed.replace(right, begun), 3)
+        column = fixed.replace(right, begun).splitlines()[line].index(begun) + len(begun)
+        place = types.Position(line, column)
+        listed = await one.client.text_document_completion_async(types.CompletionParams(document, place))
+        item = next(one for one in listed.items if one.label == offered)
+        assert item.text_edit.range.start.character == column - len(begun.lstrip("<"))
+        await one.change(path, fixed, 4)
+        column = fixed.splitlines()[line].index(f"<{offered}>") + 2
+        place = types.Position(line, column)
+        shown = await one.client.text_document_hover_async(types.HoverParams(document, place))
+        assert f"**{offered}**" in shown.contents.value
+        closed = types.DidCloseTextDocumentParams(document)
+        one.client.text_document_did_close(closed)
+        assert list(await one.diagnostics()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "wrong", "right", "begun", "offered"),
+    [
+        ("my.world", LEGACY, "sise", "size", "<siz", "size"),
+        ("my.sdf", SDF, "<mass>heavy", "<mass>3", "<ma", "mass"),
+    ],
+)
+def test_errors_are_shown_while_a_text_is_typed(tmp_path, name, text, wrong, right, begun, offered):
+    path = tmp_path / name  # the file need not be there: the editor's text counts
+    if wrong == "sise":
+        right, wrong = "<size>1 1 1</size>", "<sise>1 1 1</sise>"
+    asyncio.run(errors_completions_and_meanings(path, text, wrong, right, begun, offered))
+
+
+async def diagnostics_of(path, text):
+    async with editor() as one:
+        return await one.open(path, text)
+
+
+def test_no_plugin_of_a_text_runs(tmp_path):
+    (tmp_path / "evil.py").write_text(PLUGIN)
+    text = LEGACY.replace("<sise>1 1 1</sise>", "<plugin>evil.py</plugin>").replace("SimpleSolid", "Evil")
+    found = asyncio.run(diagnostics_of(tmp_path / "my.world", text))
+    assert not (tmp_path / "ran").exists()
+    assert [one.severity for one in found] == [types.DiagnosticSeverity.Information]
+
+
+def test_what_is_no_xml_is_an_error_of_its_line(tmp_path):
+    found = asyncio.run(diagnostics_of(tmp_path / "my.world", "<gz:world xmlns:gz='x'>\n<model"))
+    assert found
+    assert {one.severity for one in found} == {types.DiagnosticSeverity.Error}

@@ -488,14 +488,14 @@ class SdfJoint:
     @law
     def _motion(self, change: float, index: int) -> tuple[GzVector, GzVector]:
         """(rotation vector, translation), global, of a change of an axis' position."""
-        index = min(index, len(self.axes) - 1)
-        self._axis_checked(index)
+        number = min(index, len(self.axes) - 1)
+        self._axis_checked(number)
         mechanism = self._mechanism
         if mechanism is None:
             return GzVector(), GzVector()
-        axis = mechanism.axis(index)
+        axis = mechanism.axis(number)
         if axis is None:
-            axis = rotate(self._frame().rot, self._local[index])
+            axis = rotate(self._frame().rot, self._local[number])
         return mechanism.motion(change, index, axis)
 
     # Places ----------------------------------------------------------------------------------------------------------

@@ -162,7 +162,8 @@ def slerp(start: Array, end: Array, share: float) -> Array:
 
 def turn_matrices(turns: Array) -> Array:
     """Quaternions (u, x, y, z) as matrices without a translation, shape (n, 4, 4)."""
-    u, x, y, z = np.moveaxis(np.asarray(turns, dtype=np.float64), -1, 0)
+    turns = np.asarray(turns, dtype=np.float64)
+    u, x, y, z = (turns[..., i] for i in range(4))
     result = np.zeros((*u.shape, 4, 4))
     result[..., 0, 0] = 1.0 - 2.0 * (y * y + z * z)
     result[..., 0, 1] = 2.0 * (x * y - u * z)

@@ -141,7 +141,8 @@ def limbs() -> str:
             f"<rotate>0 0 1 {angle}</rotate><rotate sid='turn'>0 1 0 0</rotate>{''.join(map(bone, children))}</node>"
         )
 
-    binds, points, faces = [], [], []
+    binds, faces = [], []
+    points: list[object] = []
     for number in range(BONES):
         angle, along = math.radians(72 * ((number - 1) % 5 + 1)) if number else 0.0, 0.2 * ((number - 1) // 5)
         turn = np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]])

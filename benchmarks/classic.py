@@ -111,6 +111,78 @@ def heightmap(folder: Path) -> str:
     )
 
 
+BONES, RINGS, KEYS = 31, 4, 60  # of a skin: bones, squares of vertices along each, and keys of its animation
+
+
+def actors(folder: Path, count: int) -> str:
+    """Actors that play the animation of a skin where they stand: five limbs of bones, each of which nods."""
+    (folder / "limbs.dae").write_text(limbs())
+    skin = "<skin><filename>limbs.dae</filename></skin><animation name='nod'><filename>limbs.dae</filename></animation>"
+    return "".join(
+        f"<actor name='a{i}'><pose>{2 * i} 0 1 0 0 0</pose>{skin}<script><trajectory id='0' type='nod'><waypoint>"
+        f"<time>0</time><pose>{2 * i} 0 1 0 0 0</pose></waypoint><waypoint><time>2</time><pose>{2 * i} 2 1 0 0 1</pose>"
+        "</waypoint></trajectory></script></actor>"
+        for i in range(count)
+    )
+
+
+def limbs() -> str:
+    """The COLLADA file of that skin: a root with five chains of bones of 0.2 m."""
+
+    def source(name: str, values: object) -> str:
+        text = " ".join(f"{value:g}" for value in np.ravel(np.asarray(values, dtype=float)))
+        return f"<source id='{name}'><float_array id='{name}-a'>{text}</float_array></source>"
+
+    def bone(number: int) -> str:
+        children = range(1, 6) if number == 0 else range(number + 5, min(number + 6, BONES))
+        angle = 72 * number if number < 6 else 0
+        return (
+            f"<node id='b{number}' name='b{number}' type='JOINT'><translate>{0.2 * (number > 5)} 0 0</translate>"
+            f"<rotate>0 0 1 {angle}</rotate><rotate sid='turn'>0 1 0 0</rotate>{''.join(map(bone, children))}</node>"
+        )
+
+    binds, faces = [], []
+    points: list[object] = []
+    for number in range(BONES):
+        angle, along = math.radians(72 * ((number - 1) % 5 + 1)) if number else 0.0, 0.2 * ((number - 1) // 5)
+        turn = np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]])
+        bind = np.eye(4)
+        bind[:3, :3], bind[:3, 3] = turn.T, (-along if number else 0.0, 0, 0)
+        binds.append(bind)
+        for ring in range(RINGS):
+            corners = [(along + 0.2 * ring / (RINGS - 1), y, z) for y, z in ((-0.03, -0.03), (0.03, -0.03), (0, 0.03))]
+            if ring:
+                first = len(points)
+                faces += [(first + i - 3, first + (i + 1) % 3 - 3, first + i) for i in range(3)]
+                faces += [(first + (i + 1) % 3 - 3, first + (i + 1) % 3, first + i) for i in range(3)]
+            points += [turn @ corner for corner in corners]
+    times = np.linspace(0, 2, KEYS)
+    animations = "".join(
+        f"<animation>{source(f't{i}', times)}{source(f'v{i}', 20 * np.sin(math.pi * times + i))}<sampler id='s{i}'>"
+        f"<input semantic='INPUT' source='#t{i}'/><input semantic='OUTPUT' source='#v{i}'/></sampler>"
+        f"<channel source='#s{i}' target='b{i}/turn.ANGLE'/></animation>"
+        for i in range(BONES)
+    )
+    each = 3 * RINGS
+    return (
+        "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
+        f"<library_geometries><geometry id='mesh'><mesh>{source('points', points)}<vertices id='all'>"
+        f"<input semantic='POSITION' source='#points'/></vertices><triangles count='{len(faces)}'><input semantic="
+        f"'VERTEX' source='#all' offset='0'/><p>{' '.join(map(str, np.ravel(faces)))}</p></triangles></mesh></geometry>"
+        f"</library_geometries><library_controllers><controller id='ctl'><skin source='#mesh'>{source('binds', binds)}"
+        f"{source('weights', [1])}<source id='joints'><Name_array count='{BONES}'>"
+        f"{' '.join(f'b{i}' for i in range(BONES))}</Name_array></source><joints><input semantic='JOINT' source="
+        "'#joints'/><input semantic='INV_BIND_MATRIX' source='#binds'/></joints><vertex_weights count="
+        f"'{len(points)}'><input semantic='JOINT' source='#joints' offset='0'/><input semantic='WEIGHT' source="
+        f"'#weights' offset='1'/><vcount>{'1 ' * len(points)}</vcount><v>"
+        f"{' '.join(f'{i // each} 0' for i in range(len(points)))}</v></vertex_weights></skin></controller>"
+        f"</library_controllers><library_animations>{animations}</library_animations><library_visual_scenes>"
+        f"<visual_scene id='scene'>{bone(0)}<node id='skin'><instance_controller url='#ctl'><skeleton>#b0</skeleton>"
+        "</instance_controller></node></visual_scene></library_visual_scenes><scene><instance_visual_scene "
+        "url='#scene'/></scene></COLLADA>"
+    )
+
+
 def tree(joints: int) -> str:
     """A fixed trunk with four limbs of revolute joints that are held by damping."""
     parts, limbs = [], 4
@@ -142,6 +214,7 @@ def scenes(folder: Path) -> Iterator[tuple[str, str]]:
     yield "20 imus", world(*(box(f"b{i}", i % 5, i // 5, 0.25, IMU) for i in range(20)))
     yield "20 contacts", world(*(box(f"b{i}", i % 5, i // 5, 0.25, CONTACT) for i in range(20)))
     yield "heightmap", world(heightmap(folder), *(box(f"b{i}", 2 * (i % 5), 2 * (i // 5), 3) for i in range(20)))
+    yield "5 actors", world(actors(folder, 5))
     yield "231 static", world(*(box(f"b{i}", i % 20, i // 20, 0.25, static=True, size="2 2 .5") for i in range(231)))
     radios = [box("hear", 0, 0, 1, RADIO.format("receiver", HEARING), static=True)]
     radios += [box(f"s{i}", 3 * i + 3, i, 1, RADIO.format("transmitter", SENDING), static=True) for i in range(4)]

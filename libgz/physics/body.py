@@ -12,6 +12,9 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from libgz.base.errors import ClosedError, ParameterError
 from libgz.base.geometry import (
     GzCoordPoseAdd,
@@ -40,7 +43,7 @@ if TYPE_CHECKING:
     from libgz.physics.geom import Geom
     from libgz.physics.joint import Joint
 
-__all__ = ["Body"]
+__all__ = ["Body", "place_dummies"]
 
 log = logging.getLogger("libgz.physics")
 
@@ -631,3 +634,34 @@ def point_velocity(motion: Sequence[float], point: VectorLike) -> GzVector:
     px, py, pz = point
     px, py, pz = px - x, py - y, pz - z
     return GzVector(vx + (wy * pz - wz * py), vy + (wz * px - wx * pz), vz + (wx * py - wy * px))
+
+
+@exclusive
+def place_dummies(
+    engine: Engine, bodies: Sequence[Body], positions: NDArray[np.float64], rotations: NDArray[np.float64]
+) -> None:
+    """Put dummies at global poses, as `Body.SetPose` puts each: positions [m], shape (n, 3); rotations, shape (n, 4).
+
+    Raises:
+        ParameterError: a number is not finite.
+    """
+    u, x, y, z = rotations.T
+    lengths = np.sqrt(u * u + x * x + y * y + z * z)
+    if not (np.abs(positions) <= FAR).all() or not ((lengths > 0.5) & (lengths < 2.0)).all():
+        for body, position, rotation in zip(bodies, positions.tolist(), rotations.tolist(), strict=True):
+            body.SetPose(GzPose(GzVector(*position), GzQuatern(*rotation)))
+        return
+    turns = np.ascontiguousarray(rotations / lengths[:, None])
+    address, lib = turns.ctypes.data, ode()
+    for body, position, turn in zip(bodies, positions.tolist(), turns.tolist(), strict=True):
+        body._pose = GzPose(GzVector(*position), GzQuatern(*turn))
+        for geom in body.geoms:
+            if geom.centred:
+                lib.dGeomSetPosition(geom.id, *position)
+                lib.dGeomSetQuaternion(geom.id, address)
+            else:
+                geom.follow_dummy()
+        address += turns.strides[0]
+    engine.moved_dummies.update(bodies)
+    engine.tables.record.changes += 1
+    engine.wake()

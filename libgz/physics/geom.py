@@ -38,6 +38,8 @@ MASSLESS = 1e-16  # [kg]; SetMass of less makes a geom weightless
 
 Color = tuple[float, ...]  # red, green, blue, alpha
 
+_CENTRE = GzPose()
+
 _numbers = itertools.count(1)
 
 
@@ -196,6 +198,12 @@ class Geom:
         position = (p - c for p, c in zip(self._relative.pos, self.body.com, strict=True))
         ode().dGeomSetOffsetPosition(self.id, *position)
         ode().dGeomSetOffsetQuaternion(self.id, (ctypes.c_double * 4)(*self._turned(self._relative.rot)))
+
+    @property
+    def centred(self) -> bool:
+        """Whether ODE's geom is where its body's frame is."""
+        placed = self._id is not None and self.placeableGeom and self.extra_rotation is None
+        return placed and self._relative == _CENTRE
 
     @exclusive
     def follow_dummy(self) -> None:

@@ -117,6 +117,8 @@ def sum_masses(masses: Iterable[Mass]) -> Mass:
 def positive_definite(moments: Iterable[float]) -> bool:
     """Whether moments of inertia ixx, iyy, izz, ixy, ixz, iyz [kg m^2] are positive about every axis."""
     ixx, iyy, izz, ixy, ixz, iyz = moments
+    if ixy == ixz == iyz == 0.0:
+        return ixx > 0.0 and iyy > 0.0 and izz > 0.0
     matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
     return bool(np.linalg.eigvalsh(matrix).min() > 0.0)
 

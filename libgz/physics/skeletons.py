@@ -135,9 +135,18 @@ class Figure:
         local[:, :3, 3] = positions
         result = np.empty_like(local)
         result[0] = root
-        for bone in range(1, len(self.parents)):
-            result[bone] = result[self.parents[bone]] @ local[bone]
+        for bones, parents in self.generations:
+            result[bones] = result[parents] @ local[bones]
         return result
+
+    @functools.cached_property
+    def generations(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """(bones, their parents) of those that are equally far from the root, without the root, the nearest first."""
+        depths = np.zeros(len(self.parents), dtype=np.int64)
+        for bone, parent in enumerate(self.parents[1:], start=1):
+            depths[bone] = depths[parent] + 1
+        rows = [np.flatnonzero(depths == depth) for depth in range(1, int(depths.max()) + 1)]
+        return [(bones, np.array(self.parents)[bones]) for bones in rows]
 
     def fits(self, other: Figure) -> bool:
         """Whether animations of another skeleton fit this one: as many bones, with as many children each."""
@@ -162,7 +171,8 @@ def slerp(start: Array, end: Array, share: float) -> Array:
 
 def turn_matrices(turns: Array) -> Array:
     """Quaternions (u, x, y, z) as matrices without a translation, shape (n, 4, 4)."""
-    u, x, y, z = np.moveaxis(np.asarray(turns, dtype=np.float64), -1, 0)
+    turns = np.asarray(turns, dtype=np.float64)
+    u, x, y, z = (turns[..., i] for i in range(4))
     result = np.zeros((*u.shape, 4, 4))
     result[..., 0, 0] = 1.0 - 2.0 * (y * y + z * z)
     result[..., 0, 1] = 2.0 * (x * y - u * z)
@@ -188,18 +198,18 @@ def matrix_turns(matrices: Array) -> Array:
     xx, yy, zz = turn[..., 0, 0], turn[..., 1, 1], turn[..., 2, 2]
     a, b, c = (turn[..., i, j] for i, j in ((2, 1), (0, 2), (1, 0)))
     d, e, f = (turn[..., i, j] for i, j in ((1, 2), (2, 0), (0, 1)))
-    ways = np.stack(
-        [
-            np.stack([1.0 + xx + yy + zz, a - d, b - e, c - f], axis=-1),
-            np.stack([a - d, 1.0 + xx - yy - zz, f + c, b + e], axis=-1),
-            np.stack([b - e, f + c, 1.0 - xx + yy - zz, a + d], axis=-1),
-            np.stack([c - f, b + e, a + d, 1.0 - xx - yy + zz], axis=-1),
-        ],
-        axis=-2,
+    ways = np.empty((*turn.shape[:-2], 4, 4))
+    rows = (
+        (1.0 + xx + yy + zz, a - d, b - e, c - f),
+        (a - d, 1.0 + xx - yy - zz, f + c, b + e),
+        (b - e, f + c, 1.0 - xx + yy - zz, a + d),
+        (c - f, b + e, a + d, 1.0 - xx - yy + zz),
     )
-    lengths = np.linalg.norm(ways, axis=-1)
-    best = np.argmax(lengths, axis=-1)
-    found: Array = np.take_along_axis(ways, best[..., None, None], axis=-2)[..., 0, :]
+    for i, row in enumerate(rows):
+        for j, value in enumerate(row):
+            ways[..., i, j] = value
+    best = np.argmax(np.linalg.norm(ways, axis=-1), axis=-1).ravel()
+    found: Array = ways.reshape(-1, 4, 4)[np.arange(len(best)), best].reshape(ways.shape[:-1])
     found /= np.linalg.norm(found, axis=-1, keepdims=True)
     found[found[..., 0] < 0.0] *= -1.0
     return found

@@ -91,13 +91,14 @@ class Element:
         self.parent: Element | None = None
         self.children: list[Element] = []
         self.attributes: dict[str, Param] = {}
-        self.value = Param(name, "", "", given=False)
-        self._take_defaults()
+        if description is not None:
+            self._take_defaults(description)
+        else:
+            self.value = Param(name, "", "", given=False)
 
-    def _take_defaults(self) -> None:
-        about = self.description
-        self.value = Param(self.name, about.type, about.default, given=False) if about else self.value
-        for key, attribute in about.all_attributes.items() if about else ():
+    def _take_defaults(self, about: Description) -> None:
+        self.value = Param(self.name, about.type, about.default, given=False)
+        for key, attribute in about.all_attributes.items():
             self.attributes[key] = Param(key, attribute.type, attribute.default, given=False)
 
     def __repr__(self) -> str:
@@ -152,7 +153,7 @@ class Element:
     def describe(self, description: Description) -> None:
         """Take a description: tag, defaults of attributes, and required children."""
         self.name, self.description = description.name, description
-        self._take_defaults()
+        self._take_defaults(description)
         self.add_required()
 
     # Children ----------------------------------------------------------------------------------------------------
@@ -162,19 +163,28 @@ class Element:
         return (child for child in self.children if child.name == name)
 
     def find(self, name: str) -> Iterator[Element]:
-        """All elements of one name in this one, at any depth."""
+        """All elements of one name in this one, at any depth, in the order of the file."""
+        waiting = self.children[::-1]
+        while waiting:
+            element = waiting.pop()
+            if element.name == name:
+                yield element
+            waiting += element.children[::-1]
+
+    def _first(self, name: str) -> Element | None:
+        """The first child of a name."""
         for child in self.children:
             if child.name == name:
-                yield child
-            yield from child.find(name)
+                return child
+        return None
 
     def HasElement(self, name: str) -> bool:
         """Whether there is a child of this name."""
-        return any(True for _ in self.named(name))
+        return self._first(name) is not None
 
     def GetElement(self, name: str) -> Element | Any:
         """The first child of this name. If SDF knows it here, a missing one is created with its defaults; else None."""
-        found = next(self.named(name), None)
+        found = self._first(name)
         if found is None and self.description is not None and name in self.description.children:
             return self.AddElement(name)
         return found
@@ -301,9 +311,10 @@ class Element:
         """(element, text, whether it was found)."""
         if not key:
             return self, self.value.text, True
-        if key in self.attributes:
-            return self, self.attributes[key].text, self.attributes[key].given
-        child = next(self.named(key), None)
+        attribute = self.attributes.get(key)
+        if attribute is not None:
+            return self, attribute.text, attribute.given
+        child = self._first(key)
         if child is not None:
             return child, child.value.text, True
         known = self.description.children.get(key) if self.description is not None else None

@@ -215,12 +215,13 @@ class SdfFile:
             if key == PLACE:
                 continue
             name = str(key).rpartition("}")[2]
-            later = description.later(self.version) if description is not None and not description.open else ()
-            if name not in element.attributes and any(name in described.all_attributes for _, described in later):
+            if name in element.attributes or description is None or description.open:
+                pass
+            elif any(name in described.all_attributes for _, described in description.later(self.version)):
                 self._warn(
                     xml, f"attribute {name!r} is of a later version than SDF {self.version}; it is read all the same"
                 )
-            elif description is not None and not description.open and name not in element.attributes:
+            else:
                 self.diagnostics.no_effect(self._place(xml), functools.partial(self._unknown_attribute, name, element))
                 continue
             if name == "frame" and not text.strip():
@@ -237,9 +238,8 @@ class SdfFile:
         return f"attribute {name!r} is not part of SDF {self.version} and is ignored{known}"
 
     def _read_value(self, xml: etree._Element, element: Element) -> None:
-        pieces = [xml.text or "", *(child.tail or "" for child in xml)]
-        text = "".join(pieces)
-        if not text.strip():
+        text = "".join([xml.text or "", *(child.tail or "" for child in xml)]) if len(xml) else xml.text
+        if not text or text.isspace():
             return
         element.value.SetFromString(text)
         kind = element.value.kind

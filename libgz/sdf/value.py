@@ -126,15 +126,16 @@ def check(kind: str, text: str) -> str:
     if kind not in _KINDS:
         return ""
     python_type, allowed = _KINDS[kind]
+    lengths = _LENGTHS.get(kind)
     try:
-        parse(python_type, text)
-    except ParameterError:
+        if lengths is None or lengths == (1,):
+            _PARSERS[python_type](text)
+            return ""
+        numbers = list(map(float, text.split()))
+    except ValueError:
         return allowed
-    words = text.split()
-    if kind not in _LENGTHS or not words:
-        return ""
-    listed = _LENGTHS[kind] != (1,)
-    return allowed if len(words) not in _LENGTHS[kind] or (listed and not all(map(_is_finite, words))) else ""
+    fits = not numbers or (len(numbers) in lengths and all(map(math.isfinite, numbers)))
+    return "" if fits else allowed
 
 
 def _is_finite(word: str) -> bool:

@@ -199,8 +199,8 @@ def place_of(xml: etree._Element, label: str) -> Place:
         xml: the element.
         label: the document's name in messages, for what has no other file.
     """
-    given = _PLACE.fullmatch(xml.get(PLACE, ""))
-    if given is not None:
+    text = xml.get(PLACE)
+    if text is not None and (given := _PLACE.fullmatch(text)) is not None:
         return Place(given[2] or label, int(given[1]), local_name(xml))
     line = xml.sourceline
     return Place(label, line if isinstance(line, int) else 0, local_name(xml))

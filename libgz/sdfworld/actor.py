@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import math
 from collections.abc import Sequence
@@ -23,7 +24,8 @@ from libgz.base.geometry import (
     GzQuaternMul,
     GzVector,
 )
-from libgz.physics.body import Body
+from libgz.base.law import law
+from libgz.physics.body import Body, place_dummies
 from libgz.physics.bone_motion import fitted, read_motion
 from libgz.physics.geoms import SkinGeom, SphereGeom
 from libgz.physics.skeletons import Figure, SkeletonAnimation, matrix_turns, read_figure, turn_matrices
@@ -33,6 +35,7 @@ from libgz.sdfworld.mesh_images import found_images
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.trajectory import Trajectory
 from libgz.sdfworld.visual import set_transparency, show_image
+from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.world import World
 
 __all__ = ["SdfActor"]
@@ -72,6 +75,14 @@ class _Part:
     stays: bool = False
 
 
+class _LastPose(ctypes.Structure):
+    """When the last pose was taken, as laws use it: sim time [s]."""
+
+    _fields_ = [("time", ctypes.c_double)]
+
+    time: float
+
+
 class SdfActor(SdfModel):
     """A model built from an `<actor>`. Nothing moves it but its script or a plugin; what it touches is pushed.
 
@@ -102,7 +113,7 @@ class SdfActor(SdfModel):
         self.custom: str | None = None
         self._bones: list[Body] = []
         self._played = 0.0  # sim time at which the script began [s]
-        self._framed = -math.inf  # sim time of the last pose [s]
+        self._last_pose = _LastPose(-math.inf)
         self._distance = 0.0  # on the present trajectory [m]
         self._last: tuple[int, GzVector] | None = None  # number of the trajectory, and the place on it
         self._still = GzPose()  # where it stands without waypoints
@@ -115,7 +126,7 @@ class SdfActor(SdfModel):
     @property
     def framed(self) -> float:
         """Sim time of its last pose [s]."""
-        return self._framed
+        return self._last_pose.time
 
     def bones(self) -> list[tuple[str, GzPose, Body]]:
         """(name, pose in the frame of its parent, link) of each bone; the pose of the first one is zero."""
@@ -291,14 +302,27 @@ class SdfActor(SdfModel):
         """Stop; the actor stays as it is."""
         self.active = False
 
+    def _entity_plan(self, plan: Plan) -> None:
+        """A line for what it does in each step, or for the steps with another pose, if it does nothing between."""
+        if self.sdf_joints or self.mimics or self.grippers or overrides(self, SdfActor, "MasterUpdate"):
+            super()._entity_plan(plan)
+            return
+        with plan.when(self._is_due):
+            plan.do(self.MasterUpdate)
+
+    @law
+    def _is_due(self) -> Any:
+        """Whether it is time for another pose."""
+        return self.world.clock.sim_time - self._last_pose.time >= FRAME - 1e-9
+
     def MasterUpdate(self, step: float) -> None:
         """Take the pose of the script at the present sim time."""
         super().MasterUpdate(step)
         now = self.world.GetSimTime()
-        if step <= 0.0 or not self.active or now - self._framed < FRAME - 1e-9:
+        if step <= 0.0 or not self.active or not self._is_due():
             return
         if self.custom is not None:
-            self._framed = now
+            self._last_pose.time = now
             self._play_custom(self.custom)
             return
         time = now - self.delay - self._played
@@ -311,7 +335,7 @@ class SdfActor(SdfModel):
             time %= self.length
             self._played = now - self.delay - time
         part = next((part for part in self.parts if part.start <= time <= part.end), self.parts[-1])
-        self._framed = now
+        self._last_pose.time = now
         self.script_time = time - part.start
         self._play(part)
 
@@ -319,7 +343,7 @@ class SdfActor(SdfModel):
         """Take the last pose of a script that does not loop, once."""
         last = self.parts[-1]
         if self.script_time != last.end - last.start:
-            self._framed, self.script_time = now, last.end - last.start
+            self._last_pose.time, self.script_time = now, last.end - last.start
             self._play(last)
 
     def _begin(self) -> None:
@@ -378,21 +402,18 @@ class SdfActor(SdfModel):
         for body in [body for body in self.bodies if body not in bones]:
             body.SetPose(GzCoordPoseAdd(GzCoordPoseSub(body.GetPose(), before), root))
         frames = figure.world(_matrix(root), positions, turns)
-        for body, place, turn in zip(
-            self._bones, frames[:, :3, 3].tolist(), matrix_turns(frames).tolist(), strict=True
-        ):
-            body.SetPose(GzPose(GzVector(*place), GzQuatern(*turn)))
+        place_dummies(self.world.engine, self._bones, frames[:, :3, 3], matrix_turns(frames))
 
     # State -------------------------------------------------------------------------------------------------------
 
     def SaveState(self) -> tuple[Any, ...]:
         """Where it is in its script; the bones' poses are the engine's."""
         last = None if self._last is None else (self._last[0], (*self._last[1],))
-        return (self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom)
+        return (self.active, self.script_time, self._played, self.framed, self._distance, last, self.custom)
 
     def LoadState(self, state: Sequence[Any]) -> None:
         """Take what SaveState returned."""
-        self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom = state
+        self.active, self.script_time, self._played, self._last_pose.time, self._distance, last, self.custom = state
         self._last = None if last is None else (last[0], GzVector(*last[1]))
 
     def _entity_describe(self, store: Any) -> dict[str, Any]:

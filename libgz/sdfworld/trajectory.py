@@ -31,7 +31,8 @@ class Trajectory:
         self.times = [time for time, _ in waypoints]
         self.positions = [np.array([*pose.pos]) for _, pose in waypoints]
         self.turns = [np.array([*pose.rot]) / np.linalg.norm([*pose.rot]) for _, pose in waypoints]
-        self.tension = tension
+        self._tension = tension
+        self._pieces: dict[int, tuple[Array, Array, Array, Array]] = {}  # rotations of those that were asked for
         first, last = 0, len(self.times) - 1
         self._closed = last > 1 and bool(
             np.array_equal(self.positions[first], self.positions[last])
@@ -65,7 +66,7 @@ class Trajectory:
 
     def _velocity(self, index: int) -> Array:
         before, after, duration = self._around(index)
-        found: Array = (1.0 - self.tension) * (self.positions[after] - self.positions[before]) / duration
+        found: Array = (1.0 - self._tension) * (self.positions[after] - self.positions[before]) / duration
         return found
 
     def _rate(self, index: int) -> Array:
@@ -73,7 +74,7 @@ class Trajectory:
         before, after, duration = self._around(index)
         here = self.turns[index]
         found: Array = (_log(here, self.turns[after]) - _log(here, self.turns[before])) / duration
-        return (1.0 - self.tension) * found
+        return (1.0 - self._tension) * found
 
     def _position(self, index: int, u: float) -> Array:
         duration = self.times[index + 1] - self.times[index]
@@ -88,14 +89,21 @@ class Trajectory:
 
     def _turn(self, index: int, u: float) -> Array:
         """Squad whose inner points give the rates of `_rate` at both ends."""
-        duration = self.times[index + 1] - self.times[index]
-        p, q = self.turns[index], self.turns[index + 1]
-        if float(p @ q) < 0.0:
-            q = -q
-        across = _log(p, q)
-        a = _times(p, _exp(0.5 * (self._rate(index) * duration - across)))
-        b = _times(q, _exp(0.5 * (across - self._rate(index + 1) * duration)))
+        p, q, a, b = self._turns_along(index)
         return _slerp(_slerp(p, q, u), _slerp(a, b, u), 2.0 * u * (1.0 - u))
+
+    def _turns_along(self, index: int) -> tuple[Array, Array, Array, Array]:
+        """The rotations at both ends of a piece, and the inner points."""
+        if index not in self._pieces:
+            duration = self.times[index + 1] - self.times[index]
+            p, q = self.turns[index], self.turns[index + 1]
+            if float(p @ q) < 0.0:
+                q = -q
+            across = _log(p, q)
+            a = _times(p, _exp(0.5 * (self._rate(index) * duration - across)))
+            b = _times(q, _exp(0.5 * (across - self._rate(index + 1) * duration)))
+            self._pieces[index] = p, q, a, b
+        return self._pieces[index]
 
 
 def _pose(position: Array, turn: Array) -> GzPose:
@@ -104,7 +112,16 @@ def _pose(position: Array, turn: Array) -> GzPose:
 
 def _times(a: Array, b: Array) -> Array:
     """The product of two quaternions."""
-    return np.array([a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:]))])
+    au, ax, ay, az = a.tolist()
+    bu, bx, by, bz = b.tolist()
+    return np.array(
+        [
+            au * bu - float(a[1:] @ b[1:]),
+            au * bx + bu * ax + (ay * bz - az * by),
+            au * by + bu * ay + (az * bx - ax * bz),
+            au * bz + bu * az + (ax * by - ay * bx),
+        ]
+    )
 
 
 def _log(p: Array, q: Array) -> Array:

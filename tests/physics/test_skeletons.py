@@ -144,3 +144,15 @@ def test_a_skinned_file_is_a_mesh_too():
 def test_damaged_files_are_errors_with_a_reason(figure_of, text, message):
     with pytest.raises(GazeboError, match=message):
         figure_of(text)
+
+
+def test_bones_are_placed_by_those_before_them():
+    figure = read_figure(WALK)
+    positions, turns = figure.animations[0].at(0.3)
+    root = turn_matrices(np.array([0.6, 0.0, 0.8, 0.0]))
+    local = turn_matrices(turns)
+    local[:, :3, 3] = positions
+    expected = [root]
+    for bone, parent in enumerate(figure.parents[1:], start=1):
+        expected.append(expected[parent] @ local[bone])
+    np.testing.assert_array_equal(figure.world(root, positions, turns), expected)

@@ -10,6 +10,7 @@ from sample_files import sample
 import libgz
 from libgz.base.geometry import GzQuaternToEuler
 from libgz.physics.geoms import SkinGeom
+from libgz.sdfworld.actor import SdfActor
 
 FRAME = 0.034  # [s] between two poses at 1 ms
 
@@ -154,6 +155,26 @@ def test_bones_are_links_at_the_poses_of_the_animation(load, tmp_path):
     shape.bend()
     ends = shape.vertices[8:].mean(axis=0)
     np.testing.assert_allclose(ends, (1.0 + math.cos(turned), math.sin(turned), 0.0), atol=1e-9)
+
+
+def test_python_has_no_part_in_steps_between_two_poses(load, monkeypatch):
+    times, update = [], SdfActor.MasterUpdate
+
+    def noted(self, step):
+        times.append(self.world.GetSimTime())
+        update(self, step)
+
+    world = load(actor(trajectory(*LINE), skin()))
+    monkeypatch.setattr(SdfActor, "MasterUpdate", noted)
+    for _ in range(500):
+        world.Step()
+    assert len(times) == 500 // 34 + 1  # each calls it: 34 ms are the first multiple of a step after 1/30 s
+    np.testing.assert_allclose(np.diff(times), FRAME, atol=1e-9)
+    world.model("a").stop()
+    place = world.model("a").GetPose().pos
+    for _ in range(100):
+        world.Step()
+    assert world.model("a").GetPose().pos == place
 
 
 def test_the_way_chooses_the_pose_of_a_walk(load):

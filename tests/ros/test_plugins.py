@@ -346,3 +346,50 @@ def test_the_other_plugins_publish(master, start):
     assert not found["/gazebo_ros_vacuum_gripper"].data
     assert {"/gazebo_ros_force", "/gazebo_ros_joint_pose_trajectory", "/cmd_vel"} <= set(master.subscribers)
     assert {"/on", "/off", "/default_imu", "/hector_gazebo_ros_imu/calibrate"} <= set(master.services)
+
+
+def slider(name, direction, mass, parent):
+    return (
+        f"<link name='{name}_link'><inertial><mass>{mass}</mass></inertial></link>"
+        f"<joint name='{name}' type='prismatic'><parent>{parent}</parent><child>{name}_link</child>"
+        f"<axis><xyz>{direction}</xyz><limit><lower>0</lower><upper>10</upper></limit></axis></joint>"
+    )
+
+
+LIFTS = """<sdf version='1.6'><world name='default'>
+<model name='house'>{lift}{doors}<plugin name='e' filename='libgazebo_ros_elevator.so'>
+<robotNamespace>/block</robotNamespace><lift_joint>lift</lift_joint><door_joint>doors</door_joint>
+<lift_pid><p>5000</p><d>2000</d></lift_pid></plugin></model>
+<model name='load'><pose>5 0 5 0 0 0</pose><link name='link'><inertial><mass>2</mass></inertial></link>
+<plugin name='h' filename='libgazebo_ros_harness.so'><joint name='rope' type='prismatic'><parent>world</parent>
+<child>link</child><axis><xyz>0 0 1</xyz><limit><lower>-10</lower><upper>10</upper></limit></axis></joint>
+<winch><joint>rope</joint><pos_pid><p>5000</p><d>500</d><cmd_max>1000</cmd_max><cmd_min>-1000</cmd_min></pos_pid>
+<vel_pid><p>500</p><cmd_max>1000</cmd_max><cmd_min>-1000</cmd_min></vel_pid></winch>
+<detach>rope</detach></plugin></model></world></sdf>"""
+
+
+def test_an_elevator_and_a_harness_obey_their_topics(master, start, caplog):
+    world = LIFTS.format(lift=slider("lift", "0 0 1", 100, "world"), doors=slider("doors", "0 1 0", 5, "lift_link"))
+    core, _ = start(world)
+
+    def send(topic, kind, *values):
+        wait_for(lambda: topic in master.subscribers, core.Step)
+        kind = message_type(kind)
+        talker = Talker(master, topic, kind.name, kind.md5)
+        for value in values:
+            talker.send(codec(kind).pack(kind(data=value)))
+        return talker
+
+    load, lift = core.facade.ModelByName("load"), core.facade.ModelByName("house").GetJoint("lift")
+    velocity = send("/load/harness/velocity", "std_msgs/Float32", -0.5)
+    wait_for(lambda: load.WorldLinearVel().Z() < -0.4, core.Step)
+    velocity.send(codec(message_type("std_msgs/Float32")).pack(message_type("std_msgs/Float32")(data=math.nan)))
+    talkers = [velocity, send("/block/elevator", "std_msgs/String", "1")]
+    wait_for(lambda: abs(lift.Position(0) - 3.0) < 0.02, core.Step)
+    assert load.WorldLinearVel().Z() == pytest.approx(-0.54, abs=0.02)
+    talkers.append(send("/load/harness/detach", "std_msgs/Bool", True))
+    wait_for(lambda: load.WorldLinearVel().Z() < -5.0, core.Step)  # it falls
+    talkers.append(send("/block/elevator", "std_msgs/String", "x"))
+    wait_for(lambda: "the request 'x' is no number of a floor" in caplog.text, core.Step)
+    for talker in talkers:
+        talker.close()

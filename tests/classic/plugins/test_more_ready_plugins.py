@@ -207,6 +207,17 @@ def test_an_elevator_comes_opens_waits_and_closes(run):
     assert kept
 
 
+def test_an_elevator_keeps_a_bounded_number_of_requests(run):
+    lift, doors = slider("lift", "0 0 1", 0, 10, 100.0), slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
+    element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors", topic="~/elevator")
+    core, world = run(f"<model name='house'>{lift}{doors}{element}</model>")
+    elevator = world.server.plugins.of_model(world.ModelByName("house"))[0].plugin
+    for floor in ("9" * 400, "-1000001", *["1"] * 2000):
+        elevator.OnRequest(msgs.GzString(data=floor))
+    assert elevator.requests == [1] * 1000
+    core.run(0.01)
+
+
 def test_an_elevator_without_gains_has_the_default_ones(run, caplog):
     lift, doors = slider("lift", "0 0 1", 0, 10, 100.0), slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
     element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors", topic="~/elevator")

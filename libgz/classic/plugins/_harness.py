@@ -55,8 +55,8 @@ class HarnessPlugin(ModelPlugin):
         if not self.elements:
             raise NotFoundError(f"{sdf.where}: <joint> is missing; it holds the model")
         winch = next(sdf.named("winch"), Element("winch"))
-        self.named_winch = self._name(winch, "joint")
-        self.loose = self._name(sdf, "detach")
+        self.named_winch = self._known_joint(winch, "joint")
+        self.loose = self._known_joint(sdf, "detach")
         self.pos_pid, self.vel_pid = _pid(winch, "pos_pid"), _pid(winch, "vel_pid")
         for element in self.elements.values():
             if model.CreateJoint(element) is None:
@@ -70,7 +70,7 @@ class HarnessPlugin(ModelPlugin):
             self.node.Subscribe(f"{topic}/detach", self.OnDetach),
         ]
 
-    def _name(self, holder: Element, tag: str) -> str:
+    def _known_joint(self, holder: Element, tag: str) -> str:
         """The joint that a child names; an empty string if there is none."""
         if not holder.HasElement(tag):
             return ""

@@ -34,6 +34,7 @@ import { lookOf } from "libgz/materials.js";
 
 const NOT_SHOWN = new Set(["light", "frustum", "ray", "dome", "other"]);
 const FLESH = new Vector3(0.3, 0.3, 0.3); // [m] around a bone
+const DUSK = 0.3; // how bright plain ground is in the dark theme
 const TERRAIN = 40; // [m] from which a mesh casts no shadows: they would cost more than they show
 const position = new Vector3(), rotation = new Quaternion(), scale = new Vector3();
 const frame = new Matrix4(), own = new Matrix4();
@@ -60,9 +61,9 @@ export class Bodies {
 
   /**
    * Show the shapes of the scene as the switches want them. States before this call do not count.
-   * @param {boolean} fine physically based shading
+   * @param {{fine: boolean, dark: boolean}} way physically based shading, and the dark theme
    */
-  build(fine) {
+  build({ fine, dark }) {
     const { store } = this, scene = store.scene;
     /** @type {Map<string, Batch>} */
     const batches = new Map();
@@ -81,11 +82,14 @@ export class Bodies {
         transparent: store.isOn("transparent", entity.number),
       };
       // An infinite plane of a classic world has a flat mesh beside it, which is seen.
-      const level = body.shapes.some((/** @type {any} */ shape) => shape.kind === "plane");
+      const plane = body.shapes.find((/** @type {any} */ shape) => shape.kind === "plane");
       for (const shape of body.shapes) {
-        for (const part of this._parts(shape, showing)) {
+        const ground = shape.kind === "plane" || (plane && shape.kind === "mesh");
+        const shown = ground && shape !== plane && !shape.texture && !showing.collisions ? infinite(shape, plane) : shape;
+        for (const part of this._parts(shown, showing)) {
           used.add(part.form.key);
           const look = part.material ?? lookOf(shape, this.assets, showing, part.form);
+          if (ground && dark && !shape.texture) look.color = look.color.clone().multiplyScalar(DUSK);
           const shadows = shape.cast_shadows && look.opacity === 1 && shape.kind !== "plane";
           const key = `${part.form.key}|${look.key}|${shadows}`;
           let batch = batches.get(key);
@@ -97,13 +101,13 @@ export class Bodies {
           }
           const instance = {
             entity: entity.number,
-            row: shape.kind === "plane" ? -1 : body.row,
+            row: shown.kind === "plane" ? -1 : body.row,
             shape,
             pose: part.pose,
             scale: part.scale,
             batch,
             index: batch.instances.length,
-            ground: shape.kind === "plane" || (level && shape.kind === "mesh"),
+            ground: Boolean(ground),
           };
           batch.instances.push(instance);
           batch.colors.push(look.color);
@@ -131,6 +135,7 @@ export class Bodies {
     mesh.frustumCulled = false;
     mesh.castShadow = batch.shadows && !isTerrain(batch);
     mesh.receiveShadow = batch.material.opacity === 1;
+    mesh.renderOrder = batch.instances.some(({ ground }) => ground) ? 1 : 0; // last: most of it is hidden
     mesh.userData.batch = batch;
     batch.colors.forEach((color, i) => mesh.setColorAt(i, color));
     batch.mesh = mesh;
@@ -254,6 +259,12 @@ export function placed(pose, start, into, factors = [1, 1, 1]) {
   position.set(pose[start], pose[start + 1], pose[start + 2]);
   rotation.set(pose[start + 4], pose[start + 5], pose[start + 6], pose[start + 3]);
   return into.compose(position, rotation, scale.set(factors[0], factors[1], factors[2]));
+}
+
+/** A flat mesh of a classic world's ground, as large as the plane that things stand on. @param {any} mesh @param {any} plane */
+function infinite(mesh, plane) {
+  const { normal, altitude } = plane;
+  return { ...mesh, kind: "plane", normal, altitude, pose: [0, 0, 0, 1, 0, 0, 0], scale: [1, 1, 1] };
 }
 
 /** @param {Batch} batch */

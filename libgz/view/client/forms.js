@@ -17,7 +17,7 @@ import {
  * @property {boolean} [both] whether it is seen from both sides
  */
 
-const SEGMENTS = 40; // of a full turn
+const SEGMENTS = 32; // of a full turn
 const PLANE = 4000; // [m] side of what stands for an infinite plane
 const CREASE = Math.cos((40 * Math.PI) / 180); // edges that are steeper stay sharp
 const UNIT = /** @type {[number, number, number]} */ ([1, 1, 1]);

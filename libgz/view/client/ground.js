@@ -23,15 +23,15 @@ float lines(vec2 where, float cell, float width) {
 void main() {
   float away = distance(vec3(at, level), eye);
   float fade = 1.0 - smoothstep(0.15 * reach, 0.95 * reach, away);
-  float fine = lines(at, 0.1, 0.6) * (1.0 - smoothstep(3.0, 9.0, away));
-  float whole = lines(at, 1.0, 0.75) * (1.0 - smoothstep(25.0, 90.0, away));
-  float tens = lines(at, 10.0, 0.9);
-  float alpha = max(max(0.10 * fine, 0.24 * whole), 0.36 * tens) * fade;
+  if (fade <= 0.0) discard;
+  float alpha = 0.36 * lines(at, 10.0, 0.9);
+  if (away < 90.0) alpha = max(alpha, 0.24 * lines(at, 1.0, 0.75) * (1.0 - smoothstep(25.0, 90.0, away)));
+  if (away < 9.0) alpha = max(alpha, 0.10 * lines(at, 0.1, 0.6) * (1.0 - smoothstep(3.0, 9.0, away)));
   vec3 color = ink;
-  vec2 slope = max(fwidth(at), vec2(1e-6)), apart = abs(at) / slope;
-  vec2 axis = (1.0 - smoothstep(ratio * 1.1 - 0.5, ratio * 1.1 + 0.5, apart)) * fade;
+  vec2 axis = 1.0 - smoothstep(ratio * 1.1 - 0.5, ratio * 1.1 + 0.5, abs(at) / max(fwidth(at), vec2(1e-6)));
   if (axis.y > 0.0) { color = mix(color, vec3(0.62, 0.05, 0.06), axis.y); alpha = max(alpha, 0.85 * axis.y); }
   if (axis.x > 0.0) { color = mix(color, vec3(0.05, 0.40, 0.10), axis.x); alpha = max(alpha, 0.85 * axis.x); }
+  alpha *= fade;
   if (alpha < 0.004) discard;
   gl_FragColor = vec4(color, alpha);
   #include <colorspace_fragment>

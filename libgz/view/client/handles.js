@@ -117,7 +117,7 @@ export class Handles {
     await this._ask(this.store.abilities.has("hold") ? "hold" : "move");
     this._held = null;
     if (this.store.abilities.has("hold")) {
-      await this.store.ask("let", "-", { name }).catch(() => undefined);
+      await this.store.ask("release-hold", "-", { name }).catch(() => undefined);
     }
   }
 }

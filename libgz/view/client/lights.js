@@ -7,6 +7,7 @@ import { toned } from "libgz/materials.js";
 /** @typedef {import("libgz/store.js").Store} Store */
 
 const FULL = Math.PI; // intensity at which a white surface that faces the light is white
+const WARM = new Color(1, 0.955, 0.885); // sunlight beside the light of the sky
 const DEFAULT_SUN = new Vector3(0.45, 0.3, -0.85); // of worlds without lights
 const ABOVE = new Vector3(0, 0, 1);
 const FAR = 300; // [m] of the sun from what it shines on
@@ -20,7 +21,7 @@ export class Lights {
   constructor(store) {
     this.store = store;
     this.group = new Group();
-    this.hemisphere = new HemisphereLight(0xffffff, 0x9a948c, 1);
+    this.hemisphere = new HemisphereLight(0xffffff, 0xa8a29a, 1);
     this.sun = new DirectionalLight(0xffffff, 1);
     // The light from straight above, whose blurred shadows darken what is close to the ground.
     this.above = new DirectionalLight(0xffffff, 1);
@@ -36,10 +37,11 @@ export class Lights {
     this.shadows = true; // whether the user wants them
     this.possible = true; // whether there is time for them
     this.casts = true; // whether the world has them
+    this.soft = true;
   }
 
-  /** Show the lights of the scene. @param {import("three").Color} sky */
-  build(sky) {
+  /** Show the lights of the scene. @param {import("three").Color} sky @param {boolean} fine */
+  build(sky, fine) {
     const { scene } = this.store;
     /** @type {{entity: any, row: number, shape: any}[]} */
     const found = [];
@@ -50,7 +52,7 @@ export class Lights {
       }
     }
     const ambient = scene.ambient.slice(0, 3).reduce((/** @type {number} */ sum, /** @type {number} */ part) => sum + part, 0) / 3;
-    const signature = JSON.stringify([found.map(({ row, shape }) => [row, shape]), ambient, sky.getHex(), scene.shadows]);
+    const signature = JSON.stringify([found.map(({ row, shape }) => [row, shape]), ambient, sky.getHex(), scene.shadows, fine]);
     if (signature === this._signature) return;
     this._signature = signature;
     for (const { light } of this._others) {
@@ -65,13 +67,15 @@ export class Lights {
     this._source = source;
     this.sun.color.set(0xffffff);
     if (source) toned(source.shape.material.diffuse, this.sun.color);
+    this.sun.color.multiply(WARM);
     // Without any light the world would be black; a world that has only lamps is lit by them.
     this.sun.intensity = source ? 1.35 * FULL * share : found.length ? 0 : FULL;
     this.sun.visible = this.sun.intensity > 0;
     this.casts = (source ? source.entity.cast_shadows !== false : true) && scene.shadows !== false;
-    this.hemisphere.color.set(0xffffff).lerp(sky, 0.35);
+    this.hemisphere.color.set(0xe9f1ff).lerp(sky, 0.3);
     const around = FULL * (0.6 + 0.4 * Math.min(Math.max(ambient, 0), 1)) * (found.length && !source ? 0.5 : 1);
-    this.hemisphere.intensity = 0.62 * around;
+    this.hemisphere.intensity = (fine ? 0.5 : 0.85) * around; // of fine materials, the sky's image does the rest
+    this.above.position.copy(ABOVE).multiplyScalar(FAR);
     this.above.color.copy(this.hemisphere.color);
     this.above.intensity = 0.42 * around;
     for (const one of found) {
@@ -112,9 +116,10 @@ export class Lights {
     matrix.decompose(place, turn, size);
   }
 
-  /** @param {number} size of the shadow maps; 0 for none */
-  resize(size) {
+  /** @param {number} size of the shadow map; 0 for none @param {boolean} soft whether there are soft shadows below things */
+  resize(size, soft) {
     this.possible = size > 0;
+    this.soft = soft;
     for (const [{ shadow }, side] of /** @type {[DirectionalLight, number][]} */ ([[this.sun, size], [this.above, 512]])) {
       if (!size || shadow.mapSize.x === side) continue;
       shadow.mapSize.set(side, side);
@@ -131,8 +136,9 @@ export class Lights {
   cover(middle, radius) {
     const casts = this.shadows && this.possible && this.casts;
     this.sun.castShadow = casts && this.sun.visible;
-    this.above.castShadow = casts;
-    const one = aim(this.sun, this.towards, middle, radius, 1.2), other = aim(this.above, ABOVE, middle, radius, 2);
+    this.above.castShadow = casts && this.soft;
+    const one = aim(this.sun, this.towards, middle, radius, 1.2) && casts;
+    const other = this.above.castShadow && aim(this.above, ABOVE, middle, radius, 2);
     return one || other;
   }
 }

@@ -181,6 +181,8 @@ export class Marks {
     this._past = new Map();
     this._steps = 0;
     this._shown = false;
+    /** @type {string | null} name of the only part that is shown */
+    this._only = null;
     /** @type {Map<number, number>} body -> row */
     this._rows = new Map();
     this._ink = "#1b1f24";
@@ -212,6 +214,8 @@ export class Marks {
     const ranges = new Set(), images = new Set();
     for (const entity of scene.entities) {
       const on = (/** @type {string} */ name) => store.isOn(name, entity.number) && !store.isOn("hidden", entity.number);
+      const part = store.selection?.entity === entity.number ? store.selection.part : undefined;
+      this._only = null;
       if (on("lasers")) this._lasers(entity, ranges);
       if (on("sonars")) this._sonars(entity, ranges);
       if (on("frusta")) this._frusta(entity, images);
@@ -222,6 +226,13 @@ export class Marks {
       if (on("boxes")) this._box(entity);
       if (on("trails")) this._trail(entity);
       else this._past.delete(entity.number);
+      // What is selected of a model shows itself.
+      this._only = part?.name ?? null;
+      if (part?.kind === "joint" && !on("axes")) this._axes(entity);
+      if (part?.kind === "body" && !on("frames")) this._frames(entity);
+      if (part?.kind === "sensor" && !on("lasers")) this._lasers(entity, ranges);
+      if (part?.kind === "sensor" && !on("sonars")) this._sonars(entity, ranges);
+      if (part?.kind === "sensor" && !on("frusta")) this._frusta(entity, images);
     }
     this._contacts();
     this._steps = store.state.steps;
@@ -265,11 +276,16 @@ export class Marks {
     return placed(state.bodies, columns * row, into);
   }
 
+  /** The parts of a model that are shown. @param {any[]} parts */
+  _wanted(parts) {
+    return this._only === null ? parts : parts.filter((part) => part.name === this._only);
+  }
+
   // Sensors -----------------------------------------------------------------------------------------------------------
 
   /** @param {any} entity @param {Set<string>} wanted */
   _lasers(entity, wanted) {
-    for (const sensor of entity.sensors) {
+    for (const sensor of this._wanted(entity.sensors)) {
       if (sensor.kind === "rays") {
         const served = entity.interfaces.find((/** @type {any} */ one) => one.type === "laser" || one.type === "fiducial");
         const frame = served && this._frame(sensor.body, matrix), rays = this.assets.arrays(sensor.data)?.rays;
@@ -354,7 +370,7 @@ export class Marks {
         this._cone(inner, reach, reach * Math.tan(CONE));
       });
     }
-    for (const sensor of entity.sensors) {
+    for (const sensor of this._wanted(entity.sensors)) {
       if (!sensor.cones?.length) continue;
       const frame = this._frame(sensor.body, matrix);
       if (!frame) continue;
@@ -386,7 +402,7 @@ export class Marks {
 
   /** @param {any} entity @param {Set<string>} wanted */
   _frusta(entity, wanted) {
-    for (const sensor of entity.sensors) {
+    for (const sensor of this._wanted(entity.sensors)) {
       const cameras = sensor.kind === "camera" && "fov" in sensor ? [sensor] : sensor.cameras ?? [];
       cameras.forEach((/** @type {any} */ camera, /** @type {number} */ i) => {
         const frame = this._frame(sensor.body, matrix);
@@ -498,7 +514,7 @@ export class Marks {
 
   /** @param {any} entity */
   _axes(entity) {
-    for (const joint of entity.joints) {
+    for (const joint of this._wanted(entity.joints)) {
       const frame = this._frame(joint.frame, matrix);
       if (!frame) continue;
       for (const axis of joint.axes) {
@@ -542,7 +558,7 @@ export class Marks {
 
   /** @param {any} entity */
   _frames(entity) {
-    for (const body of entity.bodies) {
+    for (const body of this._wanted(entity.bodies)) {
       const frame = this._frame(body.id, matrix);
       if (!frame) continue;
       a.setFromMatrixPosition(frame);
@@ -587,13 +603,14 @@ export class Marks {
 
   // Names -------------------------------------------------------------------------------------------------------------
 
-  /** Names above models, and of selected or switched ones only; returns whether there are any. */
+  /** Names above models; returns whether there are any. */
   _name() {
     const { store } = this;
     /** @type {Map<string, any>} */
     const wanted = new Map();
     for (const entity of store.scene.entities) {
-      if (store.isOn("names", entity.number) && !store.isOn("hidden", entity.number)) wanted.set(entity.id, entity);
+      const ground = this.bodies.of.get(entity.number)?.every((one) => one.ground);
+      if (store.isOn("names", entity.number) && !store.isOn("hidden", entity.number) && !ground) wanted.set(entity.id, entity);
     }
     for (const sprite of [...this._names.children]) {
       if (wanted.has(sprite.name)) continue;

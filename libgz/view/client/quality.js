@@ -5,19 +5,21 @@
  * @property {boolean} fine physically based shading
  * @property {number} pixels per pixel of the page, at most
  * @property {number} shadows size of their map; 0 for none
+ * @property {boolean} soft whether there are soft shadows below things, too
  */
 
 /** From the best to the cheapest. @type {Level[]} */
 const LEVELS = [
-  { fine: true, pixels: 2, shadows: 4096 },
-  { fine: true, pixels: 1, shadows: 2048 },
-  { fine: false, pixels: 1, shadows: 2048 },
-  { fine: false, pixels: 1, shadows: 1024 },
-  { fine: false, pixels: 0.75, shadows: 1024 },
-  { fine: false, pixels: 0.6, shadows: 0 },
-  { fine: false, pixels: 0.45, shadows: 0 },
+  { fine: true, pixels: 2, shadows: 4096, soft: true },
+  { fine: true, pixels: 1, shadows: 2048, soft: true },
+  { fine: false, pixels: 1, shadows: 2048, soft: true },
+  { fine: false, pixels: 0.8, shadows: 1024, soft: true },
+  { fine: false, pixels: 0.7, shadows: 1024, soft: false },
+  { fine: false, pixels: 0.6, shadows: 512, soft: false },
+  { fine: false, pixels: 0.5, shadows: 0, soft: false },
 ];
 const SLOW = 45; // [ms] of a frame that is too slow
+const PATIENCE = 400; // [ms] that a still image may take
 const SAMPLES = 6; // frames whose median decides
 
 /** Whether a context renders on the processor. @param {WebGL2RenderingContext | WebGLRenderingContext} gl */
@@ -35,6 +37,18 @@ export class Quality {
     this.index = wanted === "best" ? 1 : wanted === "fast" ? LEVELS.length - 1 : software ? 3 : 0;
     /** @type {number[]} */
     this._times = [];
+    this._frames = 0;
+    this.time = 0; // [ms] of the last frame that was measured
+  }
+
+  /** Whether the time of the next frame is wanted: measuring makes the page wait for it. */
+  get measures() {
+    return this._frames++ < 10 * SAMPLES || this._frames % 10 === 0;
+  }
+
+  /** Pixels per pixel of the page of a still image, when moving ones have `ratio`. @param {number} ratio */
+  still(ratio) {
+    return Math.min(Math.max(ratio * Math.sqrt(PATIENCE / Math.max(this.time, 1)), 1), 2);
   }
 
   /** @returns {Level} */
@@ -44,6 +58,7 @@ export class Quality {
 
   /** Count a frame; returns whether the level has changed. @param {number} time [ms] */
   count(time) {
+    this.time = time;
     if (this.fixed) return false;
     this._times.push(time);
     if (this._times.length < SAMPLES) return false;

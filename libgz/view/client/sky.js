@@ -1,6 +1,6 @@
 // Sky: what is behind everything: the world's background, sky or tone map, its horizon, and fog.
 
-import { BackSide, Color, Fog, FogExp2, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from "three";
+import { BackSide, Color, Fog, FogExp2, Mesh, PMREMGenerator, Scene, ShaderMaterial, SphereGeometry, Vector3 } from "three";
 import { columnOf } from "libgz/assets.js";
 import { toned } from "libgz/materials.js";
 
@@ -56,6 +56,9 @@ export class Sky {
     });
     this.mesh = new Mesh(new SphereGeometry(1, 32, 24), material);
     this.mesh.frustumCulled = false;
+    this.mesh.raycast = () => {};
+    /** @type {import("three").WebGLRenderTarget | null} */
+    this._reflection = null;
     this.mesh.renderOrder = 1000; // where nothing else was rendered
   }
 
@@ -104,6 +107,22 @@ export class Sky {
     const density = Math.max(fog.density, 1e-6);
     if (fog.kind === "linear") return new Fog(horizon.value, fog.start ?? 0, Math.max(fog.end ?? 100, (fog.start ?? 0) + 0.01));
     return fog.kind === "exp2" ? new FogExp2(horizon.value, density) : new Fog(horizon.value, 0.1 / density, 2.5 / density);
+  }
+
+  /**
+   * An image of the sky that fine materials reflect.
+   * @param {import("three").WebGLRenderer} renderer
+   */
+  reflection(renderer) {
+    const { parent } = this.mesh, alone = new Scene();
+    alone.add(this.mesh);
+    const generator = new PMREMGenerator(renderer);
+    const target = generator.fromScene(alone, 0.02);
+    generator.dispose();
+    parent?.add(this.mesh);
+    this._reflection?.dispose();
+    this._reflection = target;
+    return target.texture;
   }
 
   /** Where the sun is seen, if the sky has one. @param {Vector3} towards */

@@ -85,9 +85,7 @@ export class Stage {
     this._refined = false;
     this._built = false; // whether the shapes of the present scene are shown
     this._loading = 0;
-    this._begun = false; // whether the camera has been placed
-    /** @type {number | null} */
-    this._hovered = null;
+    this._world = ""; // that the camera was placed for
     this._shapes = ""; // the switches that the shapes are shown by
     this._fine = this.quality.level.fine;
     this._level = 0; // [m] of the ground
@@ -107,9 +105,10 @@ export class Stage {
     on("state", () => this._move());
     on("selection", () => this._choose());
     on("switches", () => this._switch());
-    on("theme", () => this._show());
+    on("theme", () => this._rebuild());
     on("handles", () => this.handles.choose());
     on("follow", () => this.invalidate());
+    on("hover", () => this._choose());
     on("view", (event) => {
       this.cameras.touched = true;
       this.cameras.show(event.detail ?? store.viewed);
@@ -156,8 +155,9 @@ export class Stage {
     if (turn !== this._loading) return;
     this._built = true;
     this._rebuild();
-    if (!this._begun) {
-      this._begun = true;
+    const world = `${scene.era} ${scene.world}`;
+    if (world !== this._world) {
+      this._world = world;
       this.cameras.begin();
     }
     this.invalidate();
@@ -166,7 +166,7 @@ export class Stage {
   _rebuild() {
     if (!this._built || !this.store.scene) return;
     this._show();
-    this.bodies.build(this.quality.level.fine);
+    this.bodies.build({ fine: this.quality.level.fine, dark: this.store.theme === "dark" });
     this.skins.build();
     this.marks.build();
     this._ground();
@@ -180,8 +180,11 @@ export class Stage {
     const scene = this._built ? store.scene : null;
     this.scene.fog = this.sky.show(scene, this.assets, theme);
     if (scene) {
-      this.lights.build(this.sky.zenith);
+      const { fine } = this.quality.level;
+      this.lights.build(this.sky.zenith, fine);
       this.sky.turn(this.lights.towards);
+      this.scene.environment = fine ? this.sky.reflection(this.renderer) : null;
+      this.scene.environmentIntensity = 0.42;
     }
     this.ground.show(theme, this._level);
     this.marks.theme(theme);
@@ -268,13 +271,14 @@ export class Stage {
   _choose() {
     const { selection } = this.store;
     const chosen = selection ? this.bodies.family(selection.entity) : [];
-    const pointed = this._hovered === null ? [] : this.bodies.family(this._hovered);
+    const { hover } = this.store, pointed = hover === null ? [] : this.bodies.family(hover);
     /** @type {number | null} row of the part that is selected */
     let row = null;
     if (selection?.part?.kind === "body") {
       const entity = this.store.entities.get(selection.entity);
       row = entity?.bodies.find((/** @type {any} */ body) => body.name === selection.part?.name)?.row ?? null;
     }
+    if (this.marks.refresh()) this.invalidate();
     this.outline.set(chosen, pointed, row === null ? undefined : (instance) => instance.row === row);
     this.handles.choose();
     this.invalidate();
@@ -314,10 +318,9 @@ export class Stage {
 
   /** @param {number | null} number */
   _point(number) {
-    if (number === this._hovered) return;
-    this._hovered = number;
+    if (number === this.store.hover) return;
     this.canvas.style.cursor = number === null ? "" : "pointer";
-    this._choose();
+    this.store.setHover(number);
   }
 
   /**
@@ -384,16 +387,17 @@ export class Stage {
     this._dirty = false;
     if (this._refined) {
       this._refined = false;
-      this.renderer.setPixelRatio(this._ratio());
+      this._applyLevel();
+      this._dirty = false;
     }
     const begin = performance.now();
     const gliding = this.cameras.update(now);
     this._render();
-    if (this._built && this.renderer.shadowMap.enabled) {
-      // Reading a pixel waits for the frame, so that its whole time counts.
-      const gl = this.renderer.getContext();
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-      if (this.ready && this.quality.count(performance.now() - begin)) this._applyLevel();
+    if (this._built) {
+      if (this.quality.measures) {
+        this._wait();
+        if (this.ready && this.quality.count(performance.now() - begin)) this._applyLevel();
+      }
       if (!this.ready) {
         this.ready = true;
         performance.mark("libgz-ready");
@@ -414,11 +418,19 @@ export class Stage {
     this.outline.render(this.renderer, camera);
   }
 
-  /** Render a still image once more with smooth edges, where moving ones have none. */
+  /** Wait until the last frame is complete: reading a pixel of it does. */
+  _wait() {
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
+  /** Render a still image once more, with smooth edges and all shadows, where moving ones have none. */
   _refine() {
     this._refined = true;
-    if (!this._built || this.renderer.getContext().getContextAttributes()?.antialias) return;
-    this.renderer.setPixelRatio(2);
+    if (!this._built || this.quality.fixed || this.renderer.getContext().getContextAttributes()?.antialias) return;
+    this.renderer.setPixelRatio(this.quality.still(this._ratio()));
+    this.lights.resize(1024, true);
+    this.renderer.shadowMap.needsUpdate = true;
     this._render();
   }
 
@@ -430,7 +442,7 @@ export class Stage {
   _applyLevel() {
     const { level } = this.quality;
     this.renderer.setPixelRatio(this._ratio());
-    this.lights.resize(level.shadows);
+    this.lights.resize(level.shadows, level.soft);
     if (level.fine !== this._fine) {
       this._fine = level.fine;
       this._rebuild();

@@ -13,6 +13,7 @@ from sdf_worlds import collision, link, model, world
 from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.camera import Camera
+from libgz.simulation.description import describe_body
 from libgz.view.local import LocalSource
 from libgz.view.shapes import Shapes
 
@@ -160,9 +161,27 @@ def test_an_albedo_map_is_shown(load, tmp_path, workflow, caplog):
     [look] = [geom.appearance for geom in loaded(load, text).body("m").geoms]
     assert look.texture_file == tmp_path / "four.png"
     assert tuple(look.diffuse) == (1, 0.5, 1, 1)
-    assert "reflections are not rendered" in caplog.text
+    assert "reflections are shown in pages only" in caplog.text
     [look] = [geom.appearance for geom in loaded(load, text.replace("four", "lost")).body("m").geoms]
     assert look.texture_file is None
+    assert "lost.png" in caplog.text
+
+
+def test_a_surface_is_described_for_pages(load, tmp_path, caplog):
+    write_image(tmp_path / "bumps.png")
+    pbr = "<pbr><metal><normal_map>bumps.png</normal_map><roughness>7</roughness><metalness>0.1</metalness>"
+    pbr += "<roughness_map>lost.png</roughness_map></metal></pbr>"
+    shape = "<geometry><box><size>1 1 1</size></box></geometry>"
+    made = loaded(load, f"<visual name='v'>{shape}<material>{pbr}</material></visual>")
+    described = describe_body(made.body("m"), 0, {}, lambda arrays: {})["shapes"][0]["pbr"]
+    assert described == {
+        "metalness": 0.1,
+        "roughness": 1.0,
+        "normal_map": tmp_path / "bumps.png",
+        "metalness_map": None,
+        "roughness_map": None,
+        "emissive_map": None,
+    }
     assert "lost.png" in caplog.text
 
 

@@ -70,10 +70,10 @@ export function lookOf(shape, assets, showing, form) {
   const matrix = shape.texture?.matrix ?? [1, 0, 0, 0, 1, 0];
   const highlight = Math.max(...material.specular.slice(0, 3));
   const pbr = shape.pbr ?? null;
-  const roughness = pbr?.roughness_factor ?? roughnessOf(highlight, material.shininess);
-  const metalness = pbr?.metalness_factor ?? 0;
+  const roughness = pbr?.roughness ?? roughnessOf(highlight, material.shininess);
+  const metalness = pbr?.metalness ?? 0;
   const maps = pbr ? Object.fromEntries(
-    ["normal", "metalness", "roughness", "emissive", "occlusion"].map((name) => [name, pbr[name] ? assets.texture(pbr[name]) : null]),
+    ["normal", "metalness", "roughness", "emissive"].map((name) => [name, pbr[`${name}_map`] ? assets.texture(pbr[`${name}_map`]) : null]),
   ) : {};
   const key = [
     showing.fine, showing.wireframe, map?.uuid ?? "", map ? matrix : "", opacity, emission, roughness.toFixed(1), metalness,

@@ -85,9 +85,9 @@ export class Cameras {
   /** The box of what a user wants to see first: robots, else what moves, else everything. */
   _interesting() {
     const { entities } = this.store.scene;
-    const robots = new Set(this.store.robots?.map((/** @type {any} */ robot) => robot.entity) ?? []);
+    const robots = new Set(this.store.robots.map(({ entity }) => entity));
     const driven = entities.filter((/** @type {any} */ entity) =>
-      robots.has(entity.number) || entity.interfaces.some((/** @type {any} */ one) => one.type === "position"));
+      robots.has(entity.id) || entity.interfaces.some((/** @type {any} */ one) => one.type === "position"));
     const groups = [driven.map((/** @type {any} */ entity) => entity.number), this._movers(), [...this.bodies.of.keys()]];
     for (const numbers of groups) {
       const box = this.bodies.bounds(numbers.flatMap((/** @type {number} */ number) => this.bodies.family(number)));

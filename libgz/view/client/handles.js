@@ -7,6 +7,7 @@ import { TransformControls } from "three/addons/controls/TransformControls.js";
 /** @typedef {import("libgz/store.js").Store} Store */
 
 const PERIOD = 50; // [ms] between two poses that are sent
+const AGAIN = 500; // [ms] after which a pose is sent again
 const STEP = 0.1; // [m] of snapping
 const TURN = MathUtils.degToRad(15);
 
@@ -82,6 +83,7 @@ export class Handles {
 
   _hold() {
     this._held = this.store.entities.get(this._entity ?? 0)?.id ?? null;
+    this._send();
   }
 
   /** Send where the entity is held, at most every 50 ms, and not before the former pose was answered. */
@@ -95,16 +97,21 @@ export class Handles {
     }
     this._sent = performance.now();
     this._asking = true;
-    this._ask(this.store.abilities.has("hold") ? "hold" : "move").finally(() => {
+    this._ask().finally(() => {
       this._asking = false;
+      // What is held without being moved would be let go.
+      if (this._held !== null && this._holds) this._timer = window.setTimeout(() => this._send(), AGAIN);
     });
   }
 
-  /** @param {string} verb */
-  async _ask(verb) {
-    const { position: p, quaternion: q } = this.grip;
+  get _holds() {
+    return this.store.abilities.has("hold");
+  }
+
+  async _ask() {
+    const { position: p, quaternion: q } = this.grip, pose = [p.x, p.y, p.z, q.w, q.x, q.y, q.z];
     try {
-      await this.store.ask(verb, "-", { name: this._held, pose: [p.x, p.y, p.z, q.w, q.x, q.y, q.z] });
+      await this.store.ask(this._holds ? "hold" : "move", this._holds ? "on" : "-", { name: this._held, pose });
     } catch (problem) {
       this.store.problem(problem instanceof Error ? problem.message : String(problem));
     }
@@ -114,10 +121,8 @@ export class Handles {
     const name = this._held;
     if (name === null) return;
     clearTimeout(this._timer);
-    await this._ask(this.store.abilities.has("hold") ? "hold" : "move");
+    await this._ask();
     this._held = null;
-    if (this.store.abilities.has("hold")) {
-      await this.store.ask("release-hold", "-", { name }).catch(() => undefined);
-    }
+    if (this._holds) await this.store.ask("hold", "off", { name }).catch(() => undefined);
   }
 }

@@ -85,6 +85,7 @@ export class Stage {
     this._refined = false;
     this._built = false; // whether the shapes of the present scene are shown
     this._loading = 0;
+    this._loaded = false; // what the scene names has been loaded
     this._world = ""; // that the camera was placed for
     this._shapes = ""; // the switches that the shapes are shown by
     this._fine = this.quality.level.fine;
@@ -153,6 +154,13 @@ export class Stage {
       store.dispatchEvent(new Event("progress"));
     });
     if (turn !== this._loading) return;
+    this._loaded = true;
+    if (store.state) this._build();
+  }
+
+  /** Show the scene, which has been loaded, and its state. */
+  _build() {
+    const { scene } = this.store;
     this._built = true;
     this._rebuild();
     const world = `${scene.era} ${scene.world}`;
@@ -242,6 +250,7 @@ export class Stage {
   }
 
   _move() {
+    if (this._loaded && !this._built) this._build();
     if (!this._built) return;
     const moved = this.bodies.move();
     if (moved) {

@@ -1,8 +1,9 @@
 // Bodies: all shapes of the scene, as instances of forms, moved by the table of states.
 
-import { Box3, Color, Group, InstancedMesh, Matrix4, Mesh, Quaternion, Vector3 } from "three";
+import { Box3, Color, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Vector3 } from "three";
+import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import { forget, formOf } from "libgz/forms.js";
-import { lookOf } from "libgz/materials.js";
+import { lookOf, SEEN_THROUGH } from "libgz/materials.js";
 
 /** @typedef {import("libgz/assets.js").Assets} Assets */
 /** @typedef {import("libgz/store.js").Store} Store */
@@ -85,10 +86,12 @@ export class Bodies {
       const plane = body.shapes.find((/** @type {any} */ shape) => shape.kind === "plane");
       for (const shape of body.shapes) {
         const ground = shape.kind === "plane" || (plane && shape.kind === "mesh");
-        const shown = ground && shape !== plane && !shape.texture && !showing.collisions ? infinite(shape, plane) : shape;
-        for (const part of this._parts(shown, showing)) {
+        const shown = ground && shape !== plane && !shape.texture ? infinite(shape, plane) : shape;
+        const way = ground ? { ...showing, wireframe: false, collisions: false, transparent: false } : showing;
+        for (const part of this._parts(shown, way)) {
+          if (![...part.scale, ...part.pose].every(Number.isFinite)) continue;
           used.add(part.form.key);
-          const look = part.material ?? lookOf(shape, this.assets, showing, part.form);
+          const look = part.material ?? lookOf(shape, this.assets, way, part.form);
           if (ground && dark && !shape.texture) look.color = look.color.clone().multiplyScalar(DUSK);
           const shadows = shape.cast_shadows && look.opacity === 1 && shape.kind !== "plane";
           const key = `${part.form.key}|${look.key}|${shadows}`;
@@ -283,38 +286,53 @@ function isTerrain(batch) {
  * @param {Showing} showing
  */
 function skinParts(skin, shape, showing) {
-  /** @type {any[]} */
-  const parts = [];
+  const matrix = placed(shape.skin.pose, 0, new Matrix4(), shape.skin.scale).premultiply(placed(shape.pose, 0, frame));
+  matrix.decompose(position, rotation, scale);
+  const pose = [position.x, position.y, position.z, rotation.w, rotation.x, rotation.y, rotation.z];
+  return mergedParts(skin).map(({ geometry, material }) => ({
+    form: { key: `skin ${geometry.uuid}`, geometry, scale: /** @type {[number, number, number]} */ ([1, 1, 1]) },
+    pose,
+    scale: /** @type {[number, number, number]} */ ([scale.x, scale.y, scale.z]),
+    material: {
+      key: `skin ${material.uuid} ${JSON.stringify(showing)}`,
+      color: new Color(1, 1, 1),
+      opacity: showing.transparent ? SEEN_THROUGH : material.opacity,
+      make: () => skinMaterial(material, showing),
+    },
+  }));
+}
+
+/**
+ * The meshes of a skin's file, those of one look as one.
+ * @param {import("three").Group} skin
+ * @returns {{geometry: import("three").BufferGeometry, material: import("three").MeshStandardMaterial}[]}
+ */
+function mergedParts(skin) {
+  if (skin.userData.merged) return skin.userData.merged;
+  /** @type {Map<string, {material: any, geometries: import("three").BufferGeometry[]}>} */
+  const looks = new Map();
   skin.updateMatrixWorld(true);
   skin.traverse((node) => {
     if (!(node instanceof Mesh)) return;
-    const matrix = new Matrix4().compose(
-      new Vector3(),
-      new Quaternion(),
-      new Vector3(shape.skin.scale[0], shape.skin.scale[1], shape.skin.scale[2]),
-    );
-    placed(shape.skin.pose, 0, own);
-    placed(shape.pose, 0, frame);
-    matrix.premultiply(own).premultiply(frame).multiply(node.matrixWorld);
-    matrix.decompose(position, rotation, scale);
-    const material = /** @type {import("three").MeshStandardMaterial} */ (node.material);
-    const key = `skin ${material.uuid} ${showing.wireframe} ${showing.transparent}`;
-    parts.push({
-      form: { key: `skin ${node.geometry.uuid}`, geometry: node.geometry, scale: [1, 1, 1] },
-      pose: [position.x, position.y, position.z, rotation.w, rotation.x, rotation.y, rotation.z],
-      scale: [scale.x, scale.y, scale.z],
-      material: {
-        key,
-        color: new Color(1, 1, 1),
-        opacity: showing.transparent ? 0.45 : material.opacity,
-        make: () => {
-          const made = material.clone();
-          made.wireframe = showing.wireframe;
-          if (showing.transparent) Object.assign(made, { transparent: true, opacity: 0.45, depthWrite: false });
-          return made;
-        },
-      },
-    });
+    const { color, map, opacity, roughness, metalness } = node.material;
+    const attributes = Object.keys(node.geometry.attributes).sort();
+    const key = [color.getHex(), map?.uuid, opacity, roughness, metalness, attributes, Boolean(node.geometry.index)].join(" ");
+    const look = looks.get(key) ?? { material: node.material, geometries: [] };
+    looks.set(key, look);
+    look.geometries.push(node.geometry.clone().applyMatrix4(node.matrixWorld));
   });
-  return parts;
+  skin.userData.merged = [...looks.values()].flatMap(({ material, geometries }) => {
+    const merged = mergeGeometries(geometries);
+    return (merged ? [merged] : geometries).map((geometry) => ({ geometry, material }));
+  });
+  return skin.userData.merged;
+}
+
+/** @param {import("three").MeshStandardMaterial} material of a file @param {Showing} showing */
+function skinMaterial(material, showing) {
+  const { color, map, vertexColors, side } = material;
+  const common = { color, map, vertexColors, side, wireframe: showing.wireframe };
+  const opacity = showing.transparent ? SEEN_THROUGH : material.opacity;
+  const made = showing.fine ? material.clone() : new MeshLambertMaterial(common);
+  return Object.assign(made, { wireframe: showing.wireframe, opacity, transparent: opacity < 1, depthWrite: opacity === 1 });
 }

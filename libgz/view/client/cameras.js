@@ -8,6 +8,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const LOWEST = 0.08; // [m] of the camera above the ground
 const ROOM = 1.35; // around robots at the start
+const FARTHEST = 1e6; // [m] from the origin of what is framed
 const GLIDE = 350; // [ms] of a change of view
 const START = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
 /** From what is looked at to the eye. @type {Record<string, Vector3>} */
@@ -152,7 +153,7 @@ export class Cameras {
    * @param {number} room around it, 1 for none
    */
   _frame(box, outward, glide, room = 1) {
-    if (box.isEmpty()) return;
+    if (box.isEmpty() || ![...box.min.toArray(), ...box.max.toArray()].every((part) => Math.abs(part) < FARTHEST)) return;
     const { center, radius } = box.getBoundingSphere(new Sphere());
     const half = MathUtils.degToRad(this.camera.fov) / 2;
     const narrow = Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1));

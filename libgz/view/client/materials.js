@@ -24,7 +24,7 @@ import { ownTexture } from "libgz/assets.js";
  */
 
 const COLLISION = new Color(0xff8c1a); // of shapes that collide
-const SEEN_THROUGH = 0.45; // opacity of models that are switched to transparent
+export const SEEN_THROUGH = 0.45; // opacity of models that are switched to transparent
 
 const LEAST = 0.012, MOST = 0.86; // of the light that a surface reflects: nothing is quite black or white
 const gray = new Color();
@@ -51,7 +51,6 @@ export function toned(rgb, into = new Color()) {
  */
 export function lookOf(shape, assets, showing, form) {
   const { material } = shape;
-  const colored = form.geometry.hasAttribute("color");
   if (showing.collisions) {
     return {
       key: `collision ${form.both}`,
@@ -63,6 +62,7 @@ export function lookOf(shape, assets, showing, form) {
   const image = shape.texture ? assets.texture(shape.texture.file) : null;
   const arrays = !shape.texture && shape.kind === "mesh" ? assets.arrays(shape.data) : null;
   const map = image ?? (arrays ? ownTexture(arrays) : null);
+  const colored = !map && form.geometry.hasAttribute("color");
   const opacity = material.opacity * (showing.transparent ? SEEN_THROUGH : 1);
   // Images and colours of vertices are tinted only by colours that are darker than the default one.
   const color = (map || colored ? toned : paint)(material.diffuse.map((/** @type {number} */ part) => (map || colored ? 1.25 : 1) * part));

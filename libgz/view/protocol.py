@@ -44,7 +44,7 @@ DEEPEST = 8
 # What a page can ask of the server. Code, topics and files by name are not among it, whatever the server would answer.
 VERBS = frozenset(
     "pause step reset speed keep rewind seek move delete insert catalogue write describe light joint release hold "
-    "release-hold undo redo duplicate align attributes edit diff mesh".split()
+    "undo redo history duplicate align attributes edit diff mesh".split()
 )
 
 

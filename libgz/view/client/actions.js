@@ -22,7 +22,6 @@
  */
 
 export const RECORDED = 60; // [s] for the time line
-const VIEWS = /** @type {const} */ (['front', 'back', 'left', 'right', 'top', 'iso']);
 
 /**
  * @param {Workplace} workplace
@@ -40,6 +39,21 @@ export function makeActions(workplace) {
     on: () => store.handles.mode === mode,
     act: () => store.setHandles({ mode: store.handles.mode === mode ? 'none' : mode }),
   });
+
+  /** @param {'undo' | 'redo'} verb @param {string} done */
+  const history = async (verb, done) => {
+    const answer = await ask(verb);
+    if (answer) workplace.toasts.add(`${done}: ${answer.text ?? answer}`, 'info');
+    else if (answer === null) workplace.toasts.add(`There is nothing to ${verb}.`, 'info');
+  };
+
+  /**
+   * @param {'front' | 'back' | 'left' | 'right' | 'top' | 'iso'} side
+   * @param {string} label
+   * @param {string} key
+   * @returns {Action}
+   */
+  const view = (side, label, key) => ({ label, icon: 'view', group: 'View', keys: [key], act: () => store.view(side) });
 
   /** @satisfies {Record<string, Action>} */
   const actions = {
@@ -99,7 +113,7 @@ export function makeActions(workplace) {
       group: 'Edit',
       keys: ['Ctrl+Z'],
       offered: () => able('undo'),
-      act: () => ask('undo'),
+      act: () => history('undo', 'Undone'),
     },
     redo: {
       label: 'Redo',
@@ -107,7 +121,7 @@ export function makeActions(workplace) {
       group: 'Edit',
       keys: ['Ctrl+Shift+Z', 'Ctrl+Y'],
       offered: () => able('redo'),
-      act: () => ask('redo'),
+      act: () => history('redo', 'Redone'),
     },
     insert: {
       label: 'Insert',
@@ -195,18 +209,12 @@ export function makeActions(workplace) {
       act: () =>
         store.setFollow(store.selection && store.follow !== store.selection.entity ? store.selection.entity : null),
     },
-    ...Object.fromEntries(
-      VIEWS.map((view, i) => [
-        view,
-        /** @type {Action} */ ({
-          label: `View: ${view === 'iso' ? 'oblique' : view}`,
-          icon: 'view',
-          group: 'View',
-          keys: [String(i + 1)],
-          act: () => store.view(view),
-        }),
-      ]),
-    ),
+    front: view('front', 'View from the front', '1'),
+    back: view('back', 'View from behind', '2'),
+    left: view('left', 'View from the left', '3'),
+    right: view('right', 'View from the right', '4'),
+    top: view('top', 'View from above', '5'),
+    iso: view('iso', 'Oblique view', '6'),
 
     screenshot: { label: 'Screenshot', icon: 'camera', group: 'Page', keys: ['P'], act: () => workplace.takeScreenshot() },
     tree: {
@@ -241,7 +249,7 @@ export function makeActions(workplace) {
     },
     help: { label: 'Keys', icon: 'help', group: 'Page', keys: ['H', '?'], act: () => workplace.dialogs.help() },
   };
-  return /** @type {Record<keyof typeof actions | typeof VIEWS[number], Action>} */ (actions);
+  return /** @type {Record<keyof typeof actions, Action>} */ (actions);
 }
 
 /** @param {Action} action */

@@ -23,7 +23,7 @@ export class Console {
     const { store } = workplace;
     /** @type {Set<string>} */
     this.levels = new Set(LEVELS);
-    this.seen = 0;
+    this.seen = -1;
     this.cleared = -1;
     this.drawn = '';
     this.badge = element('span', { class: 'badge', hidden: true });

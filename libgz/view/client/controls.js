@@ -85,7 +85,7 @@ export function slider({ label, unit = '', value, low, high, step, changed }) {
   });
   input.addEventListener('keydown', (event) => {
     const fine = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-    event.stopPropagation();
+    if (fine || /^(Page|Home|End)/.test(event.key)) event.stopPropagation(); // they move this slider, and nothing else
     if (!fine || step) return;
     event.preventDefault();
     input.value = String(Number(input.value) + (fine * (high - low)) / 100);
@@ -117,8 +117,9 @@ export function jointControls(workplace, entity, only) {
     if (!unit || !reach || (only !== undefined && joint.name !== only)) continue;
     const limits = joint.limits ?? [];
     limits.slice(0, 2).forEach((pair, axis) => {
-      const low = pair[0] === null || Math.abs(pair[0]) >= FREE ? -reach : pair[0];
-      const high = pair[1] === null || Math.abs(pair[1]) >= FREE ? reach : pair[1];
+      const [least, most] = pair ?? [null, null];
+      const low = least === null || Math.abs(least) >= FREE ? -reach : least;
+      const high = most === null || Math.abs(most) >= FREE ? reach : most;
       if (!(low < high) || made.length >= MOST_JOINTS) return;
       const send = newest((/** @type {number} */ position) =>
         ask('joint', '-', { name: entity.id, joint: joint.name, axis, position }),
@@ -149,6 +150,7 @@ export function lightControls({ ask }, entity) {
   const lights = entity.bodies.flatMap((body) => body.shapes).filter((shape) => shape.kind === 'light');
   const light = lights[0];
   if (!light) return [];
+  /** @type {number[]} */
   const diffuse = (light.material?.diffuse ?? [1, 1, 1]).slice(0, 3).map(Number);
   const most = Math.max(...diffuse, 1e-6);
   let strength = Math.min(most, 1);

@@ -251,9 +251,10 @@ export class Dialogs {
     save.focus();
     if (!store.abilities.has('diff')) return;
     const changes = await workplace.ask('diff');
-    if (typeof changes !== 'string') return;
+    if (changes === undefined || changes === null) return;
+    const lines = String(changes.text ?? changes);
     show(diff, true);
-    if (changes.trim()) fill(diff, changes.split('\n').map(diffLine));
+    if (lines.trim()) fill(diff, lines.split('\n').map(diffLine));
     else setText(diff, 'Nothing has changed.');
   }
 

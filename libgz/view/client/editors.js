@@ -19,6 +19,11 @@ import { short } from 'libgz/format.js';
  * @property {number} [high]
  * @property {string[]} [options]
  * @property {string} [help]
+ * @property {boolean} [above] whether `low` itself is not allowed
+ * @property {boolean} [readonly]
+ * @property {string} [reason] why it cannot be changed
+ * @property {string} [file] in which it is, and
+ * @property {number} [line] where there; 0: it is not given
  *
  * @typedef {object} Subject what the attributes are of
  * @property {string} name of the entity; empty for the world
@@ -56,17 +61,21 @@ export async function editors(workplace, subject) {
  */
 function row(workplace, subject, attribute) {
   const id = newId('attribute');
-  const { label, unit, low, high, help } = attribute;
-  const editable = workplace.store.abilities.has('edit');
-  const limits = [low !== undefined && `at least ${short(low)}`, high !== undefined && `at most ${short(high)}`].filter(Boolean).join(', ');
+  const { label, unit, low, high, above, help, file, line } = attribute;
+  const editable = workplace.store.abilities.has('edit') && !attribute.readonly;
+  const limits = [low !== undefined && `${above ? 'more than' : 'at least'} ${short(low)}`, high !== undefined && `at most ${short(high)}`].filter(Boolean).join(', ');
   /** @param {unknown} value */
-  const send = (value) => workplace.ask('edit', '-', { ...subject, key: attribute.key, value });
-  const { field, read } = fieldOf(id, attribute);
+  const send = async (value) => {
+    const answer = await workplace.ask('edit', '-', { ...subject, key: attribute.key, value });
+    if (answer === undefined) write(attribute.value);
+    else attribute.value = answer?.value ?? value;
+  };
+  const { field, read, write } = fieldOf(id, attribute);
   for (const control of field.matches('input, select') ? [field] : field.querySelectorAll('input')) {
     if (!editable) control.setAttribute('disabled', '');
     control.addEventListener('change', () => {
       const value = read();
-      const wrong = value === undefined || outside(value, low, high);
+      const wrong = value === undefined || outside(value, low, high, above);
       if (wrong) control.setAttribute('aria-invalid', 'true');
       else {
         control.removeAttribute('aria-invalid');
@@ -77,21 +86,22 @@ function row(workplace, subject, attribute) {
   }
   return element(
     'div',
-    { class: 'property', 'data-key': attribute.key, title: [help, limits].filter(Boolean).join(' — ') || null },
+    { class: 'property', 'data-key': attribute.key, title: [help, limits, attribute.reason, line && `${file ?? ''}:${line}`].filter(Boolean).join(' — ') || null },
     element('label', { for: id, class: 'name', text: label }),
     field,
     element('span', { class: 'unit', text: unit ?? '' }),
   );
 }
 
-/** @param {unknown} value @param {number} [low] @param {number} [high] */
-const outside = (value, low = -Infinity, high = Infinity) =>
-  [value].flat().some((part) => typeof part === 'number' && (part < low || part > high));
+/** @param {unknown} value @param {number} [low] @param {number} [high] @param {boolean} [above] */
+const outside = (value, low = -Infinity, high = Infinity, above = false) =>
+  [value].flat().some((part) => typeof part === 'number' && (part < low || part > high || (above && part === low)));
 
 /**
  * @param {string} id
  * @param {Attribute} attribute
- * @returns {{ field: HTMLElement, read: () => unknown }} `read` gives undefined for what is no value of the type
+ * @returns {{ field: HTMLElement, read: () => unknown, write: (value: any) => void }} `read` gives undefined for what is no
+ *   value of the type
  */
 function fieldOf(id, { type, value, options, label }) {
   /** @param {string} text @param {boolean} [whole] */
@@ -101,19 +111,19 @@ function fieldOf(id, { type, value, options, label }) {
   };
   if (type === 'bool') {
     const box = element('input', { id, type: 'checkbox', checked: Boolean(value) });
-    return { field: box, read: () => box.checked };
+    return { field: box, read: () => box.checked, write: (shown) => (box.checked = Boolean(shown)) };
   }
   if (type === 'choice') {
     const list = element('select', { id }, (options ?? []).map((option) => element('option', { value: option, text: option })));
     list.value = String(value);
-    return { field: list, read: () => list.value };
+    return { field: list, read: () => list.value, write: (shown) => (list.value = String(shown)) };
   }
   if (type === 'color') {
     const parts = Array.isArray(value) ? value.map(Number) : [1, 1, 1];
-    const hex = parts.slice(0, 3).map((part) => Math.round(255 * Math.min(Math.max(part, 0), 1)).toString(16).padStart(2, '0'));
-    const box = element('input', { id, type: 'color', value: `#${hex.join('')}` });
+    const box = element('input', { id, type: 'color', value: hexOf(parts) });
     return {
       field: box,
+      write: (shown) => (box.value = hexOf(shown)),
       read: () => [...[1, 3, 5].map((at) => parseInt(box.value.slice(at, at + 2), 16) / 255), ...parts.slice(3)],
     };
   }
@@ -123,6 +133,7 @@ function fieldOf(id, { type, value, options, label }) {
     );
     return {
       field: element('div', { class: 'vector' }, boxes),
+      write: (shown) => boxes.forEach((box, i) => (box.value = short(Number(shown[i])))),
       read: () => {
         const parts = boxes.map((box) => number(box.value));
         return parts.includes(undefined) ? undefined : parts;
@@ -137,5 +148,13 @@ function fieldOf(id, { type, value, options, label }) {
     class: isText ? 'text-value' : 'figure',
     value: isText ? String(value ?? '') : short(Number(value)),
   });
-  return { field: box, read: () => (isText ? box.value : number(box.value, type === 'integer')) };
+  return {
+    field: box,
+    read: () => (isText ? box.value : number(box.value, type === 'integer')),
+    write: (shown) => (box.value = isText ? String(shown ?? '') : short(Number(shown))),
+  };
 }
+
+/** @param {number[]} parts red, green and blue, 0 to 1 */
+const hexOf = (parts) =>
+  `#${parts.slice(0, 3).map((part) => Math.round(255 * Math.min(Math.max(part, 0), 1)).toString(16).padStart(2, '0')).join('')}`;

@@ -39,18 +39,19 @@ export class Inspector {
     store.addEventListener('state', refresh);
     store.addEventListener('series', refresh);
     store.addEventListener('selection', () => this.build());
-    store.addEventListener('hello', () => this.build());
+    store.addEventListener('hello', () => this.#keepUp());
     store.addEventListener('scene', () => this.#keepUp());
     this.build();
   }
 
   /** What is selected, as a text that changes when the panel has to be made anew. */
   get #subject() {
-    const { selection, entities, control, abilities, scene } = this.workplace.store;
+    const { store } = this.workplace;
+    const { selection, entities, control, abilities, scene } = store;
     const entity = selection && entities.get(selection.entity);
-    if (!entity) return `world ${scene?.world} ${entities.size}`;
+    if (!entity) return `world ${scene?.world} ${entities.size} ${control} ${[...abilities]}`;
     const parts = [entity.bodies.length, entity.joints.length, entity.sensors.length, entity.interfaces.length];
-    return JSON.stringify([selection, entity.id, parts, control, [...abilities]]);
+    return JSON.stringify([selection, entity.id, parts, control, [...abilities], store.connected]);
   }
 
   #keepUp() {
@@ -213,7 +214,7 @@ export class Inspector {
       this.#section('Properties', [
         this.#text(store.scene?.era === 'classic' ? 'parent' : 'body 1', () => bodyName(joint.bodies[0] ?? 0)),
         this.#text(store.scene?.era === 'classic' ? 'child' : 'body 2', () => bodyName(joint.bodies[1] ?? 0)),
-        ...(joint.limits ?? []).map((pair) => this.#text('limits', () => `${limit(pair[0], '−∞')} to ${limit(pair[1], '∞')} ${unit}`)),
+        ...(joint.limits ?? []).map((pair) => this.#text('limits', () => `${limit(pair?.[0], '−∞')} to ${limit(pair?.[1], '∞')} ${unit}`)),
         ...(joint.axes ?? []).map((axis) => this.#text('axis', () => axis.map((part) => fixed(part, 3)).join('  '))),
       ]),
     );

@@ -48,7 +48,7 @@ const isTyping = (target) =>
   target.isContentEditable ||
   target.tagName === 'TEXTAREA' ||
   target.tagName === 'SELECT' ||
-  (target instanceof HTMLInputElement && !['checkbox', 'radio', 'button', 'color'].includes(target.type));
+  (target instanceof HTMLInputElement && !['checkbox', 'radio', 'button', 'color', 'range'].includes(target.type));
 
 /**
  * The name of a key with its modifiers, as in the table of actions.

@@ -31,6 +31,8 @@ export class Plots {
     this.workplace = workplace;
     /** @type {Plot[]} */
     this.plots = [];
+    /** @type {Plot | undefined} that was used last */
+    this.last = undefined;
     this.hint = element(
       'div',
       { class: 'plots-hint' },
@@ -62,6 +64,7 @@ export class Plots {
    * @param {boolean} [alone]
    */
   add(series, alone = false) {
+    /** @type {Plot | undefined} */
     let plot = alone ? undefined : (this.plots.find((one) => one === this.last) ?? this.plots.at(-1));
     if (!plot || plot.full) {
       if (this.plots.length >= MOST_PLOTS) {

@@ -54,6 +54,9 @@ export function marks({ store }, entity) {
       entries.push({
         label,
         checked: store.isOn(name, entity),
+        // What is shown for all cannot be hidden for one.
+        disabled: entity !== undefined && store.isOn(name),
+        hint: entity !== undefined && store.isOn(name) ? 'all' : undefined,
         action: () => store.setSwitch(name, !store.isOn(name, entity), entity),
       });
   }

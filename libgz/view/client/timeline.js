@@ -50,7 +50,9 @@ export class Timeline {
       if (this.isLog) seek(Number(this.slider.value));
       this.#tell();
     });
-    this.slider.addEventListener('keydown', (event) => event.stopPropagation());
+    this.slider.addEventListener('keydown', (event) => {
+      if (/^(Arrow|Page|Home|End)/.test(event.key)) event.stopPropagation();
+    });
     for (const event of ['hello', 'state', 'status']) workplace.store.addEventListener(event, () => this.refresh());
     this.refresh();
   }

@@ -109,13 +109,13 @@ export class Workplace {
 
   #applyTheme() {
     const bright = window.matchMedia('(prefers-color-scheme: light)');
-    const chosen = recall('theme', '');
+    const chosen = recall('theme', /** @type {string} */ (''));
     const set = (/** @type {'dark' | 'light'} */ theme) => {
       document.documentElement.setAttribute('data-theme', theme);
       this.store.setTheme(theme);
     };
     set(chosen === 'dark' || chosen === 'light' ? chosen : bright.matches ? 'light' : 'dark');
-    bright.addEventListener('change', () => !recall('theme', '') && set(bright.matches ? 'light' : 'dark'));
+    bright.addEventListener('change', () => !recall('theme', /** @type {string} */ ('')) && set(bright.matches ? 'light' : 'dark'));
   }
 
   /** @param {'dark' | 'light'} theme */

@@ -1,7 +1,6 @@
 // Bodies: all shapes of the scene, as instances of forms, moved by the table of states.
 
 import { Box3, Color, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Vector3 } from "three";
-import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import { forget, formOf } from "libgz/forms.js";
 import { lookOf, SEEN_THROUGH } from "libgz/materials.js";
 
@@ -289,43 +288,24 @@ function skinParts(skin, shape, showing) {
   const matrix = placed(shape.skin.pose, 0, new Matrix4(), shape.skin.scale).premultiply(placed(shape.pose, 0, frame));
   matrix.decompose(position, rotation, scale);
   const pose = [position.x, position.y, position.z, rotation.w, rotation.x, rotation.y, rotation.z];
-  return mergedParts(skin).map(({ geometry, material }) => ({
-    form: { key: `skin ${geometry.uuid}`, geometry, scale: /** @type {[number, number, number]} */ ([1, 1, 1]) },
-    pose,
-    scale: /** @type {[number, number, number]} */ ([scale.x, scale.y, scale.z]),
-    material: {
-      key: `skin ${material.uuid} ${JSON.stringify(showing)}`,
-      color: new Color(1, 1, 1),
-      opacity: showing.transparent ? SEEN_THROUGH : material.opacity,
-      make: () => skinMaterial(material, showing),
-    },
-  }));
-}
-
-/**
- * The meshes of a skin's file, those of one look as one.
- * @param {import("three").Group} skin
- * @returns {{geometry: import("three").BufferGeometry, material: import("three").MeshStandardMaterial}[]}
- */
-function mergedParts(skin) {
-  if (skin.userData.merged) return skin.userData.merged;
-  /** @type {Map<string, {material: any, geometries: import("three").BufferGeometry[]}>} */
-  const looks = new Map();
-  skin.updateMatrixWorld(true);
+  /** @type {{form: Form, pose: number[], scale: [number, number, number], material: import("libgz/materials.js").Look}[]} */
+  const parts = [];
   skin.traverse((node) => {
     if (!(node instanceof Mesh)) return;
-    const { color, map, opacity, roughness, metalness } = node.material;
-    const attributes = Object.keys(node.geometry.attributes).sort();
-    const key = [color.getHex(), map?.uuid, opacity, roughness, metalness, attributes, Boolean(node.geometry.index)].join(" ");
-    const look = looks.get(key) ?? { material: node.material, geometries: [] };
-    looks.set(key, look);
-    look.geometries.push(node.geometry.clone().applyMatrix4(node.matrixWorld));
+    const { geometry, material } = node;
+    parts.push({
+      form: { key: `skin ${geometry.uuid}`, geometry, scale: [1, 1, 1] },
+      pose,
+      scale: [scale.x, scale.y, scale.z],
+      material: {
+        key: `skin ${material.uuid} ${JSON.stringify(showing)}`,
+        color: new Color(1, 1, 1),
+        opacity: showing.transparent ? SEEN_THROUGH : material.opacity,
+        make: () => skinMaterial(material, showing),
+      },
+    });
   });
-  skin.userData.merged = [...looks.values()].flatMap(({ material, geometries }) => {
-    const merged = mergeGeometries(geometries);
-    return (merged ? [merged] : geometries).map((geometry) => ({ geometry, material }));
-  });
-  return skin.userData.merged;
+  return parts;
 }
 
 /** @param {import("three").MeshStandardMaterial} material of a file @param {Showing} showing */

@@ -26,7 +26,7 @@ import { Sky } from "libgz/sky.js";
 /** @typedef {import("libgz/store.js").Store} Store */
 
 const CLICK = 5; // [px] that the pointer may move between press and release of a click
-const HOVER = 60; // [ms] between two looks at what is under the pointer
+const HOVER = 40; // [ms] that the pointer rests before what is under it is looked for
 const REST = 500; // [ms] without changes until a still image is refined
 const LARGE = 15; // [m] from which a flat mesh is ground
 const SWITCHES_OF_SHAPES = ["hidden", "wireframe", "collisions", "transparent"];
@@ -131,14 +131,21 @@ export class Stage {
       const hit = this.pick(event.clientX, event.clientY);
       if (hit?.entity) this.cameras.focus(hit.entity);
     });
-    let looked = 0;
+    let looking = 0, rest = HOVER;
     canvas.addEventListener("pointermove", (event) => {
-      if (event.pointerType !== "mouse" || event.buttons || event.timeStamp - looked < HOVER) return;
-      const begin = performance.now();
-      this._hover(event.clientX, event.clientY);
-      looked = event.timeStamp + 3 * (performance.now() - begin); // of large meshes less often
+      const { clientX: x, clientY: y } = event;
+      clearTimeout(looking);
+      if (event.pointerType !== "mouse" || event.buttons) return;
+      looking = window.setTimeout(() => {
+        const begin = performance.now();
+        this._hover(x, y);
+        rest = Math.max(HOVER, 3 * (performance.now() - begin)); // of large meshes less often
+      }, rest);
     });
-    canvas.addEventListener("pointerleave", () => this._point(null));
+    canvas.addEventListener("pointerleave", () => {
+      clearTimeout(looking);
+      this._point(null);
+    });
     canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
     canvas.addEventListener("webglcontextrestored", () => this._rebuild());
   }

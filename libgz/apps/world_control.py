@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,8 +29,9 @@ __all__ = ["WorldControl"]
 
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
+MOST_PROBLEMS, LONGEST_PROBLEM = 200, 4000  # of one answer; characters of each
 # Requests that only read.
-READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings")
+READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings", "problems")
 KEYS = "~/keyboard/keypress"
 
 
@@ -71,6 +73,7 @@ class WorldControl:
             "publish": self._publish,
             "reload": self._reload,
             "readings": self._readings,
+            "problems": self._problems,
         }
         self._watch_only = watch_only
         if watch_only:
@@ -337,6 +340,21 @@ class WorldControl:
                     ranges[name] = [float(r) if math.isfinite(r) else -1.0 for r in sensor.Ranges()]
         return {"images": images, "ranges": ranges}
 
+    def _problems(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
+        """Errors and warnings from number `since` on, with the file and line that they name, and their sim time [s]."""
+        since, entries = content.get("since"), self.world.problems.entries
+        begin = min(max(since, 0), len(entries)) if isinstance(since, int) else 0
+        found = []
+        for number, (time, problem) in enumerate(entries[begin : begin + MOST_PROBLEMS], begin):
+            text = f"{problem.message}\n{problem.traceback}" if problem.traceback else problem.message
+            place = _PLACE.match(f"{problem.where}: " if problem.where else text)
+            file, line = (place["file"], int(place["line"])) if place is not None else ("", 0)
+            if place is not None and not problem.where:
+                text = text[place.end() :]
+            what = {"text": text[:LONGEST_PROBLEM], "file": file, "line": line, "source": problem.source, "time": time}
+            found.append({"number": number, "level": problem.severity, **what})
+        return {"problems": found, "count": begin + len(found)}
+
     def _publish(self, argument: str, content: dict[str, Any]) -> None:
         """Publish a message on a topic, as a client of classic would."""
         if self.world.sdf is None:
@@ -381,6 +399,7 @@ class WorldControl:
         return self._nodes[""]
 
 
+_PLACE = re.compile(r"(?P<file>[^\s:][^:\n]{0,4000}):(?P<line>\d{1,9}): ")
 _SIMPLE = {
     "box": "<box><size>1 1 1</size></box>",
     "sphere": "<sphere><radius>0.5</radius></sphere>",

@@ -1,4 +1,4 @@
-"""Assets: the files that a scene names, as pages load them: arrays, textures and skins, by addresses of their content."""
+"""Assets: the files that a scene names, as pages load them: arrays, textures, skins; addresses name their content."""
 
 from __future__ import annotations
 
@@ -164,7 +164,9 @@ def _digest(content: bytes) -> str:
 def _packed(reference: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> bytes:
     """Arrays at the places that their reference says."""
     parts = reference["arrays"]
-    places = {name: (int(part["offset"]), np.ascontiguousarray(arrays[name], part["type"])) for name, part in parts.items()}
+    places = {
+        name: (int(part["offset"]), np.ascontiguousarray(arrays[name], part["type"])) for name, part in parts.items()
+    }
     body = bytearray(max((offset + array.nbytes for offset, array in places.values()), default=0))
     for offset, array in places.values():
         body[offset : offset + array.nbytes] = array.tobytes()
@@ -205,7 +207,11 @@ def glb(meshes: list[Mesh]) -> bytes:
     for part in meshes:
         color = tuple(float(c) for c in part.material.diffuse[:4]) if part.material is not None else PLAIN
         merged.setdefault(color, []).append(part)
-    buffers, views, accessors, primitives, materials = bytearray(), [], [], [], []
+    buffers = bytearray()
+    views: list[Any] = []
+    accessors: list[Any] = []
+    primitives: list[Any] = []
+    materials: list[Any] = []
 
     def add(array: NDArray[Any], kind: str, target: int) -> int:
         views.append({"buffer": 0, "byteOffset": len(buffers), "byteLength": array.nbytes, "target": target})

@@ -1,4 +1,4 @@
-"""Channels: what pages get beside scene and states, as far as they want it: images, ranges, contacts, fields, messages."""
+"""Channels: what pages get beside scene and states, as far as they want it: images, ranges, contacts, fields ..."""
 
 from __future__ import annotations
 
@@ -49,6 +49,7 @@ class Channels:
         self._pages, self._ask, self._overlays = pages, ask, overlays
         self._images: dict[str, bytes | None] = {}  # raw
         self._jpegs: dict[str, bytes] = {}
+        self._sensor_ranges: dict[str, list[float]] = {}
         self._messages: list[dict[str, Any]] = []
         self._seen = 0  # of the server's problems
         self._shown = ""  # of the overlays
@@ -81,7 +82,9 @@ class Channels:
             if wants and page.visible and (not name or name in wants):
                 page.post(key, message)
 
-    def show(self, now: float, time: float, controls: Controls | None, can: frozenset[str], scene: dict[str, Any]) -> None:
+    def show(
+        self, now: float, time: float, controls: Controls | None, can: frozenset[str], scene: dict[str, Any]
+    ) -> None:
         """Post what is due.
 
         Args:
@@ -106,9 +109,12 @@ class Channels:
         if sensors and "readings" in can and self._is_due("readings", IMAGE_PERIOD, now):
             self._ask("readings", self._learn_readings, names=sensors[: MOST_IMAGES + MOST_RANGES])
         if self.wanted("contacts") and "contacts" in can and self._is_due("contacts", CONTACT_PERIOD, now):
-            self._ask("contacts", lambda found: self._post("contacts", "contacts", json.dumps({"contacts": found or []})))
+            self._ask("contacts", self._learn_contacts)
         if self.wanted("console") and "problems" in can and self._is_due("console", CONSOLE_PERIOD, now):
             self._ask("problems", self._learn_problems, since=self._seen)
+
+    def _learn_contacts(self, answer: Any) -> None:
+        self._post("contacts", "contacts", json.dumps({"contacts": answer or []}))
 
     def _is_due(self, name: str, period: float, now: float) -> bool:
         if name in self.pending or now < self._next.get(name, 0.0):
@@ -151,8 +157,6 @@ class Channels:
             self._sensor_ranges = {name: as_float32(values) for name, values in ranges.items()}
 
     # Ranges ----------------------------------------------------------------------------------------------------------
-
-    _sensor_ranges: dict[str, list[float]] = {}  # noqa: RUF012 - replaced as a whole
 
     def _show_ranges(self, names: list[str], controls: Controls) -> None:
         ranges, rings = dict(self._sensor_ranges), {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from typing import Any
 
 from libgz.base.errors import GazeboError
 from libgz.view.pages import Page
@@ -32,7 +33,7 @@ class Controllers:
             self._able[page.number] = page
             if self.page is None:
                 self.page = page
-        self._notify()
+            self._notify()
 
     def close(self, page: Page) -> None:
         """A page was closed."""
@@ -74,13 +75,16 @@ class Controllers:
             raise GazeboError(f"control is {what!r}; allowed are ask, take, give and keep")
         self._notify()
 
+    def state_of(self, page: Page) -> dict[str, Any]:
+        """What a page shows of who controls."""
+        here = page is self.page
+        return {
+            "here": here,
+            "other": len(self._able) > 1 if here else self.page is not None,
+            "canAsk": page.number in self._able and not here,
+            "asked": f"page {self._asking.number}" if here and self._asking is not None else "",
+        }
+
     def _notify(self) -> None:
         for page in self._able.values():
-            here = page is self.page
-            state = {
-                "here": here,
-                "other": self.page is not None and len(self._able) > 1 if here else self.page is not None,
-                "canAsk": not here,
-                "asked": f"page {self._asking.number}" if here and self._asking is not None else "",
-            }
-            page.post("control", json.dumps({"control": state}))
+            page.post("control", json.dumps({"control": self.state_of(page)}))

@@ -58,8 +58,8 @@ class Gate:
 
     def __init__(self, host: str, assets: Assets, token: str | None = None) -> None:
         self.host, self.token, self._assets = host, token or secrets.token_urlsafe(18), assets
-        files = {path.relative_to(CLIENT).as_posix(): path for path in sorted(CLIENT.rglob("*")) if path.suffix in KINDS}
-        files = {name: path for name, path in files.items() if path.is_file()}
+        known = (path for path in sorted(CLIENT.rglob("*")) if path.suffix in KINDS and path.is_file())
+        files = {path.relative_to(CLIENT).as_posix(): path for path in known}
         digest = hashlib.sha256()
         for name, path in files.items():
             digest.update(name.encode() + path.read_bytes())
@@ -131,9 +131,7 @@ class Gate:
                 return self._send(request, asset, {"Cache-Control": FOREVER})
         return _response(404, "there is nothing here")
 
-    def _send(
-        self, request: web.BaseRequest, asset: Asset, headers: dict[str, str], keep_as: str = ""
-    ) -> web.Response:
+    def _send(self, request: web.BaseRequest, asset: Asset, headers: dict[str, str], keep_as: str = "") -> web.Response:
         body, headers = asset.body, {**SAFE_HEADERS, **headers, "Content-Type": asset.kind}
         pays = len(body) > WORTH_PACKING and not asset.kind.startswith(("image/jpeg", "image/png"))
         if pays and "gzip" in request.headers.get("Accept-Encoding", ""):

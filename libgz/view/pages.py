@@ -77,7 +77,7 @@ class Page:
                     message = self._waiting.pop(next(iter(self._waiting)))
                     sending = socket.send_bytes(message) if isinstance(message, bytes) else socket.send_str(message)
                     await asyncio.wait_for(sending, PATIENCE)
-        except (TimeoutError, asyncio.TimeoutError, ConnectionError, RuntimeError):
+        except (TimeoutError, ConnectionError, RuntimeError):
             pass
         finally:
             self._waiting.clear()
@@ -119,7 +119,7 @@ class Pages(Closing):
         self._count = 0
         self._readers = ThreadPoolExecutor(2, "assets")
         self._loop = asyncio.new_event_loop()
-        self._server: web.Server[web.BaseRequest]
+        self._server: web.Server
         self._listener: asyncio.Server | None = None
         self._closed = False
         try:
@@ -136,6 +136,10 @@ class Pages(Closing):
     def __len__(self) -> int:
         return len(self._pages)
 
+    def join(self, page: Any) -> None:
+        """Count something as a page that is like one."""
+        self._pages[page.number] = page
+
     async def _listen(self) -> None:
         self._server = web.Server(self._handle, access_log=None, logger=QUIET, keepalive_timeout=15.0)
         wanted = self.port
@@ -146,7 +150,8 @@ class Pages(Closing):
                 return
             except OSError as error:
                 if error.errno != errno.EADDRINUSE:
-                    raise GazeboError(f"{self.gate.host}, port {self.port}, cannot be bound: {error.strerror}") from None
+                    place = f"{self.gate.host}, port {self.port},"
+                    raise GazeboError(f"{place} cannot be bound: {error.strerror}") from None
         raise GazeboError(f"no port from {wanted} to {self.port} is free on {self.gate.host}")
 
     def _protocol(self) -> asyncio.BaseProtocol:

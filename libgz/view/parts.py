@@ -39,7 +39,8 @@ class Part:
             return {"key": key, "kind": "button", "label": self.label}
         low, high = self.limits
         value = min(max(self.value, low), high) if math.isfinite(self.value) else low
-        return {"key": key, "kind": "slider", "label": self.label, "value": value, "low": low, "high": high, "unit": "rad"}
+        slider = {"key": key, "kind": "slider", "label": self.label, "unit": "rad"}
+        return {**slider, "value": value, "low": low, "high": high}
 
 
 def interface_parts(interface: Any) -> list[Part]:

@@ -3,23 +3,23 @@
 The viewer sends binary messages, whose first four bytes are their kind; numbers are little-endian.
 
 1, a state
-    uint32: kind, revision of the scene that belongs to it, whether the world is paused, rows and columns of bodies, rows
-    and columns of joints, 0. float64: steps, sim time, pause time, real time [s]. float32: the tables of docs/observer.md.
+    uint32: kind, revision of the scene that belongs to it, whether the world is paused, rows and columns of bodies,
+    rows and columns of joints, 0. float64: steps, sim time, pause time, real time [s]. float32: the tables of
+    docs/observer.md.
 2, an image
     uint32: kind, length of the name. The name in UTF-8: the id of a legacy camera, or ``model::link::sensor``. A JPEG.
 3, a scene
-    uint32: kind. JSON, packed by zlib: the scene of docs/observer.md, with ``assets``: the addresses of the files that it
-    names, relative to the page. An asset is an array file of the scene as it is, a mesh as GLB, or a texture as JPEG or PNG.
+    uint32: kind. JSON, packed by zlib: the scene of docs/observer.md, with ``assets``: the addresses of the files that
+    it names, relative to the page. An asset is an array file of the scene as it is, a mesh as GLB, or a texture.
 
-It sends JSON, too, an object with some of these keys:
+It sends JSON, too, an object with some of these keys: ``hello`` (title, abilities, and ``reason`` if the page only
+watches), ``control`` (here, other, canAsk, asked), ``robots`` (list, robot, speeds), ``status`` (text, level) with
+``log`` (begin, end, time) or null, ``contacts``, ``ranges``, ``rings``, ``series``, ``messages``, ``overlays``,
+``problem`` (text, level), ``answer`` (a number) with ``value`` or ``error``.
 
-``hello`` (title, abilities, and ``reason`` if the page only watches), ``control`` (here, other, canAsk, asked), ``robots``
-(list, robot, speeds), ``status`` (text, level) with ``log`` (begin, end, time) or null, ``contacts``, ``ranges``, ``rings``,
-``series``, ``messages``, ``overlays``, ``problem`` (text, level), ``answer`` (a number) with ``value`` or ``error``.
-
-A page sends JSON, an object with one of these keys: ``want`` (a channel) with ``names``, ``alive``, ``visible``; and if it
-may control, ``ask`` (a verb) with ``number``, ``argument``, ``content``, and ``drive``, ``robot``, ``speeds``, ``key``.
-Other messages are dropped; so are those with numbers out of range.
+A page sends JSON, an object with one of these keys: ``want`` (a channel) with ``names``, ``alive``, ``visible``,
+``ask`` (a verb) with ``number``, ``argument``, ``content``; and if it controls the world, ``drive``, ``robot``,
+``speeds``, ``key``. Other messages are dropped; so are those with numbers out of range.
 """
 
 from __future__ import annotations
@@ -43,8 +43,34 @@ LARGEST_NUMBER = 1e9  # of a message: metres, seconds
 DEEPEST = 8
 # What a page can ask of the server. Code, topics and files by name are not among it, whatever the server would answer.
 VERBS = frozenset(
-    "pause step reset speed keep rewind seek move delete insert catalogue write describe light joint release hold "
-    "undo redo history duplicate align attributes edit diff mesh".split()
+    {
+        "pause",
+        "step",
+        "reset",
+        "speed",
+        "keep",
+        "rewind",
+        "seek",
+        "move",
+        "delete",
+        "insert",
+        "catalogue",
+        "write",
+        "describe",
+        "light",
+        "joint",
+        "release",
+        "hold",
+        "undo",
+        "redo",
+        "history",
+        "duplicate",
+        "align",
+        "attributes",
+        "edit",
+        "diff",
+        "mesh",
+    }
 )
 
 

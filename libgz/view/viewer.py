@@ -6,6 +6,7 @@ import contextlib
 import json
 import logging
 import queue
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -36,6 +37,9 @@ LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are few
 MOST_REQUESTS = 50  # of all pages that have not been answered
 FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
 READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
+CAN_SHOW = frozenset({"interfaces", "publish", "contacts", "readings", "problems"})  # what pages offer because of it
+# What a text that a page inserts may not have: it would run code, expand macros, or hide one of both.
+CODE = re.compile(r"plugin|xacro|<!", re.IGNORECASE)
 ENDED = "The server has ended. Waiting for the next one ..."
 WATCHING = "This address has no token."
 
@@ -55,6 +59,8 @@ class Viewer(Closing):
 
     Attributes:
         failures: how many frames and actions ended with an error that is none of libgz.
+        scene: that is shown.
+        asset_names: the addresses of its assets.
 
     Raises:
         GazeboError: no port is free.
@@ -83,7 +89,8 @@ class Viewer(Closing):
         self.driver = self._new_driver()
         self._robots: dict[str, Robot] = {}
         self._inventory: dict[str, Any] = {"drives": [], "keys": False}
-        self._scene: dict[str, Any] = {}
+        self.scene: dict[str, Any] = {}
+        self.asset_names: frozenset[str] = frozenset()
         self._scene_message, self._state_message = b"", b""
         self._state: ObservedState | None = None
         self._revision = -1
@@ -217,7 +224,7 @@ class Viewer(Closing):
             self._next_log = now + LOG_PERIOD
             self._ask("status", self._learn_log)
         self._show_status("", "")
-        self.channels.show(now, state.sim_time, self.controls, self._can, self._scene)
+        self.channels.show(now, state.sim_time, self.controls, self._can, self.scene)
 
     def _show_scene(self, state: ObservedState) -> ObservedState:
         """Show the scene that belongs to the present state, which is returned."""
@@ -226,8 +233,10 @@ class Viewer(Closing):
             if scene["revision"] == state.revision:
                 break
             state = self.source.state()
-        self._scene, self._revision = scene, state.revision
-        self._scene_message = scene_message(scene, self.assets.of_scene(scene))
+        self.scene, self._revision = scene, state.revision
+        addresses = self.assets.of_scene(scene)
+        self.asset_names = frozenset(filter(None, addresses.values()))
+        self._scene_message = scene_message(scene, addresses)
         self._post("scene", self._scene_message)
         self._state = None  # what follows is a state of this scene
         self._list_robots()
@@ -237,27 +246,27 @@ class Viewer(Closing):
             self._hail(page)
         return state
 
-    def messages(self) -> Iterator[bytes]:
-        """The present scene and state, as messages to a page."""
-        yield self._scene_message
-        yield self._state_message
+    def show_to(self, page: Any) -> None:
+        """Show all to what is like a page, such as a recorder."""
+        self._pages.join(page)
 
     # Coming and going ------------------------------------------------------------------------------------------------
 
     def _hail(self, page: Page) -> None:
-        mine = (self._can & VERBS) | (self._can & {"interfaces", "publish"})
-        hello: dict[str, Any] = {"title": f"{self._scene.get('world', '')} - libgz", "abilities": sorted(mine)}
+        own = {"fields", "parts", "steer"} if "interfaces" in self._can else set()
+        mine = sorted((self._can & (VERBS | CAN_SHOW)) | own | ({"press"} if self._overlays is not None else set()))
+        hello: dict[str, Any] = {"title": f"{self.scene.get('world', '')} - libgz", "abilities": mine}
         if not page.may_control:
             hello["reason"] = WATCHING
         elif self.controls is None or not self._can:
             hello["reason"] = "This viewer only shows the world."
-        page.post("hello", json.dumps({"hello": hello}))
+        page.post("hello", json.dumps({"hello": hello, "control": self.controllers.state_of(page)}))
 
     def _welcome(self, page: Page) -> None:
         """Greet a page that was opened."""
-        self._hail(page)
         if self.controls is not None:
             self.controllers.open(page)
+        self._hail(page)
         page.post("status", self._status or json.dumps({"status": {"text": "", "level": ""}}))
         page.post("robots", self._robots_message())
         if self._scene_message:
@@ -364,7 +373,8 @@ class Viewer(Closing):
             if not isinstance(verb, str) or not isinstance(argument, str) or not isinstance(content, dict):
                 raise GazeboError("a request has a verb and an argument, which are texts, and a content")
             if verb == "control":
-                reply(value=self.controllers.request(page, argument))
+                self.controllers.request(page, argument)
+                reply(value=None)
                 return
             if verb == "fields":
                 reply(value=self._fields(argument))
@@ -390,11 +400,13 @@ class Viewer(Closing):
             if controls is None or self._requests >= MOST_REQUESTS:
                 raise GazeboError("the server has not answered the requests before; try again later")
             self._requests += 1
-        content = {**content, "untrusted": True}
-        content.pop("file" if verb == "write" else "", None)  # pages name no files to write
+        if verb == "write":
+            content = {}  # pages name no files
 
         def work() -> None:
             try:
+                if verb == "insert":
+                    _check_insertion(content, controls)
                 reply(value=controls.ask(verb, argument, **content))
             except GazeboError as error:
                 reply(error=str(error)[:1000])
@@ -445,7 +457,7 @@ class Viewer(Closing):
     def _list_robots(self) -> None:
         if self.driver is None:
             return
-        robots = {robot.label: robot for robot in robots_of(self._scene, self._inventory["drives"])}
+        robots = {robot.label: robot for robot in robots_of(self.scene, self._inventory["drives"])}
         if robots != self._robots:
             had, self._robots = set(self._robots), robots
             present = self.driver.robot
@@ -467,10 +479,10 @@ class Viewer(Closing):
 
     def _interfaces(self, name: str) -> Iterator[Any]:
         """The interfaces of an entity, by its id, and of what is attached to it."""
-        entities = {entity["number"]: entity for entity in self._scene.get("entities", ())}
+        entities = {entity["number"]: entity for entity in self.scene.get("entities", ())}
         family = [number for number, entity in entities.items() if entity["id"] == name][:1]
         for one in family:
-            family += [number for number, entity in entities.items() if entity["parent"] == one and number not in family]
+            family += [n for n, entity in entities.items() if entity["parent"] == one and n not in family]
         if self.controls is None or "interfaces" not in self._can:
             return
         for number in family:
@@ -512,3 +524,19 @@ class Viewer(Closing):
         if overlay is None or label not in overlay.Buttons():
             raise GazeboError(f"there is no button {label!r} of {name!r}")
         overlay.Press(label)
+
+
+def _check_insertion(content: dict[str, Any], controls: Controls) -> None:
+    """Refuse what a page inserts if it is no model of the catalogue, or could run code.
+
+    Raises:
+        GazeboError: it is refused.
+    """
+    if "text" in content:
+        text = content["text"]
+        if not isinstance(text, str) or CODE.search(text.removeprefix("<?xml")):
+            raise GazeboError("a page inserts no plugins, macros or declarations: put the model into a world's file")
+        return
+    entries = controls.ask("catalogue") or []
+    if content.get("model") not in [one["name"] if isinstance(one, dict) else one for one in entries]:
+        raise GazeboError(f"there is no {str(content.get('model'))[:100]!r} in the catalogue")

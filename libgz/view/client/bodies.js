@@ -34,6 +34,7 @@ import { lookOf, SEEN_THROUGH } from "libgz/materials.js";
 
 const NOT_SHOWN = new Set(["light", "frustum", "ray", "dome", "other"]);
 const FLESH = new Vector3(0.3, 0.3, 0.3); // [m] around a bone
+const STILL = 3e-5; // [m], and of quaternions: what nobody sees of bodies that tremble at rest
 const DUSK = 0.3; // how bright plain ground is in the dark theme
 const TERRAIN = 40; // [m] from which a mesh casts no shadows: they would cost more than they show
 const position = new Vector3(), rotation = new Quaternion(), scale = new Vector3();
@@ -176,12 +177,11 @@ export class Bodies {
     for (let row = 0; row < rows; row++) {
       for (let k = 0; k < 7; k++) {
         const value = table[columns * row + k];
-        if (shown[7 * row + k] !== value) {
-          shown[7 * row + k] = value;
-          changed[row] = 1;
-          moved = true;
-        }
+        if (!(Math.abs(shown[7 * row + k] - value) <= STILL)) changed[row] = 1;
       }
+      if (!changed[row]) continue;
+      for (let k = 0; k < 7; k++) shown[7 * row + k] = table[columns * row + k];
+      moved = true;
     }
     if (!moved) return false;
     for (const { mesh } of this.batches) mesh.userData.moved = false;

@@ -13,7 +13,7 @@ import { icon } from 'libgz/icons.js';
 import { menuButton } from 'libgz/menu.js';
 import { DRAGGED, keyOf, unitOf } from 'libgz/series.js';
 import { recall, remember } from 'libgz/settings.js';
-import { entityMenu } from 'libgz/tree.js';
+import { entityMenu, imageOf } from 'libgz/tree.js';
 
 /**
  * @typedef {import('libgz/store.js').Entity} Entity
@@ -132,7 +132,7 @@ export class Inspector {
     const plugins = this.#section('Plugins', []);
     fill(
       this.root,
-      this.#head(entity.kind === 'light' ? 'light' : 'model', entity.id, entity.type || entity.kind, number),
+      this.#head(imageOf(entity), entity.id, entity.type || entity.kind, number),
       this.#pose(number, entity, key),
       moving && !entity.static && this.#section('Velocity', ['vx', 'vy', 'vz', 'wx', 'wy', 'wz'].map((name) => this.#value(key(name), 3, name))),
       controls,

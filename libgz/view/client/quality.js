@@ -18,8 +18,10 @@ const LEVELS = [
   { fine: false, pixels: 0.6, shadows: 512, soft: false },
   { fine: false, pixels: 0.5, shadows: 0, soft: false },
 ];
-const SLOW = 45; // [ms] of a frame that is too slow
+const SLOW = 70; // [ms] of a frame that is too slow
+const QUICK = 18; // [ms] of one that leaves time for a better level
 const PATIENCE = 400; // [ms] that a still image may take
+const SKIP = 3; // frames that do not count
 const SAMPLES = 6; // frames whose median decides
 
 /** Whether a context renders on the processor. @param {WebGL2RenderingContext | WebGLRenderingContext} gl */
@@ -38,6 +40,9 @@ export class Quality {
     /** @type {number[]} */
     this._times = [];
     this._frames = 0;
+    this._quick = 0; // rows of quick samples
+    this._skipped = SKIP;
+    this._best = this.index;
     this.time = 0; // [ms] of the last frame that was measured
   }
 
@@ -59,13 +64,18 @@ export class Quality {
   /** Count a frame; returns whether the level has changed. @param {number} time [ms] */
   count(time) {
     this.time = time;
-    if (this.fixed) return false;
+    if (this.fixed || this._skipped-- > 0) return false; // the first frames of a level compile its shaders
     this._times.push(time);
     if (this._times.length < SAMPLES) return false;
     const median = this._times.sort((a, b) => a - b)[SAMPLES / 2];
     this._times = [];
-    if (median < SLOW || this.index === LEVELS.length - 1) return false;
-    this.index += 1;
+    this._quick = median < QUICK ? this._quick + 1 : 0;
+    const better = this._quick > 3 && this.index > this._best;
+    const worse = median > SLOW && this.index < LEVELS.length - 1;
+    if (!better && !worse) return false;
+    this.index += better ? -1 : 1;
+    this._quick = 0;
+    this._skipped = SKIP;
     return true;
   }
 }

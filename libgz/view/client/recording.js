@@ -9,21 +9,23 @@ import { receive } from 'libgz/messages.js';
 export class Recording {
   /**
    * @param {Store} store
-   * @param {string} text JSON: title, assets, and moments: [[time, message in base64, ...], ...]
+   * @param {string} text JSON: title, switches, assets, and moments: [time, messages by key] each
    * @param {() => boolean} ready whether the world is shown: until then the run waits
    */
   constructor(store, text, ready) {
     this.store = store;
     this.ready = ready;
-    const { title, assets, moments } = JSON.parse(text);
+    const { title, switches, assets, moments } = JSON.parse(text);
     /** @type {string} */
     this.title = title;
-    /** @type {[number, ...string[]][]} */
+    /** @type {[number, Record<string, string>][]} */
     this.moments = moments;
     this.begin = moments[0]?.[0] ?? 0;
     this.end = moments.at(-1)?.[0] ?? 0;
     /** @type {Record<string, string>} */
     this.assets = assets;
+    /** @type {string[]} */
+    this.switches = switches;
     this.time = this.begin;
     this.place = 0;
     this.speed = 1;
@@ -36,8 +38,11 @@ export class Recording {
     store.assetsHere = Object.fromEntries(
       Object.entries(this.assets).map(([name, data]) => [name, URL.createObjectURL(new Blob([bytesOf(data)]))]),
     );
-    store.learn({ hello: { title: this.title, abilities: ['seek', 'pause', 'speed', 'step'], recording: true } });
-    store.learn({ control: { here: true, other: false, canAsk: false } });
+    for (const name of this.switches) store.setSwitch(name, true);
+    store.learn({
+      hello: { title: this.title, abilities: ['seek', 'pause', 'speed', 'step'] },
+      control: { here: true, other: false, canAsk: false },
+    });
     await this.seek(this.begin);
     for (;;) {
       await new Promise((resolve) => requestAnimationFrame(resolve));
@@ -54,18 +59,19 @@ export class Recording {
   async play() {
     let { place } = this;
     while (place < this.moments.length && this.moments[place][0] <= this.time + 1e-9) place += 1;
-    /** @type {Map<string, ArrayBuffer>} the last message of each kind */
-    const last = new Map();
-    for (const [, ...messages] of this.moments.slice(this.place, place)) {
-      for (const message of messages) {
-        const data = bytesOf(message).buffer, kind = new DataView(data).getUint32(0, true);
-        const key = kind === 2 ? message.slice(0, 40) : String(kind);
-        last.delete(key);
-        last.set(key, data);
+    /** @type {Record<string, string>} the last message of each key */
+    const last = {};
+    for (const [, messages] of this.moments.slice(this.place, place)) {
+      for (const [key, message] of Object.entries(messages)) {
+        delete last[key]; // a state stays behind its scene
+        last[key] = message;
       }
     }
     this.place = place;
-    for (const data of last.values()) await receive(this.store, data);
+    for (const message of Object.values(last)) {
+      if (message.startsWith('{')) this.store.learn(JSON.parse(message));
+      else await receive(this.store, bytesOf(message).buffer);
+    }
     this.tell();
   }
 

@@ -138,6 +138,11 @@ export class Store extends EventTarget {
    */
   learn(message) {
     const { hello, control, status, robots, contacts, ranges, rings, series, messages, overlays, problem } = message;
+    if (control) {
+      this.controllers = { here: control.here, other: control.other, canAsk: control.canAsk };
+      this.control = control.here;
+      this.asked = control.asked ?? '';
+    }
     if (hello) {
       this.title = hello.title;
       this.abilities = new Set(hello.abilities);
@@ -147,12 +152,8 @@ export class Store extends EventTarget {
         this.messages = [];
         for (const channel of this.wants.keys()) this.#sendWants(channel);
       }
-      this.#emit('hello');
     }
-    if (control) {
-      this.controllers = { here: control.here, other: control.other, canAsk: control.canAsk };
-      this.control = control.here;
-      this.asked = control.asked ?? '';
+    if (hello || (control && this.connected)) {
       this.#emit('hello');
       this.#emit('status');
     }

@@ -133,7 +133,7 @@ export class Tree {
       key,
       label: entity.id,
       note: entity.type || (entity.kind === 'model' ? '' : entity.kind),
-      icon: entity.kind === 'light' ? 'light' : entity.kind === 'joints' ? 'joint' : entity.static || !entity.interfaces.length ? 'model' : 'robot',
+      icon: imageOf(entity),
       depth,
       entity: number,
       children: [
@@ -420,4 +420,16 @@ export function entityMenu(workplace, number) {
     { label: 'Locked', checked: store.isOn('locked', number), action: () => store.setSwitch('locked', !store.isOn('locked', number), number) },
     ...marks(workplace, number),
   ];
+}
+
+/**
+ * The icon of an entity.
+ * @param {import('libgz/store.js').Entity} entity
+ * @returns {import('libgz/icons.js').IconName}
+ */
+export function imageOf(entity) {
+  if (entity.kind === 'joints') return 'joint';
+  if (entity.kind === 'light' || entity.bodies.some((body) => body.shapes.some((shape) => shape.kind === 'light'))) return 'light';
+  if (entity.sensors.length && !entity.joints.length && entity.parent) return 'sensor';
+  return entity.interfaces.length || entity.joints.length > 1 ? 'robot' : 'model';
 }

@@ -26,6 +26,9 @@ import { Tree } from 'libgz/tree.js';
 /** @typedef {import('libgz/store.js').Store} Store */
 /** @typedef {import('libgz/stage.js').Stage} Stage */
 
+const WAIT = 1500; // [ms] until it is clear who controls
+const WATCHING = 'This page only watches: you can look around, but not control.';
+
 /** The page around the view. */
 export class Workplace {
   /**
@@ -194,9 +197,11 @@ export class Workplace {
     let told = false;
     store.addEventListener('hello', () => {
       document.title = store.title || 'libgz';
-      if (store.control || told) return;
+      if (told) return;
       told = true;
-      this.toasts.add(store.watchReason ?? 'This page only watches: you can look around, but not control.', 'info');
+      window.setTimeout(() => {
+        if (store.connected && !store.control) this.toasts.add(store.watchReason ?? WATCHING, 'info');
+      }, WAIT);
     });
   }
 

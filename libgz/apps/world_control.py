@@ -341,11 +341,12 @@ class WorldControl:
         return {"images": images, "ranges": ranges}
 
     def _problems(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
-        """Errors and warnings from number `since` on, with the file and line that they name, and their sim time [s]."""
-        since, entries = content.get("since"), self.world.problems.entries
-        begin = min(max(since, 0), len(entries)) if isinstance(since, int) else 0
+        """Errors and warnings after number `since`, with the file and line that they name, and their sim time [s]."""
+        since, problems = content.get("since"), self.world.problems
+        last = since if isinstance(since, int) and 0 <= since <= problems.count else 0
         found = []
-        for number, (time, problem) in enumerate(entries[begin : begin + MOST_PROBLEMS], begin):
+        for number, time, problem in [one for one in problems.recent if one[0] > last][:MOST_PROBLEMS]:
+            last = number
             text = f"{problem.message}\n{problem.traceback}" if problem.traceback else problem.message
             place = _PLACE.match(f"{problem.where}: " if problem.where else text)
             file, line = (place["file"], int(place["line"])) if place is not None else ("", 0)
@@ -353,7 +354,7 @@ class WorldControl:
                 text = text[place.end() :]
             what = {"text": text[:LONGEST_PROBLEM], "file": file, "line": line, "source": problem.source, "time": time}
             found.append({"number": number, "level": problem.severity, **what})
-        return {"problems": found, "count": begin + len(found)}
+        return {"problems": found, "count": last if found else problems.count}
 
     def _publish(self, argument: str, content: dict[str, Any]) -> None:
         """Publish a message on a topic, as a client of classic would."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import threading
 import traceback
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,8 +56,6 @@ class Problems:
 
     Attributes:
         errors, warnings: the problems in order, 1000 each at most.
-        count: how many there have been.
-        recent: the last 1000 of both, with their numbers from 1 on.
         entries: both, with the sim time [s] at which each came.
         failure: the first one, if the world is strict.
     """
@@ -71,11 +68,8 @@ class Problems:
         time: Callable[[], float] | None = None,
     ) -> None:
         self.owned, self.strict, self._time = owned, strict, time
-        self.entries: list[tuple[float, Problem]] = []
         self.errors: list[Problem] = []
         self.warnings: list[Problem] = []
-        self.count = 0
-        self.recent: deque[tuple[int, Problem]] = deque(maxlen=LARGEST)
         self.failure: Problem | None = None
         self._with_warnings = warnings
         self._raised = False
@@ -89,8 +83,6 @@ class Problems:
         kept = self.errors if problem.severity == "error" else self.warnings
         if len(kept) < LARGEST:
             kept.append(problem)
-        self.count += 1
-        self.recent.append((self.count, problem))
             self.entries.append((self._time() if self._time is not None else 0.0, problem))
         if self.strict and self.failure is None and (self._with_warnings or problem.severity == "error"):
             self.failure = problem

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import traceback
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,7 +57,8 @@ class Problems:
 
     Attributes:
         errors, warnings: the problems in order, 1000 each at most.
-        entries: both, with the sim time [s] at which each came.
+        count: how many there have been.
+        recent: the last 1000 of both: number from 1 on, sim time [s] and problem.
         failure: the first one, if the world is strict.
     """
 
@@ -70,6 +72,8 @@ class Problems:
         self.owned, self.strict, self._time = owned, strict, time
         self.errors: list[Problem] = []
         self.warnings: list[Problem] = []
+        self.count = 0
+        self.recent: deque[tuple[int, float, Problem]] = deque(maxlen=LARGEST)
         self.failure: Problem | None = None
         self._with_warnings = warnings
         self._raised = False
@@ -83,7 +87,8 @@ class Problems:
         kept = self.errors if problem.severity == "error" else self.warnings
         if len(kept) < LARGEST:
             kept.append(problem)
-            self.entries.append((self._time() if self._time is not None else 0.0, problem))
+        self.count += 1
+        self.recent.append((self.count, self._time() if self._time is not None else 0.0, problem))
         if self.strict and self.failure is None and (self._with_warnings or problem.severity == "error"):
             self.failure = problem
 

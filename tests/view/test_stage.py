@@ -451,7 +451,7 @@ def test_skins_of_actors_are_bent(shown, page, tmp_path):
     places = "ask.skin([0, 8])"
     fixed, turned = np.array(page.evaluate(places))
     world.step(1000)
-    page.evaluate("state(); frames(1)")
+    page.evaluate("state()")
     later = np.array(page.evaluate(places))
     assert later[0] == pytest.approx(fixed, abs=0.02)
     assert np.linalg.norm(later[1] - turned) > 0.3

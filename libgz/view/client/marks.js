@@ -53,7 +53,23 @@ const TRAIL_STEP = 0.02; // [m] between two of them
 const FORCE = 0.01; // [m/N] of an arrow
 const LONGEST_FORCE = 1; // [m]
 
+const STILL = 1e-4; // [m] and shares of colours: what nobody sees
+
 const matrix = new Matrix4(), inner = new Matrix4(), a = new Vector3(), b = new Vector3();
+
+/**
+ * Write numbers into an array; returns whether any of them was another one before.
+ * @param {Float32Array} array @param {number} at @param {number[]} values
+ */
+function put(array, at, values) {
+  let changed = false;
+  for (let i = 0; i < values.length; i++) {
+    if (Math.abs(array[at + i] - values[i]) <= STILL) continue;
+    array[at + i] = values[i];
+    changed = true;
+  }
+  return changed;
+}
 
 /** Line segments whose number changes. */
 class Lines {
@@ -67,6 +83,8 @@ class Lines {
     this.mesh.renderOrder = over ? 20 : 5;
     this.mesh.raycast = () => {};
     this.count = 0;
+    this._shown = -1;
+    this._changed = true;
     this._capacity = 0;
     this._grow(64);
   }
@@ -97,16 +115,22 @@ class Lines {
   /** @param {Vector3} from @param {Vector3} to @param {Color} color */
   add(from, to, color = this.color) {
     if (this.count === this._capacity) this._grow(2 * this._capacity);
-    const at = 6 * this.count++;
-    /** @type {any} */ (this._places).array.set([from.x, from.y, from.z, to.x, to.y, to.z], at);
-    /** @type {any} */ (this._colors).array.set([color.r, color.g, color.b, color.r, color.g, color.b], at);
+    const at = 6 * this.count++, places = [from.x, from.y, from.z, to.x, to.y, to.z];
+    this._changed = put(/** @type {any} */ (this._places).array, at, places) || this._changed;
+    const colors = [color.r, color.g, color.b, color.r, color.g, color.b];
+    this._changed = put(/** @type {any} */ (this._colors).array, at, colors) || this._changed;
   }
 
-  /** Show what was added. */
+  /** Show what was added; returns whether it is something else than before. */
   show() {
+    const changed = this._changed || this.count !== this._shown;
+    this._changed = false;
+    this._shown = this.count;
+    if (!changed) return false;
     this.mesh.visible = this.count > 0;
     this.mesh.geometry.instanceCount = this.count;
     for (const buffer of [this._places, this._colors]) /** @type {InstancedInterleavedBuffer} */ (buffer).needsUpdate = true;
+    return true;
   }
 }
 
@@ -121,6 +145,8 @@ class Faces {
     this.mesh.raycast = () => {};
     this._places = new Float32Array(9 * 256);
     this.count = 0;
+    this._shown = -1;
+    this._changed = true;
   }
 
   clear() {
@@ -134,12 +160,17 @@ class Faces {
       larger.set(this._places);
       this._places = larger;
     }
-    this._places.set([p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z], 9 * this.count++);
+    this._changed = put(this._places, 9 * this.count++, [p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z]) || this._changed;
   }
 
+  /** Show what was added; returns whether it is something else than before. */
   show() {
+    const changed = this._changed || this.count !== this._shown;
+    this._changed = false;
+    this._shown = this.count;
+    if (!changed) return false;
     this.mesh.visible = this.count > 0;
-    if (!this.count) return;
+    if (!this.count) return true;
     let places = /** @type {BufferAttribute | undefined} */ (this.mesh.geometry.getAttribute("position"));
     if (!places || places.array !== this._places) {
       this.mesh.geometry.dispose();
@@ -148,14 +179,16 @@ class Faces {
     }
     this.mesh.geometry.setDrawRange(0, 3 * this.count);
     places.needsUpdate = true;
+    return true;
   }
 }
 
 /** Shows marks of the present state. */
 export class Marks {
-  /** @param {Store} store @param {Bodies} bodies @param {Assets} assets */
-  constructor(store, bodies, assets) {
+  /** @param {Store} store @param {Bodies} bodies @param {Assets} assets @param {() => void} changed */
+  constructor(store, bodies, assets, changed) {
     this.store = store;
+    this.changed = changed;
     this.bodies = bodies;
     this.assets = assets;
     this.group = new Group();
@@ -180,7 +213,6 @@ export class Marks {
     /** @type {Map<number, Vector3[]>} */
     this._past = new Map();
     this._steps = 0;
-    this._shown = false;
     /** @type {string | null} name of the only part that is shown */
     this._only = null;
     /** @type {Map<number, number>} body -> row */
@@ -205,7 +237,7 @@ export class Marks {
     this.refresh();
   }
 
-  /** Bring all marks that are on up to date; returns whether there are or were any. */
+  /** Bring all marks that are on up to date; returns whether any has changed. */
   refresh() {
     const { store } = this, { scene } = store;
     if (!scene || !store.state) return false;
@@ -239,13 +271,8 @@ export class Marks {
     this._want("ranges", ranges);
     this._want("images", images);
     this._keepScreens(images);
-    for (const mark of [...Object.values(this.lines), ...Object.values(this.faces)]) mark.show();
-    const named = this._name();
-    const any = named || this._screens.children.length > 0 ||
-      [...Object.values(this.lines), ...Object.values(this.faces)].some((mark) => mark.count > 0);
-    const changed = any || this._shown;
-    this._shown = any;
-    return changed;
+    const shown = [...Object.values(this.lines), ...Object.values(this.faces)].map((mark) => mark.show());
+    return this._name() || shown.some((changed) => changed);
   }
 
   /** Subscribe to what the marks show. @param {string} channel @param {Set<string>} names */
@@ -448,7 +475,7 @@ export class Marks {
         shown.material.needsUpdate = !shown.material.map;
         shown.material.map = texture;
         shown.visible = true;
-        this.store.dispatchEvent(new Event("shown"));
+        this.changed();
       });
     }
     // From an image's axes, right and up, to a camera's, which looks along x.
@@ -465,6 +492,7 @@ export class Marks {
       screen.material.dispose();
       screen.geometry.dispose();
       screen.removeFromParent();
+      this.changed();
     }
   }
 
@@ -603,9 +631,10 @@ export class Marks {
 
   // Names -------------------------------------------------------------------------------------------------------------
 
-  /** Names above models; returns whether there are any. */
+  /** Names above models; returns whether they have changed. */
   _name() {
     const { store } = this;
+    let changed = false;
     /** @type {Map<string, any>} */
     const wanted = new Map();
     for (const entity of store.scene.entities) {
@@ -616,6 +645,7 @@ export class Marks {
       if (wanted.has(sprite.name)) continue;
       disposeSprite(/** @type {Sprite} */ (sprite));
       sprite.removeFromParent();
+      changed = true;
     }
     for (const [name, entity] of wanted) {
       const box = this.bodies.bounds([entity.number]), pose = store.entityPose(entity.number);
@@ -625,9 +655,12 @@ export class Marks {
         sprite = this._sprite(name);
         this._names.add(sprite);
       }
-      sprite.position.set(pose[0], pose[1], box.isEmpty() ? pose[2] : box.max.z + 0.06);
+      a.set(pose[0], pose[1], box.isEmpty() ? pose[2] : box.max.z + 0.06);
+      if (a.distanceTo(sprite.position) <= STILL) continue;
+      sprite.position.copy(a);
+      changed = true;
     }
-    return wanted.size > 0;
+    return changed;
   }
 
   /** @param {string} text */

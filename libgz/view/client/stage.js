@@ -68,7 +68,7 @@ export class Stage {
     this.ground = new Ground();
     this.outline = new Outline(this.bodies, this.skins);
     this.cameras = new Cameras(this.canvas, store, this.bodies, () => this.invalidate());
-    this.marks = new Marks(store, this.bodies, this.assets);
+    this.marks = new Marks(store, this.bodies, this.assets, () => this.invalidate());
     this.handles = new Handles(this.cameras, this.canvas, store, () => this.invalidate());
     this.scene = new Scene();
     this.scene.add(

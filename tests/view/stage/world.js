@@ -77,4 +77,7 @@ const ask = {
   },
 };
 
-Object.assign(window, { ask, libgz: { store, stage }, asked, show, frames, state: () => state(store.scene) });
+Object.assign(window, { ask, libgz: { store, stage }, asked, show, frames, async state() {
+  await state(store.scene);
+  await frames(1);
+} });

@@ -467,7 +467,7 @@ def test_nothing_is_rendered_while_nothing_changes(shown, page):
     shown("pioneer2at.world")
     page.wait_for_timeout(1500)
     before = page.evaluate("libgz.stage.renderer.info.render.frame")
-    page.evaluate("state()")
+    page.evaluate("libgz.store.setState({...libgz.store.state})")
     page.wait_for_timeout(300)
     assert page.evaluate("libgz.stage.renderer.info.render.frame") == before
 

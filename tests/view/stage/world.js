@@ -77,7 +77,10 @@ const ask = {
   },
 };
 
-Object.assign(window, { ask, libgz: { store, stage }, asked, show, frames, async state() {
+/** Show the present state of the world that is served. */
+async function present() {
   await state(store.scene);
   await frames(1);
-} });
+}
+
+Object.assign(window, { ask, libgz: { store, stage }, asked, show, frames, state: present });

@@ -197,6 +197,21 @@ def test_undo_and_redo_by_keys_and_buttons_where_the_server_can(opened):
     assert asked(page, "undo") == []
 
 
+def test_models_are_duplicated_and_aligned(opened):
+    page = opened("verbs=duplicate align move")
+    page.evaluate("world.select({entity: 6})")
+    page.keyboard.press("Control+d")
+    until(page, "world.selection?.entity === 7")  # the copy
+    assert asked(page, "duplicate") == [["-", {"name": "arm"}]]
+    button(page, "More for rover").click()
+    page.get_by_role("menuitem", name="Align with another model").click()
+    dialog = page.get_by_role("dialog", name="Align rover")
+    for label, value in (("With", "robot1"), ("Along", "y"), ("At", "high")):
+        dialog.get_by_label(label, exact=True).select_option(value)
+    button(page, "Align").click()
+    assert asked(page, "align") == [["y", {"names": ["robot1", "rover"], "to": "high"}]]
+
+
 def test_help_shows_the_keys(opened):
     page = opened()
     for key in ("?", "h"):

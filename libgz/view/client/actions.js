@@ -146,7 +146,16 @@ export function makeActions(workplace) {
       keys: ['Ctrl+D'],
       offered: () => able('duplicate'),
       can: () => Boolean(selected()),
-      act: () => ask('duplicate', '-', { name: selected()?.id }),
+      act: () => workplace.dialogs.duplicate(),
+    },
+    align: {
+      label: 'Align with another model',
+      icon: 'align',
+      group: 'Edit',
+      keys: ['Ctrl+L'],
+      offered: () => able('align'),
+      can: () => Boolean(selected()),
+      act: () => workplace.dialogs.align(),
     },
     remove: {
       label: 'Delete',

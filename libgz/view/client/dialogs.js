@@ -171,6 +171,37 @@ export class Dialogs {
     this.#selectNew(await this.workplace.ask('insert', '-', { model, pose: [x, y, z, 1, 0, 0, 0] }));
   }
 
+  /** Copy what is selected, and select the copy. */
+  async duplicate() {
+    const { store, ask } = this.workplace;
+    const entity = store.selection && store.entities.get(store.selection.entity);
+    if (entity) this.#selectNew(await ask('duplicate', '-', { name: entity.id }));
+  }
+
+  /** Move what is selected until it is aligned with another model along an axis. */
+  align() {
+    const { store, ask } = this.workplace;
+    const entity = store.selection && store.entities.get(store.selection.entity);
+    if (!entity) return;
+    const others = [...store.entities.values()].filter((one) => one !== entity && one.kind === 'model');
+    /** @param {string} label @param {string[][]} options */
+    const list = (label, options) => {
+      const select = element('select', { 'aria-label': label }, options.map(([value, text]) => element('option', { value, text })));
+      return { select, row: element('label', { class: 'property' }, element('span', { class: 'name', text: label }), select) };
+    };
+    const other = list('With', others.map((one) => [one.id, one.id]));
+    const axis = list('Along', ['x', 'y', 'z'].map((name) => [name, name]));
+    const to = list('At', [['low', 'its lower side'], ['center', 'its middle'], ['high', 'its upper side']]);
+    const yes = this.#button('Align', 'primary');
+    const no = this.#button('Cancel');
+    const dialog = this.#open(`Align ${entity.id}`, [other.row, axis.row, to.row], [no, yes]);
+    no.addEventListener('click', () => dialog.close());
+    yes.addEventListener('click', () => {
+      dialog.close();
+      void ask('align', axis.select.value, { names: [other.select.value, entity.id], to: to.select.value });
+    });
+  }
+
   /** @param {unknown} names */
   #selectNew(names) {
     const { store } = this.workplace;

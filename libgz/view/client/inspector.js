@@ -91,7 +91,7 @@ export class Inspector {
     }
     const counts = { models: 0, lights: 0, links: 0, joints: 0 };
     for (const entity of store.entities.values()) {
-      if (entity.kind === 'light') counts.lights += 1;
+      if (imageOf(entity) === 'light') counts.lights += 1;
       else if (entity.kind === 'model') counts.models += 1;
       counts.links += entity.bodies.length;
       counts.joints += entity.joints.length;

@@ -405,7 +405,7 @@ export class Tree {
 export function entityMenu(workplace, number) {
   const { actions, store } = workplace;
   return [
-    ...[actions.focus, actions.follow, actions.translate, actions.rotate, actions.duplicate, actions.remove]
+    ...[actions.focus, actions.follow, actions.translate, actions.rotate, actions.duplicate, actions.align, actions.remove]
       .filter(isOffered)
       .map((action) => ({
         label: labelOf(action),

@@ -190,6 +190,7 @@ class World extends EventTarget {
       diff: () => '--- a.world\n+++ a.world\n@@ -4,3 +4,3 @@\n <id>robot1</id>\n-<xyz>0 0 0</xyz>\n+<xyz>1 0 0.2</xyz>',
       write: () => '/tmp/a.world',
       insert: () => ['rover'],
+      duplicate: () => ['rover'],
       pause: () => void (this.state.paused = argument === 'on'),
       step: () => {
         this.state.simTime += 0.02 * Number(argument);

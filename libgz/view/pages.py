@@ -31,6 +31,7 @@ MOST_WAITING = 400  # messages to a page that have not been sent
 LARGEST_WAITING = 64 << 20  # [byte] of them
 MOST_PENDING = 100  # messages of a page that have not been acted on: then no more are read
 PATIENCE = 10.0  # [s] for a page to read a message
+KEPT = 15.0  # [s] that a connection without a page stays open
 SILENCE = 20.0  # [s] for a connection to send its first request
 BEAT = 20.0  # [s] between two pings
 END = 3.0  # [s] for the port to close
@@ -67,8 +68,8 @@ class Page:
         self._overflown |= len(self._waiting) > MOST_WAITING or sum(map(len, self._waiting.values())) > LARGEST_WAITING
         self._filled.set()
 
-    async def send_all(self, socket: web.WebSocketResponse) -> None:
-        """Send what is posted, until the page is closed or does not read."""
+    async def send_all(self, socket: web.WebSocketResponse, transport: asyncio.Transport | None) -> None:
+        """Send what is posted, until the page is closed or does not read; then the connection ends."""
         try:
             while not self._overflown:
                 await self._filled.wait()
@@ -79,10 +80,9 @@ class Page:
                     await asyncio.wait_for(sending, PATIENCE)
         except (TimeoutError, ConnectionError, RuntimeError):
             pass
-        finally:
-            self._waiting.clear()
-            with contextlib.suppress(Exception):
-                await asyncio.wait_for(socket.close(code=WSCloseCode.TRY_AGAIN_LATER), 1.0)
+        self._waiting.clear()
+        if transport is not None:
+            transport.abort()
 
 
 OnMessage = Callable[[Page, dict[str, Any]], None]
@@ -115,6 +115,7 @@ class Pages(Closing):
         self._on_open, self._on_message, self._on_close = on_open, on_message, on_close
         self._pages: dict[int, Page] = {}
         self._sockets: weakref.WeakSet[web.WebSocketResponse] = weakref.WeakSet()
+        self._connections: set[Any] = set()
         self._silent: set[Any] = set()  # connections without a request
         self._count = 0
         self._readers = ThreadPoolExecutor(2, "assets")
@@ -141,7 +142,7 @@ class Pages(Closing):
         self._pages[page.number] = page
 
     async def _listen(self) -> None:
-        self._server = web.Server(self._handle, access_log=None, logger=QUIET, keepalive_timeout=15.0)
+        self._server = web.Server(self._handle)
         wanted = self.port
         for self.port in range(wanted, min(wanted + MOST_TRIES, 65536)) if wanted else (0,):
             try:
@@ -155,12 +156,14 @@ class Pages(Closing):
         raise GazeboError(f"no port from {wanted} to {self.port} is free on {self.gate.host}")
 
     def _protocol(self) -> asyncio.BaseProtocol:
-        if len(self._server.connections) >= MOST_CONNECTIONS:
+        if len(self._connections) >= MOST_CONNECTIONS:
             return _Refusal()
-        protocol = self._server()
-        self._silent.add(protocol)
-        self._loop.call_later(SILENCE, self._close_silent, protocol)
-        return protocol
+        made = _Connection(self._server, loop=self._loop, access_log=QUIET, logger=QUIET, keepalive_timeout=KEPT)
+        made.all = self._connections
+        self._connections.add(made)
+        self._silent.add(made)
+        self._loop.call_later(SILENCE, self._close_silent, made)
+        return made
 
     def _close_silent(self, protocol: Any) -> None:
         if protocol in self._silent:
@@ -186,7 +189,7 @@ class Pages(Closing):
         page = Page(self._count, self.gate.may_control(request), self._loop)
         self._pages[page.number] = page
         self._sockets.add(socket)
-        sender = self._loop.create_task(page.send_all(socket))
+        sender = self._loop.create_task(page.send_all(socket, request.transport))
         try:
             self._on_open(page)
             async for raw in socket:
@@ -223,6 +226,18 @@ class Pages(Closing):
         with contextlib.suppress(Exception):
             await asyncio.wait_for(asyncio.gather(*closing, return_exceptions=True), END / 3.0)
         await self._server.shutdown(END / 3.0)
+
+
+class _Connection(web.RequestHandler):
+    """A connection, which is counted: in `all` as long as it lives."""
+
+    __slots__ = ("all",)
+    all: set[Any]
+
+    def connection_lost(self, exc: BaseException | None) -> None:
+        """Count it no longer."""
+        self.all.discard(self)
+        super().connection_lost(exc)
 
 
 class _Refusal(asyncio.Protocol):

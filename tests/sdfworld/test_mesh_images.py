@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-import trimesh
 from PIL import Image
 from sdf_worlds import collision, link, model, world
 
@@ -14,8 +13,8 @@ from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.camera import Camera
 from libgz.simulation.description import describe_body
+from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
-from libgz.view.shapes import Shapes
 
 SQUARE = [(0, -1, -1), (0, 1, -1), (0, 1, 1), (0, -1, 1)]  # facing +x, its left edge at -y
 CORNERS = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -255,11 +254,12 @@ def test_the_page_shows_the_image(load, tmp_path):
     made = loaded(load, visual("square.obj"))
     source = LocalSource(made)
     [shape] = source.scene["entities"][0]["bodies"][0]["shapes"]
-    [form] = [one.form for one in Shapes(source).instances(shape)]
-    [part] = trimesh.load(io.BytesIO(form.glb), file_type="glb").geometry.values()
-    pixels = np.asarray(part.visual.material.baseColorTexture.convert("RGB"))
+    arrays = source.data(shape["data"])
+    assets = Assets(source)
+    asset = assets.get(assets.of_scene(source.scene)[shape["texture"]["file"]])
+    pixels = np.asarray(Image.open(io.BytesIO(asset.body)).convert("RGB"))
     assert pixels[4, 4].tolist() == pytest.approx(RED, abs=40)
-    low = part.visual.uv[np.argmin(part.vertices @ (0, 1, 1))]
+    low = arrays["texture_coordinates"].reshape(-1, 2)[np.argmin(arrays["vertices"] @ (0, 1, 1))]
     assert tuple(low) == pytest.approx((0, 0))
 
 

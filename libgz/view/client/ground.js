@@ -31,7 +31,7 @@ void main() {
   vec2 axis = 1.0 - smoothstep(ratio * 1.1 - 0.5, ratio * 1.1 + 0.5, abs(at) / max(fwidth(at), vec2(1e-6)));
   if (axis.y > 0.0) { color = mix(color, vec3(0.62, 0.05, 0.06), axis.y); alpha = max(alpha, 0.85 * axis.y); }
   if (axis.x > 0.0) { color = mix(color, vec3(0.05, 0.40, 0.10), axis.x); alpha = max(alpha, 0.85 * axis.x); }
-  alpha *= fade;
+  alpha *= fade * min(0.5 + 0.5 * ratio, 1.0); // lines of large pixels are wide
   if (alpha < 0.004) discard;
   gl_FragColor = vec4(color, alpha);
   #include <colorspace_fragment>

@@ -88,6 +88,7 @@ export function lookOf(shape, assets, showing, form) {
       opacity,
       depthWrite: opacity === 1,
       side: sideOf(form),
+      shadowSide: sideOf(form), // boxes that touch would darken each other's edges by their back sides
       wireframe: showing.wireframe,
       emissive: toned(emission),
       emissiveMap: maps.emissive ?? null,

@@ -174,11 +174,14 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
 
 def describe_body(body: Body, row: int, names: dict[Geom, str], store: Store) -> dict[str, Any]:
     """A body with its shapes; `row` is its place in the table of bodies, `names` are those of geoms."""
+    mass = body.GetMass()
     return {
         "id": body.number,
         "name": body.bodyName or "",
         "row": row,
         "static": body.dummy,
+        "mass": mass.mass,
+        "inertia": [mass.I[i] for i in (0, 5, 10, 1, 2, 6)],
         "shapes": [_describe_geom(geom, names.get(geom, ""), store) for geom in body.geoms],
     }
 

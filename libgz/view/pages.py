@@ -7,6 +7,7 @@ import contextlib
 import errno
 import logging
 import threading
+import time
 import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -30,6 +31,7 @@ MOST_TRIES = 200  # ports
 MOST_WAITING = 400  # messages to a page that have not been sent
 LARGEST_WAITING = 64 << 20  # [byte] of them
 MOST_PENDING = 100  # messages of a page that have not been acted on: then no more are read
+FASTEST, FASTEST_WATCHER, BURST = 500.0, 20.0, 2.0  # messages of a page per second; for so long it may send more [s]
 PATIENCE = 10.0  # [s] for a page to read a message
 KEPT = 15.0  # [s] that a connection without a page stays open
 SILENCE = 20.0  # [s] for a connection to send its first request
@@ -56,6 +58,13 @@ class Page:
         self._waiting: dict[str, bytes | str] = {}
         self._filled = asyncio.Event()
         self._overflown = False
+        self._busy = 0.0
+
+    def pause(self) -> float:
+        """How long to wait until the next message is read [s]: a page may send some at once, not all the time."""
+        now = time.monotonic()
+        self._busy = max(self._busy, now - BURST) + 1.0 / (FASTEST if self.may_control else FASTEST_WATCHER)
+        return max(self._busy - now, 0.0)
 
     def post(self, key: str, message: bytes | str) -> None:
         """Send a message; one of the same key that has not been sent is dropped for it. Safe in every thread."""
@@ -198,6 +207,7 @@ class Pages(Closing):
                     continue
                 page.pending += 1
                 self._on_message(page, message)
+                await asyncio.sleep(page.pause())
                 while page.pending >= MOST_PENDING and not self._closed:
                     await asyncio.sleep(0.02)
         finally:

@@ -34,7 +34,7 @@ HOST, PORT, RATE = "127.0.0.1", 8080, 30.0
 LOG_PERIOD, RETRY = 0.25, 0.5  # [s]
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
-MOST_REQUESTS = 50  # of all pages that have not been answered
+MOST_REQUESTS, MOST_OF_WATCHERS = 50, 10  # of all pages that have not been answered, when another one comes
 FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
 READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
 CAN_SHOW = frozenset({"interfaces", "publish", "contacts", "readings", "problems"})  # what pages offer because of it
@@ -168,12 +168,8 @@ class Viewer(Closing):
 
     def act(self) -> None:
         """Do what users did since the last frame; what is refused is shown to them."""
-        while True:
-            try:
-                action = self._actions.get_nowait()
-            except queue.Empty:
-                break
-            self._attempt(action)
+        for _ in range(self._actions.qsize()):  # what comes meanwhile waits for the next frame
+            self._attempt(self._actions.get())
         self.controllers.act()
         if self.driver is not None:
             self._attempt(self.driver.act)
@@ -389,15 +385,18 @@ class Viewer(Closing):
                 raise GazeboError(f"there is no request {verb[:50]!r} here")
             if any(ord(letter) < 33 for letter in argument) or len(argument) > 200 or not argument:
                 raise GazeboError(f"the argument of {verb} is not one word")
-            self._pass_on(verb, argument, content, reply)
+            self._pass_on(page, verb, argument, content, reply)
         except GazeboError as error:
             reply(error=str(error)[:1000])
 
-    def _pass_on(self, verb: str, argument: str, content: dict[str, Any], reply: Callable[..., None]) -> None:
+    def _pass_on(
+        self, page: Page, verb: str, argument: str, content: dict[str, Any], reply: Callable[..., None]
+    ) -> None:
         """Send a request of a page to the server."""
         controls = self.controls
+        most = MOST_REQUESTS if page is self.controllers.page else MOST_OF_WATCHERS
         with self._requests_lock:
-            if controls is None or self._requests >= MOST_REQUESTS:
+            if controls is None or self._requests >= most:
                 raise GazeboError("the server has not answered the requests before; try again later")
             self._requests += 1
         if verb == "write":

@@ -322,8 +322,7 @@ export class Dialogs {
     const { controllers } = store;
     const close = this.#button('Close');
     const buttons = [close];
-    let text = 'You can look around, select, plot and follow. This page does not control the world.';
-    if (store.watchReason) text = `${store.watchReason} ${text}`;
+    let text = `${this.workplace.whyWatching} You can also select, plot and follow.`;
     /** @param {string} label @param {string} verb @param {string} [extra] */
     const offer = (label, verb, extra = '') => {
       const button = this.#button(label, extra);

@@ -279,7 +279,7 @@ export class Inspector {
       tools.push(element('button', { type: 'button', class: 'tool', 'aria-label': 'To the model', title: 'To the model', on: { click: back } }, icon('up')));
     const watching =
       entity !== undefined && store.connected && !store.control
-        ? element('p', { class: 'hint', text: store.watchReason ?? 'This page only watches.' })
+        ? element('p', { class: 'hint', text: workplace.whyWatching })
         : null;
     return element(
       'div',

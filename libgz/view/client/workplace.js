@@ -91,6 +91,13 @@ export class Workplace {
     }
   }
 
+  /** Why this page does not control the world, as a sentence for users. */
+  get whyWatching() {
+    const { watchReason, controllers } = this.store;
+    const other = controllers.canAsk && controllers.other ? 'Another page controls this world.' : '';
+    return [watchReason ?? other, WATCHING].filter(Boolean).join(' ');
+  }
+
   /**
    * Save a file where the browser keeps downloads.
    * @param {Blob} content
@@ -200,7 +207,7 @@ export class Workplace {
       if (told) return;
       told = true;
       window.setTimeout(() => {
-        if (store.connected && !store.control) this.toasts.add(store.watchReason ?? WATCHING, 'info');
+        if (store.connected && !store.control) this.toasts.add(this.whyWatching, 'info');
       }, WAIT);
     });
   }

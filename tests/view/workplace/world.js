@@ -19,6 +19,8 @@ class World extends EventTarget {
     this.theme = 'dark';
     this.robots = [{ label: 'robot1 (position)', entity: 'robot1' }, { label: 'rover (vel_cmd)', entity: 'rover' }];
     this.robot = 'robot1 (position)';
+    this.controllers = { here: this.control, other: false, canAsk: false };
+    this.asked = '';
     this.speeds = { linear: 0.4, angular: 0.8 };
     this.messages = [];
     this.overlays = [];

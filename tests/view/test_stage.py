@@ -442,6 +442,15 @@ def test_a_surface_that_another_casts_a_shadow_on_is_darker(shown, page):
     assert darker.sum() > 100
 
 
+def test_a_world_whose_only_light_is_out_is_darker_than_one_without_lights(shown, page):
+    material = "<diffuse>0.8 0.8 0.8 1</diffuse>"
+    shown(sdf(box(material=material)))
+    without = image(page)[HEIGHT // 2, WIDTH // 2].sum()
+    light = "<light type='directional' name='s'><diffuse>0 0 0 1</diffuse><direction>0.4 0.3 -1</direction></light>"
+    shown(sdf(light + box(material=material)))
+    assert image(page)[HEIGHT // 2, WIDTH // 2].sum() < 0.8 * without
+
+
 def test_skins_of_actors_are_bent(shown, page, tmp_path):
     (tmp_path / "arm.dae").write_text(two_bones())
     file = "<filename>arm.dae</filename>"

@@ -45,14 +45,16 @@ export class Lights {
     const { scene } = this.store;
     /** @type {{entity: any, row: number, shape: any}[]} */
     const found = [];
+    let any = false; // a world whose lights are all out is dark
     for (const [entity, body] of bodiesOf(scene)) {
       for (const shape of body.shapes) {
+        any ||= shape.kind === "light" && shape.visible;
         const shines = shape.kind === "light" && shape.visible && Math.max(...shape.material.diffuse.slice(0, 3)) > 0;
         if (shines && !(entity.number && this.store.isOn("hidden", entity.number))) found.push({ entity, row: body.row, shape });
       }
     }
     const ambient = scene.ambient.slice(0, 3).reduce((/** @type {number} */ sum, /** @type {number} */ part) => sum + part, 0) / 3;
-    const signature = JSON.stringify([found.map(({ row, shape }) => [row, shape]), ambient, sky.getHex(), scene.shadows, fine]);
+    const signature = JSON.stringify([found.map(({ row, shape }) => [row, shape]), any, ambient, sky.getHex(), scene.shadows, fine]);
     if (signature === this._signature) return;
     this._signature = signature;
     for (const { light } of this._others) {
@@ -69,11 +71,11 @@ export class Lights {
     if (source) toned(source.shape.material.diffuse, this.sun.color);
     this.sun.color.multiply(WARM);
     // Without any light the world would be black; a world that has only lamps is lit by them.
-    this.sun.intensity = source ? 1.35 * FULL * share : found.length ? 0 : FULL;
+    this.sun.intensity = source ? 1.35 * FULL * share : any ? 0 : FULL;
     this.sun.visible = this.sun.intensity > 0;
     this.casts = (source ? source.entity.cast_shadows !== false : true) && scene.shadows !== false;
     this.hemisphere.color.set(0xe9f1ff).lerp(sky, 0.3);
-    const around = FULL * (0.6 + 0.4 * Math.min(Math.max(ambient, 0), 1)) * (found.length && !source ? 0.5 : 1);
+    const around = FULL * (0.6 + 0.4 * Math.min(Math.max(ambient, 0), 1)) * (any && !source ? 0.5 : 1);
     this.hemisphere.intensity = (fine ? 0.5 : 0.85) * around; // of fine materials, the sky's image does the rest
     this.above.position.copy(ABOVE).multiplyScalar(FAR);
     this.above.color.copy(this.hemisphere.color);

@@ -53,7 +53,7 @@ class Channels:
         self._messages: list[dict[str, Any]] = []
         self._seen = 0  # of the server's problems
         self._shown = ""  # of the overlays
-        self._drawn: dict[int, tuple[Any, str]] = {}
+        self._encoded: dict[int, tuple[Any, str]] = {}
         self._next: dict[str, float] = {}
         self.pending: set[str] = set()
 
@@ -213,28 +213,28 @@ class Channels:
 
     def _show_overlays(self, overlays: Mapping[str, Overlay]) -> None:
         shown = []
-        drawn: dict[int, tuple[Any, str]] = {}
+        encoded: dict[int, tuple[Any, str]] = {}
         for name, overlay in overlays.items():
             if overlay.visible:
-                images = {label: self._address(image, drawn) for label, image in dict(overlay.images).items()}
+                images = {label: self._address(image, encoded) for label, image in dict(overlay.images).items()}
                 plots = {
                     label: {"x": _plain(x), "lines": {one: _plain(values) for one, values in lines.items()}}
                     for label, (x, lines) in dict(overlay.plots).items()
                 }
                 buttons = overlay.Buttons()
                 shown.append({"name": name, "text": overlay.text, "buttons": buttons, "images": images, "plots": plots})
-        self._drawn = drawn
+        self._encoded = encoded
         text = json.dumps({"overlays": shown})
         if text != self._shown:
             self._shown = text
             self._post("overlays", "overlays", text)
 
-    def _address(self, image: NDArray[np.uint8], drawn: dict[int, tuple[Any, str]]) -> str:
+    def _address(self, image: NDArray[np.uint8], encoded: dict[int, tuple[Any, str]]) -> str:
         """An image as a data URL; the same object stands for the same image."""
-        former = self._drawn.get(id(image))
+        former = self._encoded.get(id(image))
         if former is None or former[0] is not image:
             former = image, f"data:image/jpeg;base64,{base64.b64encode(jpeg_of(image)).decode()}"
-        drawn[id(image)] = former
+        encoded[id(image)] = former
         return former[1]
 
 

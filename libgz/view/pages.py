@@ -9,7 +9,7 @@ import logging
 import threading
 import time
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -31,7 +31,7 @@ MOST_TRIES = 200  # ports
 MOST_WAITING = 400  # messages to a page that have not been sent
 LARGEST_WAITING = 64 << 20  # [byte] of them
 MOST_PENDING = 100  # messages of a page that have not been acted on: then no more are read
-FASTEST, FASTEST_WATCHER, BURST = 500.0, 20.0, 2.0  # messages of a page per second; for so long it may send more [s]
+FASTEST, FASTEST_WATCHER, BURST = 500.0, 20.0, 0.5  # messages of a page per second; for so long it may send more [s]
 PATIENCE = 10.0  # [s] for a page to read a message
 KEPT = 15.0  # [s] that a connection without a page stays open
 SILENCE = 20.0  # [s] for a connection to send its first request
@@ -69,9 +69,10 @@ class Page:
     def post(self, key: str, message: bytes | str) -> None:
         """Send a message; one of the same key that has not been sent is dropped for it. Safe in every thread."""
         with contextlib.suppress(RuntimeError):  # the port was closed
-            self._loop.call_soon_threadsafe(self._put, key, message)
+            self._loop.call_soon_threadsafe(self.put, key, message)
 
-    def _put(self, key: str, message: bytes | str) -> None:
+    def put(self, key: str, message: bytes | str) -> None:
+        """As `post`, in the port's thread."""
         self._waiting.pop(key, None)  # a state stays behind its scene
         self._waiting[key] = message
         self._overflown |= len(self._waiting) > MOST_WAITING or sum(map(len, self._waiting.values())) > LARGEST_WAITING
@@ -85,8 +86,11 @@ class Page:
                 self._filled.clear()
                 while self._waiting and not self._overflown:
                     message = self._waiting.pop(next(iter(self._waiting)))
-                    sending = socket.send_bytes(message) if isinstance(message, bytes) else socket.send_str(message)
-                    await asyncio.wait_for(sending, PATIENCE)
+                    async with asyncio.timeout(PATIENCE):
+                        if isinstance(message, bytes):
+                            await socket.send_bytes(message)
+                        else:
+                            await socket.send_str(message)
         except (TimeoutError, ConnectionError, RuntimeError):
             pass
         self._waiting.clear()
@@ -146,6 +150,18 @@ class Pages(Closing):
     def __len__(self) -> int:
         return len(self._pages)
 
+    def post(self, pages: Iterable[Any], key: str, message: bytes | str) -> None:
+        """Send a message to pages, as `Page.post` does."""
+        wanted = []
+        for page in pages:
+            if isinstance(page, Page):
+                wanted.append(page)
+            else:
+                page.post(key, message)
+        if wanted:
+            with contextlib.suppress(RuntimeError):  # the port was closed
+                self._loop.call_soon_threadsafe(_put_all, wanted, key, message)
+
     def join(self, page: Any) -> None:
         """Count something as a page that is like one."""
         self._pages[page.number] = page
@@ -203,17 +219,17 @@ class Pages(Closing):
             self._on_open(page)
             async for raw in socket:
                 message = read_message(raw.data) if raw.type == WSMsgType.TEXT else None
-                if message is None:
-                    continue
-                page.pending += 1
-                self._on_message(page, message)
+                if message is not None:
+                    page.pending += 1
+                    self._on_message(page, message)
                 await asyncio.sleep(page.pause())
                 while page.pending >= MOST_PENDING and not self._closed:
                     await asyncio.sleep(0.02)
         finally:
             self._pages.pop(page.number, None)
-            sender.cancel()
             self._on_close(page)
+            sender.cancel()
+            await asyncio.gather(sender, return_exceptions=True)
         return socket
 
     def close(self) -> None:
@@ -222,7 +238,7 @@ class Pages(Closing):
             return
         self._closed = True
         with contextlib.suppress(Exception):
-            asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(END)
+            asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(2.0 * END)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._readers.shutdown(wait=False, cancel_futures=True)
         self._thread.join(END)
@@ -236,6 +252,16 @@ class Pages(Closing):
         with contextlib.suppress(Exception):
             await asyncio.wait_for(asyncio.gather(*closing, return_exceptions=True), END / 3.0)
         await self._server.shutdown(END / 3.0)
+        rest = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in rest:
+            task.cancel()
+        if rest:
+            await asyncio.wait(rest, timeout=END / 3.0)
+
+
+def _put_all(pages: list[Page], key: str, message: bytes | str) -> None:
+    for page in pages:
+        page.put(key, message)
 
 
 class _Connection(web.RequestHandler):

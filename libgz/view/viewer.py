@@ -31,6 +31,7 @@ __all__ = ["HOST", "PORT", "RATE", "Viewer"]
 log = logging.getLogger("libgz.view")
 
 HOST, PORT, RATE = "127.0.0.1", 8080, 30.0
+LONGEST_LOOK = 0.01  # [s] at what pages that only watch have sent, per frame
 LOG_PERIOD, RETRY = 0.25, 0.5  # [s]
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
@@ -82,6 +83,7 @@ class Viewer(Closing):
         self.source, self.controls, self.rate = source, controls, rate
         self._overlays = overlays
         self._actions: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
+        self._watchers: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()  # what only watching pages send
         self._asking = ThreadPoolExecutor(1, "viewer")
         self._requests = 0  # of pages that have not been answered
         self._requests_lock = threading.Lock()
@@ -107,10 +109,13 @@ class Viewer(Closing):
             self._gate,
             port,
             lambda page: self.do(lambda: self._welcome(page)),
-            lambda page, message: self.do(lambda: self._obey(page, message)),
+            lambda page, message: self._queue(page).put(lambda: self._obey(page, message)),
             lambda page: self.do(lambda: self._leave(page)),
         )
         self.channels = Channels(self._pages, self._ask, overlays)
+
+    def _queue(self, page: Page) -> queue.SimpleQueue[Callable[[], object]]:
+        return self._actions if page.may_control else self._watchers
 
     def _new_driver(self) -> Driver | None:
         return Driver(self.controls) if self.controls is not None and self._can & {"interfaces", "publish"} else None
@@ -156,20 +161,24 @@ class Viewer(Closing):
 
     def tick(self) -> None:
         """Do what users did, and show a frame if it is time for one; for programs with a loop of their own."""
-        begin = time.monotonic()
+        begin, used = time.monotonic(), time.thread_time()
         self.act()
         if begin < self._due:
             return
         if len(self._pages) or begin >= self._shown + ALONE_PERIOD or self._state is None:
             self._shown = begin
             self._attempt(self.frame)
-        now = time.monotonic()
-        self._due = max(self._due + 1.0 / self.rate, begin + (now - begin) / LARGEST_SHARE, now)
+        now, used = time.monotonic(), time.thread_time() - used
+        self._due = max(self._due + 1.0 / self.rate, begin + used / LARGEST_SHARE, now)
 
     def act(self) -> None:
         """Do what users did since the last frame; what is refused is shown to them."""
-        for _ in range(self._actions.qsize()):  # what comes meanwhile waits for the next frame
-            self._attempt(self._actions.get())
+        end = time.monotonic() + LONGEST_LOOK
+        for actions in (self._actions, self._watchers):
+            for _ in range(actions.qsize()):  # what comes meanwhile waits for the next frame
+                if actions is self._watchers and time.monotonic() > end:
+                    break
+                self._attempt(actions.get())
         self.controllers.act()
         if self.driver is not None:
             self._attempt(self.driver.act)
@@ -190,8 +199,7 @@ class Viewer(Closing):
         self._post("problem", json.dumps({"problem": {"text": text[:500], "level": "error"}}))
 
     def _post(self, key: str, message: bytes | str) -> None:
-        for page in self._pages:
-            page.post(key, message)
+        self._pages.post(self._pages, key, message)
 
     def frame(self, now: float | None = None) -> None:
         """Show the present state; `now` is the real time [s], of which images and texts have some frames a second."""
@@ -213,9 +221,7 @@ class Viewer(Closing):
             return
         if changed:
             self._state_message = state_message(state)
-            for page in self._pages:
-                if page.visible:
-                    page.post("state", self._state_message)
+            self._pages.post((page for page in self._pages if page.visible), "state", self._state_message)
         if "seek" in self._can and now >= self._next_log and "status" not in self.channels.pending:
             self._next_log = now + LOG_PERIOD
             self._ask("status", self._learn_log)

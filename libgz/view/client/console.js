@@ -25,7 +25,7 @@ export class Console {
     this.levels = new Set(LEVELS);
     this.seen = -1;
     this.cleared = -1;
-    this.drawn = '';
+    this.rendered = '';
     this.badge = element('span', { class: 'badge', hidden: true });
     this.filter = element('input', { type: 'search', placeholder: 'Filter', 'aria-label': 'Filter messages', on: { input: () => this.draw() } });
     this.rows = element('div', { class: 'messages', role: 'log', 'aria-label': 'Messages', tabindex: 0 });
@@ -96,8 +96,8 @@ export class Console {
         (!wanted || `${message.text} ${message.file ?? ''} ${message.source ?? ''}`.toLowerCase().includes(wanted)),
     );
     const key = JSON.stringify([last, shown.length, wanted, [...this.levels]]);
-    if (key === this.drawn) return;
-    this.drawn = key;
+    if (key === this.rendered) return;
+    this.rendered = key;
     const atEnd = this.rows.scrollTop + this.rows.clientHeight > this.rows.scrollHeight - 30;
     fill(
       this.rows,

@@ -72,7 +72,7 @@ export function slider({ label, unit = '', value, low, high, step, changed }) {
     step: step ?? 'any',
     value: String(Math.min(Math.max(value, low), high)),
   });
-  const tell = () => {
+  const update = () => {
     const text = `${short(Number(Number(input.value).toFixed(3)))}${unit && ` ${unit}`}`;
     setText(figure, text);
     input.setAttribute('aria-valuetext', text);
@@ -80,7 +80,7 @@ export function slider({ label, unit = '', value, low, high, step, changed }) {
   let held = 0;
   input.addEventListener('input', () => {
     held = performance.now();
-    tell();
+    update();
     changed(Number(input.value));
   });
   input.addEventListener('keydown', (event) => {
@@ -91,14 +91,14 @@ export function slider({ label, unit = '', value, low, high, step, changed }) {
     input.value = String(Number(input.value) + (fine * (high - low)) / 100);
     input.dispatchEvent(new Event('input'));
   });
-  tell();
+  update();
   const root = element('div', { class: 'slider' }, element('label', { for: id, text: label, title: label }), figure, input);
   return Object.assign(root, {
     /** @param {number} shown */
     set(shown) {
       if (performance.now() - held < 1500 || document.activeElement === input || !Number.isFinite(shown)) return;
       input.value = String(shown);
-      tell();
+      update();
     },
   });
 }

@@ -100,7 +100,7 @@ const outside = (value, low = -Infinity, high = Infinity, above = false) =>
 /**
  * @param {string} id
  * @param {Attribute} attribute
- * @returns {{ field: HTMLElement, read: () => unknown, write: (value: any) => void }} `read` gives undefined for what is no
+ * @returns {{ field: HTMLElement, read: () => unknown, write: (value: any) => void }} `read` gives undefined if it is no
  *   value of the type
  */
 function fieldOf(id, { type, value, options, label }) {

@@ -52,11 +52,11 @@ export class Layout {
       inspector: this.#panel('inspector', 'Inspector', 'right'),
       dock: element('section', { class: 'dock', 'aria-label': 'Plots and console' }, element('div', { class: 'dock-head' }, this.dockTabs, fold), this.dockBody),
     };
-    const room = () => window.innerWidth - LEAST_VIEW;
+    const space = () => window.innerWidth - LEAST_VIEW;
     const sizes = { tree: wide ? 250 : 190, inspector: wide ? 300 : 250, dock: 220 };
     this.edges = {
-      tree: splitter(root, { name: 'tree', label: 'Width of the tree', side: 'left', size: sizes.tree, least: 150, most: () => room() * 0.6 }),
-      inspector: splitter(root, { name: 'inspector', label: 'Width of the inspector', side: 'right', size: sizes.inspector, least: 200, most: () => room() * 0.6 }),
+      tree: splitter(root, { name: 'tree', label: 'Width of the tree', side: 'left', size: sizes.tree, least: 150, most: () => space() * 0.6 }),
+      inspector: splitter(root, { name: 'inspector', label: 'Width of the inspector', side: 'right', size: sizes.inspector, least: 200, most: () => space() * 0.6 }),
       dock: splitter(root, { name: 'dock', label: 'Height of plots and console', side: 'bottom', size: sizes.dock, least: 100, most: () => window.innerHeight * 0.7 }),
     };
     this.nav = element('nav', { class: 'phone-nav', 'aria-label': 'Panels' });

@@ -73,9 +73,9 @@ class Overlay {
         ),
       );
     }
-    const pictures = Object.entries(images);
-    while (this.images.children.length > pictures.length) this.images.lastElementChild?.remove();
-    pictures.forEach(([label, url], i) => {
+    const shown = Object.entries(images);
+    while (this.images.children.length > shown.length) this.images.lastElementChild?.remove();
+    shown.forEach(([label, url], i) => {
       let image = /** @type {HTMLImageElement | undefined} */ (this.images.children[i]);
       if (!image) this.images.append((image = element('img')));
       image.alt = label;

@@ -72,7 +72,7 @@ export class Recording {
       if (message.startsWith('{')) this.store.learn(JSON.parse(message));
       else await receive(this.store, bytesOf(message).buffer);
     }
-    this.tell();
+    this.showTime();
   }
 
   /** @param {number} time */
@@ -82,7 +82,7 @@ export class Recording {
     await this.play();
   }
 
-  tell() {
+  showTime() {
     const time = Math.min(this.time, this.end);
     this.store.learn({ status: { text: '', level: '' }, log: { begin: this.begin, end: this.end, time, speed: this.speed } });
   }

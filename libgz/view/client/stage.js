@@ -46,7 +46,13 @@ export class Stage {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("aria-label", "3D view");
     parent.append(this.canvas);
-    const software = isSoftware(/** @type {WebGL2RenderingContext} */ (document.createElement("canvas").getContext("webgl2")));
+    const context = document.createElement("canvas").getContext("webgl2");
+    if (!context) {
+      parent.textContent = "The 3D view needs WebGL 2, which this browser does not have or has switched off.";
+      throw new Error(parent.textContent);
+    }
+    const software = isSoftware(context);
+    context.getExtension("WEBGL_lose_context")?.loseContext(); // browsers allow few at a time
     this.renderer = new WebGLRenderer({
       canvas: this.canvas,
       antialias: !software || quality === "best",

@@ -48,7 +48,7 @@ export class Timeline {
     this.slider.addEventListener('input', () => {
       this.moved = performance.now();
       if (this.isLog) seek(Number(this.slider.value));
-      this.#tell();
+      this.#update();
     });
     this.slider.addEventListener('keydown', (event) => {
       if (/^(Arrow|Page|Home|End)/.test(event.key)) event.stopPropagation();
@@ -86,7 +86,7 @@ export class Timeline {
     if (back <= 0) return;
     void this.workplace.ask('rewind', String(back));
     this.slider.value = '0';
-    this.#tell();
+    this.#update();
   }
 
   refresh() {
@@ -108,10 +108,10 @@ export class Timeline {
       const now = store.state?.simTime ?? 0;
       if (now < this.since) this.since = now; // a reset, or back in time
     }
-    this.#tell();
+    this.#update();
   }
 
-  #tell() {
+  #update() {
     const value = Number(this.slider.value);
     const { log } = this.workplace.store;
     const text = this.isLog ? clock(value) : this.recording ? (value ? `${fixed(value, 1)} s` : 'now') : '';

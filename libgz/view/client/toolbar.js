@@ -102,7 +102,7 @@ export class Toolbar {
     };
   }
 
-  /** What the bar has no room for. */
+  /** What the bar has no space for. */
   #more() {
     const { actions } = this.workplace;
     const phone = this.workplace.layout.isPhone;

@@ -23,7 +23,7 @@ import { marks } from 'libgz/switches.js';
  * @property {import('libgz/store.js').Part} [part]
  * @property {TreeNode[]} children
  *
- * @typedef {{ root: HTMLElement, node: TreeNode, drawn: string }} Row in the page
+ * @typedef {{ root: HTMLElement, node: TreeNode, rendered: string }} Row in the page
  */
 
 const WORLD = 'world';
@@ -181,7 +181,7 @@ export class Tree {
       used.add(node.key);
       let row = this.made.get(node.key);
       if (!row) {
-        row = { root: element('div', { class: 'tree-row', id: `tree-${node.key}`, role: 'treeitem' }), node, drawn: '' };
+        row = { root: element('div', { class: 'tree-row', id: `tree-${node.key}`, role: 'treeitem' }), node, rendered: '' };
         this.#listen(row);
         this.made.set(node.key, row);
       }
@@ -236,9 +236,9 @@ export class Tree {
     root.classList.toggle('off', isHidden);
     root.classList.toggle('hover', own && store.hover === node.entity);
     root.style.top = `${place * this.height}px`;
-    const drawn = JSON.stringify([node.label, node.note, node.icon, node.depth, many, open, selected, isHidden, isLocked]);
-    if (drawn === row.drawn) return;
-    row.drawn = drawn;
+    const rendered = JSON.stringify([node.label, node.note, node.icon, node.depth, many, open, selected, isHidden, isLocked]);
+    if (rendered === row.rendered) return;
+    row.rendered = rendered;
     root.style.paddingLeft = `${4 + INDENT * node.depth}px`;
     root.setAttribute('aria-level', String(node.depth + 1));
     root.setAttribute('aria-selected', String(selected));

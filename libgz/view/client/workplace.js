@@ -201,11 +201,11 @@ export class Workplace {
       const { text, level } = /** @type {CustomEvent} */ (event).detail;
       this.toasts.add(String(text), level);
     });
-    let told = false;
+    let reported = false;
     store.addEventListener('hello', () => {
       document.title = store.title || 'libgz';
-      if (told) return;
-      told = true;
+      if (reported) return;
+      reported = true;
       window.setTimeout(() => {
         if (store.connected && !store.control) this.toasts.add(this.whyWatching, 'info');
       }, WAIT);

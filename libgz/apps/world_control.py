@@ -17,7 +17,7 @@ from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose,
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
-from libgz.rendering.image import jpeg_text
+from libgz.rendering.image import depth_text, jpeg_text
 from libgz.sdf.paths import model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
@@ -335,6 +335,9 @@ class WorldControl:
                 sensor.SetActive(True)
                 if sensor.Type() == "camera":
                     image = jpeg_text(sensor.ImageData(), sensor.ImageHeight(), sensor.ImageWidth())
+                    images |= {name: image} if image else {}
+                elif sensor.Type() in ("depth", "depth_camera"):
+                    image = depth_text(sensor.DepthData(), sensor.ImageHeight(), sensor.ImageWidth())
                     images |= {name: image} if image else {}
                 elif sensor.Type() in ("ray", "gpu_ray"):
                     ranges[name] = [float(r) if math.isfinite(r) else -1.0 for r in sensor.Ranges()]

@@ -3,6 +3,7 @@
 import base64
 import contextlib
 import io
+import json
 import time
 
 import numpy as np
@@ -11,9 +12,11 @@ from PIL import Image
 from view_sockets import Socket, running, scene_of, showing, state_of
 
 import libgz
+from libgz.apps.world_control import WorldControl
 from libgz.base.errors import GazeboError, ServerGoneError
 from libgz.base.files import installed_worlds
-from libgz.rendering.image import jpeg_text
+from libgz.rendering.image import depth_text, jpeg_text
+from libgz.transport.control import Request
 from libgz.view import driving
 from libgz.view.local import LocalSource
 from libgz.view.viewer import Viewer
@@ -315,3 +318,27 @@ def test_an_image_becomes_jpeg_for_a_page():
     shown = np.asarray(Image.open(io.BytesIO(base64.b64decode(jpeg_text(grey.tobytes(), 4, 6)))))
     assert shown.shape == (4, 6, 3)
     assert shown.mean() == pytest.approx(100, abs=2)
+
+
+def test_depths_become_an_image_for_a_page():
+    assert depth_text(np.zeros(3, np.float32), 4, 4) == ""
+    assert depth_text(np.full((2, 2), np.inf, np.float32), 2, 2)
+    camera = """<sensor name='eye' type='depth'><always_on>1</always_on><update_rate>50</update_rate><camera>
+    <horizontal_fov>1.2</horizontal_fov><image><width>64</width><height>48</height></image>
+    <clip><near>0.1</near><far>20</far></clip></camera></sensor>"""
+    box = "<visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual>"
+    wall = "<visual name='v'><geometry><box><size>1 40 40</size></box></geometry></visual>"
+    models = "".join(
+        f"<model name='m{i}'><static>1</static><pose>{x} 0 0 0 0 0</pose><link name='l'>{part}</link></model>"
+        for i, (x, part) in enumerate(((0, camera), (3, box), (9, wall)))
+    )
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='w'>{models}</world></sdf>") as world:
+        control, name = WorldControl(world), "m0::l::eye"
+        request = Request("readings", "-", json.dumps({"names": [name]}).encode())
+        control.obey(request)
+        world.step(200)
+        shown = json.loads(control.obey(request))["images"][name]
+        image = np.asarray(Image.open(io.BytesIO(base64.b64decode(shown))).convert("L")).astype(int)
+    assert image.shape == (48, 64)
+    assert image[24, 32] > 240  # the box is near
+    assert image[2, 2] < 15

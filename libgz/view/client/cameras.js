@@ -7,7 +7,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 /** @typedef {import("libgz/store.js").Store} Store */
 
 const LOWEST = 0.08; // [m] of the camera above the ground
-const ROOM = 1.35; // around robots at the start
+const MARGIN = 1.35; // around robots at the start
 const FARTHEST = 1e6; // [m] from the origin of what is framed
 const GLIDE = 350; // [ms] of a change of view
 const START = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
@@ -80,7 +80,7 @@ export class Cameras {
       this.changed();
       return;
     }
-    this._frame(this._interesting(), START, false, ROOM);
+    this._frame(this._interesting(), START, false, MARGIN);
   }
 
   /** The box of what a user wants to see first: robots, else what moves, else everything. */
@@ -150,14 +150,14 @@ export class Cameras {
    * @param {Box3} box
    * @param {Vector3} outward
    * @param {boolean} glide
-   * @param {number} room around it, 1 for none
+   * @param {number} margin around it, 1 for none
    */
-  _frame(box, outward, glide, room = 1) {
+  _frame(box, outward, glide, margin = 1) {
     if (box.isEmpty() || ![...box.min.toArray(), ...box.max.toArray()].every((part) => Math.abs(part) < FARTHEST)) return;
     const { center, radius } = box.getBoundingSphere(new Sphere());
     const half = MathUtils.degToRad(this.camera.fov) / 2;
     const narrow = Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1));
-    const reach = Math.max((0.92 * room * Math.max(radius, 0.1)) / Math.sin(narrow), 0.3);
+    const reach = Math.max((0.92 * margin * Math.max(radius, 0.1)) / Math.sin(narrow), 0.3);
     const eye = center.clone().addScaledVector(outward.clone().normalize(), reach);
     if (glide) {
       this._glide = {

@@ -99,7 +99,7 @@ export class Handles {
     this._asking = true;
     this._ask().finally(() => {
       this._asking = false;
-      // What is held without being moved would be let go.
+      // What is held without being moved would be released.
       if (this._held !== null && this._holds) this._timer = window.setTimeout(() => this._send(), AGAIN);
     });
   }

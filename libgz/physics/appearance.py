@@ -24,8 +24,8 @@ SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # the matrix of textures that are neither
 class Surface:
     """How a surface reflects, by SDF's `<pbr>`: shares from 0 to 1, and images. Only pages show it."""
 
-    metalness: float = 0.5
-    roughness: float = 0.5
+    metalness: float
+    roughness: float
     normal_map: Path | None = None
     metalness_map: Path | None = None
     roughness_map: Path | None = None

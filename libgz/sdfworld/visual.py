@@ -47,8 +47,7 @@ HOUR = 3600.0  # [s]
 # Elements of a `<material>`, and what they set.
 COLORS = {"ambient": "ambient", "diffuse": "diffuse", "specular": "specular", "emissive": "emission"}
 
-# Elements of a `<pbr>`'s workflow: numbers, and images beside that of colours.
-SHARES = ("metalness", "roughness")
+# Images of a `<pbr>` beside that of colours, in the order of a `Surface`.
 MAPS = ("normal_map", "metalness_map", "roughness_map", "emissive_map")
 
 
@@ -102,8 +101,11 @@ def _put_surface_on(look: Appearance, element: Element, note: Note) -> None:
     albedo = _map(flow, "albedo_map", note)
     if albedo is not None:
         put_on(look, Material(texture=albedo))
-    share = {name: min(max(flow.Get(float, name), 0.0), 1.0) for name in SHARES if flow.HasElement(name)}
-    look.surface = Surface(**share, **{name: _map(flow, name, note) for name in MAPS})
+    metalness, roughness = (
+        min(max(flow.Get(float, name), 0.0), 1.0) if flow.HasElement(name) else 0.5
+        for name in ("metalness", "roughness")
+    )
+    look.surface = Surface(metalness, roughness, *(_map(flow, name, note) for name in MAPS))
 
 
 def _map(flow: Element, name: str, note: Note) -> Path | None:

@@ -46,7 +46,7 @@ __all__ = [
     "register_raw",
 ]
 
-VERSION = 8
+VERSION = 9
 FORMAT = b"libgz state %d\n" % VERSION  # at the start of encoded data
 MOST_ITEMS = 1 << 21  # in all lists and dicts of them
 MOST_NESTED = 100  # extensions within each other

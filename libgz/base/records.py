@@ -132,7 +132,7 @@ class LinkRecord(ctypes.Structure):
 
 
 class Row(ctypes.Structure):
-    """One row: its kind, where to continue if a rate is not due, and its struct."""
+    """One row: its kind, where to continue if a rate is not due or a condition does not hold, and its struct."""
 
     _fields_ = [("kind", c_int64), ("jump", c_int64), ("part", c_void_p)]
 
@@ -164,9 +164,10 @@ class OperationRecord(ctypes.Structure):
 
 
 class LawRecord(ctypes.Structure):
-    """The operations of a law, and the interface under whose lock they are done."""
+    """The operations of a law, the interface under whose lock they are done, and where the number is that says whether
+    the rows up to `jump` follow."""
 
-    _fields_ = [("link", c_void_p), ("operations", c_void_p), ("count", c_int64)]
+    _fields_ = [("link", c_void_p), ("operations", c_void_p), ("count", c_int64), ("condition", c_void_p)]
 
 
 class CastRecord(ctypes.Structure):

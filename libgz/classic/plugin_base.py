@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Set
 from enum import IntEnum
 from typing import ClassVar, TypeVar
 
@@ -65,6 +66,14 @@ class PluginT:
 
     kind: ClassVar[str] = ""
     filename = handleName = ""
+    _watched: Set[str] = frozenset()  # the attributes that recorded laws depend on; see `Stepping`
+    _law_changed: Callable[[], object] = staticmethod(lambda: None)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set an attribute; a law that depends on it is recorded again."""
+        object.__setattr__(self, name, value)
+        if name in self._watched:
+            self._law_changed()
 
     def GetFilename(self) -> str:
         """The file name, as the world gives it."""

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from libgz.classic.sensors.manager import WorldSensors
     from libgz.classic.sensors.sensor import Sensor
     from libgz.simulation.entity import Entity as CoreModel
+    from libgz.simulation.plan import Plan
 
 __all__ = ["WorldServer", "attach"]
 
@@ -226,6 +227,11 @@ class WorldServer:
         """The sensors know the sim time of the last step."""
         if self.sensors is not None:
             self.sensors.skipped()
+
+    def plan_end(self, plan: Plan) -> None:
+        """Add what sensors measure by laws."""
+        if self.sensors is not None:
+            self.sensors.plan_end(plan)
 
     def update(self) -> None:
         """Update joint controllers, batteries, animations and attached models."""

@@ -211,6 +211,7 @@ typedef struct {
     link_record *link; /* NULL: without an interface */
     const operation *operations;
     int64_t count;
+    const double *condition; /* whether the rows up to `jump` follow; NULL: they do */
 } law;
 
 /* How often other numbers than 0 and 1 were ignored here since Python counted them; more are for Python to report. */
@@ -530,7 +531,7 @@ enum { PYTHON, BEGIN, DUE, LAW, CAST, ADVANCE, PUBLISH, POST };
 
 typedef struct {
     int64_t kind;
-    int64_t jump; /* where to continue if a rate is not due */
+    int64_t jump; /* where to continue if a rate is not due, or the condition of a law does not hold */
     void *part;
 } row;
 
@@ -546,6 +547,11 @@ static int is_due(rate_record *r, double now)
         return 0;
     r->last = now;
     return 1;
+}
+
+static int is_unmet(const law *l)
+{
+    return l->condition && *l->condition == 0.0;
 }
 
 static int cast_rays(const tables *t, const cast *c)
@@ -657,6 +663,10 @@ int64_t gz_updates_run(const updates *u, int64_t i, int64_t end)
             break;
         case LAW:
             done = obey(t, u->clock, r->part);
+            if (done && is_unmet(r->part)) {
+                i = r->jump;
+                continue;
+            }
             break;
         case CAST:
             done = cast_rays(t, r->part);

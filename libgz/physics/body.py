@@ -298,10 +298,7 @@ class Body:
         """Velocity of the body at a global point [m/s], global."""
         if self.row < 0:
             return GzVector()
-        x, y, z, vx, vy, vz, wx, wy, wz = self._values(7, 16)
-        px, py, pz = point
-        px, py, pz = px - x, py - y, pz - z
-        return GzVector(vx + (wy * pz - wz * py), vy + (wz * px - wx * pz), vz + (wx * py - wy * px))
+        return point_velocity(self._values(7, 16), point)
 
     def GetLinearAccel(self) -> GzVector:
         """Acceleration of the centre of mass in the last step [m/s^2], global, gravity and contacts included.
@@ -621,3 +618,16 @@ class Body:
 
 def _clamped(number: float) -> float:
     return max(-LARGEST, min(LARGEST, number)) if math.isfinite(number) else 0.0
+
+
+def point_velocity(motion: Sequence[float], point: VectorLike) -> GzVector:
+    """Velocity of a body at a global point [m/s]: v + w x (point - centre).
+
+    Args:
+        motion: position of the centre of mass [m], its velocity [m/s], angular velocity [rad/s]; all global.
+        point: [m].
+    """
+    x, y, z, vx, vy, vz, wx, wy, wz = motion
+    px, py, pz = point
+    px, py, pz = px - x, py - y, pz - z
+    return GzVector(vx + (wy * pz - wz * py), vy + (wz * px - wx * pz), vz + (wx * py - wy * px))

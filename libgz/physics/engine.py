@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import VectorLike
+from libgz.base.law import law
 from libgz.ode.context import HeldEffort, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
@@ -196,16 +197,17 @@ class Engine:
         self._context.step = self.tables.record.step = positive(seconds, "stepTime [s]")
 
     @property
+    @law
     def gravity(self) -> tuple[float, ...]:
         """[m/s^2], shape (3,)."""
-        return self._gravity
+        return tuple(self._context.gravity)
 
     @gravity.setter
     @exclusive
     def gravity(self, value: VectorLike) -> None:
-        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]", LARGEST)
-        self._ode.dWorldSetGravity(self.world, *self._gravity)
-        self._context.gravity[:] = self._gravity
+        gravity = finite_tuple(value, 3, "gravity [m/s^2]", LARGEST)
+        self._ode.dWorldSetGravity(self.world, *gravity)
+        self._context.gravity[:] = gravity
         self.wake()
 
     @property

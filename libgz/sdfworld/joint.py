@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import attrgetter
 from typing import Any
 
@@ -22,6 +22,7 @@ from libgz.base.geometry import (
     GzVectorSub,
     rotate,
 )
+from libgz.base.law import Number, constant, largest, law, least, usually
 from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
@@ -74,7 +75,7 @@ _numbers_of_vector = attrgetter(*_VECTOR)
 _numbers_of_axis = attrgetter(*(f"direction.{name}" for name in _VECTOR), *NUMBERS)
 _description = attrgetter(
     *(f"plan.{name}" for name in ("kind", "implicit", "parameters", "pitch", "ratio", "feedback")),
-    *("acts", "_engine_springs", "_step_time", "_set", "_stop_turns", "_spring_stops"),
+    *("acts", "_engine_springs", "_step_time", "_settings", "_stop_turns", "_spring_stops"),
     *(
         f"{frame}.{part}.{name}"
         for frame in ("_in_child", "_in_parent")
@@ -82,6 +83,15 @@ _description = attrgetter(
         for name in names
     ),
 )
+
+
+class _Setting:
+    """A parameter of ODE as a user set it, in its unit."""
+
+    value = Number()
+
+    def __init__(self, value: float = 0.0) -> None:
+        self.value = value
 
 
 class SdfJoint:
@@ -100,7 +110,7 @@ class SdfJoint:
     Attributes:
         dof: how many positions there are.
         acts: whether `update` has anything to do.
-        on_acts: called when that changes.
+        on_change: called when that changes, and when it is attached or detached.
         table: the `JointTable` that has it; None for none.
         number: that in the table.
 
@@ -118,7 +128,7 @@ class SdfJoint:
         self.name, self.kind, self.axes = plan.name, plan.kind, plan.axes
         self.implicit = plan.implicit
         self.acts = False
-        self.on_acts: Callable[[], None] | None = None
+        self.on_change: Callable[[], None] | None = None
         self.facade: Any = None
         self.number = 0
         self.table: object = None
@@ -126,7 +136,7 @@ class SdfJoint:
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
         self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
         self._engine_springs = False  # whether the engine applies its springs
-        self._set: dict[tuple[str, int], float] = {}  # ODE's parameters as users set them, by key and axis
+        self._set: dict[tuple[str, int], _Setting] = {}  # ODE's parameters as users set them, by key and axis
         self._stop_turns: dict[int, float] = {}  # axis -> turns [rad] that its stops were set for
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
         self._step_time = engine.step_time  # [s] that `_refresh` has used
@@ -180,6 +190,7 @@ class SdfJoint:
                 self._set_parameters()
                 self.provide_feedback(self.plan.feedback)
             self._refresh()
+            self._changed()
         except GazeboError:  # a joint that holds nothing must not stay: ODE crashes on it
             self.detach()
             raise
@@ -209,6 +220,7 @@ class SdfJoint:
             self._mechanism.close()
         self._mechanism = None
         self._set_acts(False)
+        self._changed()
 
     close = detach
 
@@ -290,7 +302,7 @@ class SdfJoint:
             axis.direction = GzVector(*numbers[:3])
             for key, number in zip(NUMBERS, numbers[3:], strict=True):
                 setattr(axis, key, number)
-        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
+        self._load_tables(*tables)
         present = type(self._mechanism).__name__ if self._mechanism is not None else None
         if (present, [place_of(self.parent), place_of(self.child)]) != (name, ends):
             self._rejoin(name is not None, Links(*map(find, ends)))
@@ -299,7 +311,13 @@ class SdfJoint:
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
         self.acts, self._engine_springs, self._step_time = flags[:3]
-        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
+        self._load_tables(*tables)
+
+    def _load_tables(
+        self, settings: Mapping[Any, float], stop_turns: Mapping[int, float], spring_stops: Mapping[int, bool]
+    ) -> None:
+        self._set = {tuple(place): _Setting(value) for place, value in settings.items()}
+        self._stop_turns, self._spring_stops = dict(stop_turns), dict(spring_stops)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
         """Release what it holds, and join other links as they stand, if it `holds` links at all."""
@@ -513,6 +531,7 @@ class SdfJoint:
             return ode_number(key, index)
         return self._mechanism.number(key, index)
 
+    @constant
     def _known_number(self, key: str, index: int) -> int:
         number = self._number(key, index)
         if number is None:
@@ -525,7 +544,7 @@ class SdfJoint:
 
     def _set_parameters(self) -> None:
         """Stops, friction, ODE's parameters of the file, and what users have set."""
-        users = dict(self._set)
+        users = self._settings
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
             if axis.friction > 0.0 and self._number("vel", index) is not None:
@@ -612,9 +631,41 @@ class SdfJoint:
             ode_parameter = self._known_number(key, index)
             least, most = RANGES.get(key, (-math.inf, math.inf))
             number = min(max(number, least), most)
-            self._set[key, index] = number
+            self._setting(key, index).value = number
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
+
+    @law
+    def run_motor(self, velocity: float, effort: float, index: int = 0) -> None:
+        """Set velocity [rad/s or m/s] and largest effort [N m or N] of an axis' motor, as `set_param` does.
+
+        Raises:
+            ParameterError: this kind of joint has no such motor, or a value is NaN.
+        """
+        joint = self._live_joint
+        for key, value in (("fmax", effort), ("vel", velocity)):
+            if not usually(value == value):
+                raise ParameterError(f"joint {self.name!r}: {key} is NaN")
+            parameter = self._known_number(key, index)
+            bounded = least(largest(value, RANGES[key][0]), RANGES[key][1])
+            self._setting(key, index).value = bounded
+            if joint is not None:
+                joint.SetParam(parameter, bounded)
+
+    @property
+    @constant
+    def _live_joint(self) -> Joint | None:
+        self.release_deleted()
+        return self.joint
+
+    @constant
+    def _setting(self, key: str, index: int) -> _Setting:
+        """Where a parameter is noted."""
+        return self._set.setdefault((key, index), _Setting())
+
+    @property
+    def _settings(self) -> dict[tuple[str, int], float]:
+        return {place: setting.value for place, setting in self._set.items()}
 
     # Stops -----------------------------------------------------------------------------------------------------------
 
@@ -687,8 +738,12 @@ class SdfJoint:
     def _set_acts(self, value: bool) -> None:
         if value != self.acts:
             self.acts = value
-            if self.on_acts is not None:
-                self.on_acts()
+            self._changed()
+
+    def _changed(self) -> None:
+        """What acts, or holds links together, has changed."""
+        if self.on_change is not None:
+            self.on_change()
 
     def _gentle(self, axis: Axis) -> bool:
         """Whether spring and damper are far from what would be unstable with steps of this length."""
@@ -735,7 +790,7 @@ class SdfJoint:
         total = spring + abs(axis.damping)
         acts = self._spring_stops.get(index)  # and so most numbers are what they were in the last step
         for key, value in (("stop_erp", spring / total), ("stop_cfm", 1.0 / total)):
-            if not acts or self._set.get((key, index)) != value:
+            if not acts or self._settings.get((key, index)) != value:
                 self.set_param(key, value, index)
         if not (acts and axis.stiffness and self._has_ode_stops(index, target)):
             self._set_ode_stops(index, target, target)

@@ -96,7 +96,7 @@ class JointTable(dict[str, SdfJoint]):
 
     def _take(self, name: str, number: int, joint: SdfJoint) -> None:
         self[name] = joint
-        joint.number, joint.table, joint.on_acts = number, self, self._world.update_rows_changed
+        joint.number, joint.table, joint.on_change = number, self, self._world.update_rows_changed
 
     def _changed(self) -> None:
         self._world.update_rows_changed()

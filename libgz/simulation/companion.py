@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from libgz.simulation.entity import Entity
+    from libgz.simulation.plan import Plan
 
 __all__ = ["Companion", "Stateless"]
 
@@ -31,6 +32,9 @@ class Companion(Protocol):
 
     def skipped(self) -> None:
         """Steps have been made without it."""
+
+    def plan_end(self, plan: Plan) -> None:
+        """Add the laws of the end of steps that are made without it. Where these change, the world's rows have to."""
 
     def update(self) -> None:
         """Sim time has grown, entities have been updated, physics comes next."""
@@ -80,6 +84,9 @@ class Stateless:
 
     def skipped(self) -> None:
         """Nothing to do."""
+
+    def plan_end(self, plan: Plan) -> None:
+        """Nothing to add."""
 
     def reseed(self, seed: int) -> None:
         """Nothing to do."""

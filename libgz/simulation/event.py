@@ -6,12 +6,13 @@ import contextlib
 import inspect
 import logging
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextvars import ContextVar
 from typing import Any, ClassVar, NamedTuple, Protocol
 from weakref import WeakSet
 
 from libgz.base.errors import USER_ERRORS, ParameterError, pass_interrupt
+from libgz.base.law import is_law
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 
@@ -215,10 +216,22 @@ class Event:
         self.own: tuple[_Entry, ...] = ()
         self._all: tuple[_Entry, ...] | None = None
         self._gives = False  # whether one of them takes arguments
+        self._laws = True
         self._seen: tuple[_Entry, ...] = ()  # of the event above, when _all was put together
 
     def __bool__(self) -> bool:
         return bool(self.own or (self.above is not None and self.above.own))
+
+    @property
+    def entries(self) -> tuple[_Entry, ...]:
+        """Its callbacks in the order in which they are called; the same tuple until they change."""
+        return self._calls()
+
+    @property
+    def obeys_laws(self) -> bool:
+        """Whether all callbacks are laws without arguments."""
+        self._calls()
+        return self._laws
 
     @property
     def gives(self) -> bool:
@@ -274,13 +287,20 @@ class Event:
         if self._all is None or above is not self._seen:
             self._seen, self._all = above, above + self.own
             self._gives = any(entry.parameters for entry in self._all)
+            self._laws = not self._gives and all(is_law(getattr(e.callback, "__func__", None)) for e in self._all)
         return self._all
 
     def Signal(self, *values: Any) -> None:
         """Call all callbacks, in the order of connection; new ones from the next signal on."""
+        self.call(self._calls(), *values)
+
+    __call__ = Signal
+
+    def call(self, entries: Iterable[_Entry], *values: Any) -> None:
+        """Call some of the callbacks."""
         before = current = owner.get()
         given = len(values)
-        for entry in self._calls():
+        for entry in entries:
             if not entry.connected:  # an earlier callback removed it, or stopped its plugin
                 continue
             if entry.owner is not current:
@@ -293,13 +313,12 @@ class Event:
                     entry.callback(*values[: entry.parameters])
             except USER_ERRORS as error:
                 pass_interrupt(error)
-                self._failed(entry, error)
+                self.failed(entry, error)
         if current is not before:
             owner.set(before)
 
-    __call__ = Signal
-
-    def _failed(self, entry: _Entry, error: BaseException) -> None:
+    def failed(self, entry: _Entry, error: BaseException) -> None:
+        """Report what a callback raised, and call it no more."""
         report_failure(entry.owner, f"a callback of event {self.name}", error)
         self.remove(entry)
         if self.above is not None:

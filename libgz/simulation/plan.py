@@ -47,6 +47,7 @@ class Line:
         bundle: the rays to cast.
         post: the server whose clients are woken.
         rate: when the lines up to `end` are due.
+        conditional: whether they are done only if what the line returns holds.
     """
 
     run: Callable[[float], object]
@@ -58,6 +59,7 @@ class Line:
     bundle: RayProximity | None = None
     post: Any = None
     rate: UpdateRate | None = None
+    conditional: bool = False
     end: int = 0
 
 
@@ -86,6 +88,14 @@ class Plan:
         if not hasattr(rate, "due"):
             raise ParameterError(f"the rate of a plan is {rate!r}; it must be an UpdateRate")
         line = Line(_nothing, rate=rate)
+        self.lines.append(line)
+        yield
+        line.end = len(self.lines)
+
+    @contextlib.contextmanager
+    def when(self, law_: Callable[[], Any]) -> Iterator[None]:
+        """What is added inside is done only when a law says so."""
+        line = Line(lambda _: law_(), law=law_, conditional=True)
         self.lines.append(line)
         yield
         line.end = len(self.lines)
@@ -132,8 +142,8 @@ class Plan:
             if line.rate is not None and not line.rate.due(now):
                 number = line.end
                 continue
-            line.run(step)
-            number += 1
+            holds = line.run(step)
+            number = line.end if line.conditional and not holds else number + 1
 
 
 def _is_law(method: Any) -> bool:

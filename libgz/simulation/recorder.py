@@ -22,8 +22,8 @@ from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.base.law import LeftToPython, Number, Operation, Term, is_constant, is_law, wrong
 from libgz.base.records import LawRecord, OperationRecord
 from libgz.ode.lib import ode
-from libgz.ode.types import dParamVel, dParamVel2
-from libgz.physics.body import Body
+from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
+from libgz.physics.body import Body, point_velocity
 from libgz.physics.check import LARGEST
 from libgz.physics.joint import AxisJoint, HingeJoint, Joint
 from libgz.physics.rays import RayProximity
@@ -34,6 +34,7 @@ __all__ = ["Recorder"]
 
 _BLOCK = 64  # doubles that are made at once
 _STATES = {Body: 16, Joint: 4}  # numbers of a row of the tables
+_MOTORS = (dParamVel, dParamVel2, dParamFMax, dParamFMax2)
 _TYPES = "dfiIHB"  # of numbers in interfaces, as numpy's letters
 _PLAIN = (bool, int, float, str, bytes, frozenset, type, types.ModuleType, GzVector, GzQuatern, GzPose)
 
@@ -109,6 +110,7 @@ class Recorder:
         self._states: dict[int, int] = {}  # where the numbers of a body or joint are
         self._constants: dict[bytes, int] = {}
         self._next, self._left = 0, 0
+        self.returned: int | None = None  # where the number is that the law returned
         self._taken: list[tuple[Any, str, Any]] = []  # attributes of objects that were taken as they are
         self._found: list[tuple[types.MethodType, Any, Any]] = []  # what methods returned: method, arguments, result
         self._handles: list[tuple[Any, int, int]] = []  # bodies and joints, with handle and row
@@ -121,15 +123,21 @@ class Recorder:
             LawError: it cannot be recorded; the message has the line.
         """
         self.kept.append(function)
-        self.wrap(function)(*[self.wrap(argument) for argument in arguments])
+        returned = self.wrap(function)(*[self.wrap(argument) for argument in arguments])
+        self.returned = self._operand(returned)[0] if isinstance(returned, (Term, bool)) else None
 
-    def result(self) -> tuple[LawRecord, object]:
-        """For native code; and what has to be kept as long as that is used."""
+    def result(self, *, conditional: bool = False) -> tuple[LawRecord, object]:
+        """For native code; and what has to be kept as long as that is used.
+
+        Args:
+            conditional: whether rows depend on what the law returned.
+        """
         every = (*self.operations, *self.effects)
         operations = (OperationRecord * len(every))(*every)
         link = self.interface.link if self.interface is not None else None
         address = None if link is None else ctypes.addressof(link)
-        return LawRecord(address, ctypes.addressof(operations), len(every)), (operations, link, self.kept)
+        record = LawRecord(address, ctypes.addressof(operations), len(every), self.returned if conditional else None)
+        return record, (operations, link, self.kept)
 
     def take(self, other: Recorder) -> bool:
         """Take what another one recorded, unless that has changed since: to record takes a hundred times as long."""
@@ -137,6 +145,7 @@ class Recorder:
             return False
         self.operations += other.operations
         self.effects += other.effects
+        self.returned = other.returned
         self.kept.append(other.kept)
         for thing, name, _ in other._taken:
             watched = getattr(thing, "__dict__", {}).get("_watched")
@@ -523,8 +532,8 @@ def _joint_number(column: int) -> Callable[..., Term]:
 
 
 def _set_param(recorder: Recorder, joint: Joint, parameter: int, value: Any) -> None:
-    if parameter not in (dParamVel, dParamVel2):
-        raise wrong("sets another parameter than dParamVel and dParamVel2")
+    if parameter not in _MOTORS:
+        raise wrong("sets another parameter than those of motors, dParamVel and dParamFMax")
     source, handle = recorder.limited(value, LARGEST), recorder.handle(joint, Operation.JOINT)
     recorder.add(Operation.SET, one=source, two=joint.setter, type=int(parameter), result=handle)
 
@@ -546,6 +555,11 @@ def _body_vector(begin: int) -> Callable[..., GzVector]:
         return GzVector(*numbers)
 
     return vector
+
+
+def _point_velocity(recorder: Recorder, body: Body, point: Any) -> GzVector:
+    numbers: Any = recorder.states(body, 7, 16)
+    return point_velocity(numbers, point)
 
 
 def _body_effort(function: str) -> Callable[..., None]:
@@ -601,6 +615,7 @@ _PRIMITIVES: dict[Any, Callable[..., Any]] = {
     Body.GetPose: _body_pose,
     Body.GetLinearVel: _body_vector(10),
     Body.GetAngularRate: _body_vector(13),
+    Body.GetPointVel: _point_velocity,
     Body.AddRelForce: _body_effort("dBodyAddRelForce"),
     Body.AddRelTorque: _body_effort("dBodyAddRelTorque"),
     RayProximity.unmarked: _unmarked,

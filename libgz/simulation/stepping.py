@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.exchange import Exchange
+from libgz.simulation.plan import Plan
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 from libgz.simulation.running_code import names
 
 if TYPE_CHECKING:
+    from libgz.simulation.updates import UpdateRows
     from libgz.simulation.world import World
 
 __all__ = ["Stepping"]
@@ -40,13 +42,12 @@ class Stepping:
         self._begin, self._contact, self._end = (
             world.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
-        events = (self._begin, self._contact, self._end)
-        self._signals = [event for one in events for event in (one, one.above) if event is not None]
+        self._laws = self._begin.entries  # the callbacks that rows do
 
     def run(self, most: int, pace: Any) -> int:
         """One step, and more as long as native code does them alone; how many."""
         rows, made = self.world.rows, 1
-        if not rows.valid:
+        if not rows.valid or self._laws is not self._begin.entries:
             self._build_rows()
         self.world.lock.wanted.value = 0
         if rows.native and (free := min(most, self._free_steps())) > 0:
@@ -75,9 +76,8 @@ class Stepping:
         """How many of the next steps consist of what rows do, and nothing else."""
         if not self.world.physics_enabled:
             return 0
-        for signal in self._signals:
-            if signal.own:
-                return 0
+        if self._contact or self._end or not self._begin.obeys_laws:
+            return 0
         free = math.inf
         for companion in self.world.companions:
             ahead = (companion.idle_until() - self.world.clock.sim_time) / self.world.engine.step_time
@@ -91,8 +91,8 @@ class Stepping:
             if number == 0 and self.world.buttons.read():
                 self._pause()
                 return
-            if rows.run(1, rows.begin) < rows.begin:
-                self._begin_step()
+            self.world.agenda.stepping = True
+            self._run_own_rows(max(number, 1), rows.begin)
             number = rows.begin
         if number < rows.tail:
             self.world.agenda.stepping = True
@@ -116,7 +116,7 @@ class Stepping:
         number = rows.run(begin, end)
         while number < end:
             rows.line(number).twin(self.world.engine.step_time)
-            number = rows.run(number + 1, end)
+            number = rows.run(rows.after_twin(number), end)
 
     def _build_rows(self) -> None:
         """Describe a step as rows, and find out which entities have something to do in it."""
@@ -128,17 +128,39 @@ class Stepping:
             times.real_time("real_time")
         with world.rows.building() as rows:
             rows.share(lambda _: None, world.buttons.exchange())
-            rows.begin_step(FALL_PERIOD, world.era.counts_at_start)
+            rows.begin_step(FALL_PERIOD, world.era.counts_at_start, lambda _: self._begin_step())
+            self._laws = self._begin.entries
+            if self._begin.obeys_laws:
+                self._add_laws(rows)
             rows.entities()
             rows.advance(lambda _: world.engine.finish())
             if world.followers:
                 rows.python(lambda _: self._follow())
             rows.end_physics()
+            for companion in world.companions:
+                plan = Plan()
+                companion.plan_end(plan)
+                rows.follow(plan)
             rows.share(lambda _: self._write_times(), times)
             if world.publication is not None:
                 publication = world.publication
                 rows.publish(lambda _: publication.publish(paused=False), publication.record)
             rows.post(lambda _: world.gz_server.post())
+
+    def _add_laws(self, rows: UpdateRows) -> None:
+        """Rows for the callbacks of the event that begins a step, which are laws."""
+        for entry in self._laws:
+            plan = Plan()
+            plan.call(entry.callback)
+            holder = getattr(entry.callback, "__self__", None)
+            if hasattr(holder, "_watched"):
+                vars(holder).update(_watched=set(), _law_changed=self.world.update_rows_changed)
+            plan.lines[0].run = lambda _, entry=entry: self._begin.call((entry,))  # type: ignore[misc]
+            try:
+                rows.follow(plan)
+            except USER_ERRORS as error:  # it cannot be recorded
+                pass_interrupt(error)
+                self._begin.failed(entry, error)
 
     def _pause(self) -> None:
         """What a step does while the world is paused."""
@@ -244,7 +266,7 @@ class Stepping:
             entity, twin, _ = rows.line(number)
             done = self._call(entity, twin, step)
             if rows.valid:
-                number = rows.run(number + 1, rows.end)
+                number = rows.run(rows.after_twin(number), rows.end)
                 continue
             # What rows depend on has changed: Python does what is left of this entity, and new rows are for the others.
             while done and (number := rows.next_in_python(number)) < rows.end_of(entity):

@@ -122,6 +122,7 @@ class UpdateRows:
         self._kept: list[object] = []
         self._starts: dict[int, int] = {}  # the first row of each entity that has one
         self._ends: dict[int, int] = {}  # the row after its last one
+        self._unmet: set[int] = set()  # rows that Python did last, and whose condition did not hold
         self.updating = []
         self.begin = self.end = self.tail = self.count = 0
 
@@ -139,22 +140,43 @@ class UpdateRows:
 
     def _add_plan(self, entity: Updated) -> None:
         """The rows of an entity."""
-        plan, first = Plan(), len(self._rows)
+        plan = Plan()
         entity._entity_plan(plan)
-        if not all(line.rate is None or _is_known(line.rate) for line in plan.lines):
+        if all(line.rate is None or _is_known(line.rate) for line in plan.lines):
+            self.follow(plan)
+        else:
             self.python(entity.MasterUpdate)
-            return
+
+    def follow(self, plan: Plan) -> None:
+        """The rows of the lines of a plan."""
+        starts, jumps = [], []  # the first row of each line; the rows that may jump, and the lines to which they do
         for line in plan.lines:
+            starts.append(len(self._rows))
             if line.rate is not None:
                 self._add(Kind.DUE, line.rate, _nothing)
-                self._rows[-1].jump = first + line.end
                 self._lines[-1] = self._lines[-1]._replace(rate=line.rate)
             elif line.bundle is not None:
                 self._add(Kind.CAST, line.bundle.record(), line.run, line.bundle)
             elif line.post is not None:
                 self._add(Kind.POST, line.post.posting(), line.run)
             elif line.law is None or not self._add_law(line):
-                self.python(line.run)
+                self.python(self._deciding(line) if line.conditional else line.run)
+            if line.end:
+                jumps.append((starts[-1], line.end))
+        starts.append(len(self._rows))
+        for row, end in jumps:
+            self._rows[row].jump = starts[end]
+
+    def _deciding(self, line: Line) -> Twin:
+        """The twin of a line on which others depend."""
+        number = len(self._rows)
+
+        def decide(step: float) -> None:
+            self._unmet.discard(number)
+            if not line.run(step):
+                self._unmet.add(number)
+
+        return decide
 
     def _add_law(self, line: Line) -> bool:
         """A row for a law; false where Python has to do it."""
@@ -182,24 +204,28 @@ class UpdateRows:
             known = body
             recorder.take(body)
         self._recording[key] = known
-        if interface is None and not recorder.operations and not recorder.effects:
+        if interface is None and not line.conditional and not recorder.operations and not recorder.effects:
             return True  # such as `act` of a robot that does nothing then
-        self.share(line.run, recorder, retried=line.unless is None)
+        if line.conditional:
+            self.share(self._deciding(line), recorder, conditional=True)
+        else:
+            self.share(line.run, recorder, retried=line.unless is None)
         return True
 
     def python(self, twin: Twin) -> None:
         """A row that Python always does."""
         self._add(Kind.PYTHON, None, twin)
 
-    def share(self, twin: Twin, recorder: Recorder, *, retried: bool = False) -> None:
+    def share(self, twin: Twin, recorder: Recorder, *, retried: bool = False, conditional: bool = False) -> None:
         """Do what was recorded; with an interface, under its lock.
 
         Args:
             twin: does it in Python; without the lock, it does nothing then.
             recorder: has recorded it.
             retried: whether native code may do it after all, once Python has the lock.
+            conditional: whether the rows up to its `jump` depend on what the law returned.
         """
-        part, kept = recorder.result()
+        part, kept = recorder.result(conditional=conditional)
         interface = recorder.interface
         memory = interface.memory if interface is not None and interface.link.memory else None  # stays mapped meanwhile
         if retried and interface is not None:
@@ -240,15 +266,16 @@ class UpdateRows:
         if self._prepare is not None:
             self.run_all = self._prepare(self._record, self.count, self.steps)
 
-    def begin_step(self, period: int, at_start: bool) -> None:
+    def begin_step(self, period: int, at_start: bool, twin: Twin) -> None:
         """Count the step.
 
         Args:
             period: after so many steps Python does that.
             at_start: whether sim time grows now, and not in `advance`.
+            twin: does it in Python.
         """
         self._beginning = BeginRecord(period, at_start)
-        self._add(Kind.BEGIN, self._beginning, _nothing)
+        self._add(Kind.BEGIN, self._beginning, twin)
 
     def entities(self) -> None:
         """The rows of all entities; those from `begin` to `end`."""
@@ -296,9 +323,13 @@ class UpdateRows:
         """Whose a row is, and how Python does it."""
         return self._lines[number]
 
+    def after_twin(self, number: int) -> int:
+        """The row that follows one that Python has done."""
+        return self._rows[number].jump if number in self._unmet else number + 1
+
     def next_in_python(self, number: int) -> int:
         """The row after one, where Python does all: what is not due is left out."""
-        number += 1
+        number = self.after_twin(number)
         while number < self.end and self._rows[number].kind == Kind.DUE:
             row = self._rows[number]
             due = self._lines[number].rate.due(self.world.clock.sim_time)

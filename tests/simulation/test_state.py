@@ -612,8 +612,8 @@ def test_a_truncated_state_is_refused_wherever_it_ends(world):
 
 def test_a_state_of_an_older_version_is_refused_with_its_version(world):
     state = world.get_state()
-    with pytest.raises(StateError, match="this state has format 7; this version of libgz has format 8"):
-        world.set_state(state.replace(b"libgz state 8\n", b"libgz state 7\n"))
+    with pytest.raises(StateError, match="this state has format 8; this version of libgz has format 9"):
+        world.set_state(state.replace(b"libgz state 9\n", b"libgz state 8\n"))
 
 
 def test_what_is_assigned_to_parts_is_in_the_next_state(world):

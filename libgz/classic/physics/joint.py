@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
+from libgz.base.law import unrecorded
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base
@@ -114,6 +115,7 @@ class Joint(Base):
         """The velocity of an axis [rad/s] or [m/s]."""
         return self.core.velocity(index)
 
+    @unrecorded
     def SetVelocity(self, index: int, vel: float) -> None:
         """Set the velocity of the child relative to the parent [rad/s] or [m/s]."""
         self.core.set_velocity(vel, index)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.law import Number
 from libgz.classic import transport
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
@@ -19,9 +20,10 @@ __all__ = ["DrivePlugin"]
 class DrivePlugin(ModelPlugin):
     """Receives commands, and runs the wheels in every iteration."""
 
-    STATE: ClassVar[tuple[str, ...]] = ("command",)
+    STATE: ClassVar[tuple[str, ...]] = ("speed", "turn")
 
-    command = (0.0, 0.0)  # speed forward [m/s], yaw rate [rad/s] with the sign of the message
+    speed = Number()  # commanded, forward [m/s]
+    turn = Number()  # commanded yaw rate [rad/s], with the sign of the message
 
     def listen(self, model: Model) -> None:
         """Subscribe to commands, and start to update."""
@@ -32,12 +34,13 @@ class DrivePlugin(ModelPlugin):
 
     def OnVelMsg(self, message: Any) -> None:
         """A new command."""
-        self.command = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
+        self.speed = message.position.x
+        self.turn = Quaterniond(ConvertIgn(message.orientation)).Yaw()
 
     def OnUpdate(self) -> None:
-        """Run the wheels; called in every iteration."""
+        """Run the wheels; called in every iteration. A law runs natively."""
         raise NotImplementedError
 
     def Reset(self) -> None:
         """Set the command to zero."""
-        self.command = (0.0, 0.0)
+        self.speed = self.turn = 0.0

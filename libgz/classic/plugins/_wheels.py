@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import ParameterError
+from libgz.base.law import law
 from libgz.classic.physics import CylinderShape, SphereShape
 
 if TYPE_CHECKING:
@@ -46,12 +47,12 @@ class Wheel:
         if not self.radius > 0.0:
             raise ParameterError(f"joint {joint.GetScopedName()!r}: its child has no shape with a radius")
 
+    @law
     def run(self, speed: float) -> None:
         """Set the speed on the ground [m/s]: for the next step, or with a motor until the next call."""
         rate = speed / self.radius
         if self.torque > 0.0:
-            self.joint.SetParam("fmax", 0, self.torque)
-            self.joint.SetParam("vel", 0, rate)
+            self.joint.core.run_motor(rate, self.torque)
         else:
             self.joint.SetVelocity(0, rate)
 

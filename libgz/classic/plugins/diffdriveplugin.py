@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._drive import DrivePlugin
 from libgz.classic.plugins._names import named_joint
@@ -40,12 +41,12 @@ class DiffDrivePlugin(DrivePlugin):
         self.right = Wheel(right, torque, self.left.radius)
         self.listen(model)
 
+    @law
     def OnUpdate(self) -> None:
         """Run the wheels."""
-        speed, turn = self.command
-        half = turn * self.separation / 2.0
-        self.left.run(speed + half)
-        self.right.run(speed - half)
+        half = self.turn * self.separation / 2.0
+        self.left.run(self.speed + half)
+        self.right.run(self.speed - half)
 
 
 GZ_REGISTER_MODEL_PLUGIN(DiffDrivePlugin)

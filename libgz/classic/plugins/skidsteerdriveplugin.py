@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._drive import DrivePlugin
 from libgz.classic.plugins._names import find_joint
@@ -39,13 +40,13 @@ class SkidSteerDrivePlugin(DrivePlugin):
         self.left = wheels["left_front"], wheels["left_rear"]
         self.listen(model)
 
+    @law
     def OnUpdate(self) -> None:
         """Run the wheels."""
-        speed, turn = self.command
         for wheel in self.right:
-            wheel.run(speed + turn * self.separation)
+            wheel.run(self.speed + self.turn * self.separation)
         for wheel in self.left:
-            wheel.run(speed - turn * self.separation)
+            wheel.run(self.speed - self.turn * self.separation)
 
 
 GZ_REGISTER_MODEL_PLUGIN(SkidSteerDrivePlugin)

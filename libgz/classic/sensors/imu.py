@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.base.errors import StateError
 from libgz.base.geometry import QuaternLike
+from libgz.base.law import law
 from libgz.classic import msgs
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
@@ -36,19 +39,24 @@ ACCEL_NOISE = (
 FRAMES = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, math.pi / 2.0), "NED": (math.pi, 0.0, math.pi / 2.0)}
 
 
+class _Reading(ctypes.Structure):
+    """A measurement along the sensor's axes, and the velocity then [m/s], which is global."""
+
+    _fields_ = [
+        ("velocity", ctypes.c_double * 3),
+        ("rate", ctypes.c_double * 3),  # [rad/s]
+        ("acceleration", ctypes.c_double * 3),  # [m/s^2]
+        ("orientation", ctypes.c_double * 4),
+    ]
+
+
 class ImuSensor(LinkSensor):
     """An inertial measurement unit: everything along its own axes.
 
     The acceleration is the change of its velocity since the last measurement, less gravity; at rest it is g upwards.
     """
 
-    STATE = (
-        "_reference",
-        "_velocity",
-        "_true",
-        "_noisy",
-        "_orientation",
-    )
+    STATE = ("_reference", "_noisy", "measured")
 
     topic_suffix: ClassVar[str | None] = "imu"
     topic_added = True
@@ -61,9 +69,8 @@ class ImuSensor(LinkSensor):
         self._reference = self._read_reference()
         described = "enable_orientation" in known_children(self._imu)
         self._has_orientation = not described or self._imu.Get(bool, "enable_orientation")
-        self._velocity = Vector3d()
-        self._true = self._noisy = Vector3d(), Vector3d()  # turning rate, acceleration
-        self._orientation = Quaterniond(1.0, 0.0, 0.0, 0.0)
+        self._reading = _Reading(orientation=(1.0, 0.0, 0.0, 0.0))
+        self._noisy = Vector3d(), Vector3d()  # turning rate, acceleration, if there is noise
 
     def _read_noise(self) -> None:
         """Add the noise of each axis; SDF 1.4 and 1.5 also have one for all axes of a kind."""
@@ -114,12 +121,23 @@ class ImuSensor(LinkSensor):
         """Take the present orientation as the reference, unless the file has one."""
         if self._reference is None:
             self.SetReferencePose()
-        self._velocity = self.world_velocity()
+        self._reading.velocity[:] = tuple(self.world_velocity())
 
     def reset(self) -> None:
         """Start again with the present state of the link."""
-        self._velocity = self.world_velocity()
+        self._reading.velocity[:] = tuple(self.world_velocity())
         super().reset()
+
+    @property
+    def measured(self) -> bytes:
+        """The last measurement, for a state."""
+        return bytes(self._reading)
+
+    @measured.setter
+    def measured(self, values: bytes) -> None:
+        if not isinstance(values, bytes) or len(values) != ctypes.sizeof(self._reading):
+            raise StateError("the state is damaged: these are not the numbers of an IMU")
+        memoryview(self._reading).cast("B")[:] = values  # native code knows where they are
 
     # Measuring ---------------------------------------------------------------------------------------------------
 
@@ -127,49 +145,58 @@ class ImuSensor(LinkSensor):
         """Whether time has passed."""
         return elapsed > 0.0
 
-    def measure(self, elapsed: float) -> None:
+    @law
+    def measure(self, elapsed: Any) -> None:
         """Measure rates, acceleration and orientation."""
-        turn = self.world_rotation()
-        velocity = self.world_velocity()
-        change = (velocity - self._velocity) / elapsed
-        self._velocity = velocity
-        rate = turn.RotateVectorReverse(self.link.WorldAngularVel())
-        acceleration = turn.RotateVectorReverse(change - self.world.Gravity())
-        self._true = rate, acceleration
-        self._noisy = self.noisy_vector(RATE_NOISE, rate), self.noisy_vector(ACCEL_NOISE, acceleration)
+        turn, reading = self.world_rotation(), self._reading
+        velocity, before, gravity = self.world_velocity(), reading.velocity, self.world.core.engine.gravity
+        felt = Vector3d(*((v - b) / elapsed - g for v, b, g in zip(velocity, before, gravity, strict=True)))
+        reading.rate[:] = tuple(turn.RotateVectorReverse(self.link.body.GetAngularRate()))
+        reading.acceleration[:] = tuple(turn.RotateVectorReverse(felt))
+        reading.velocity[:] = tuple(velocity)
         if self._has_orientation and self._reference is not None:
-            self._orientation = self._reference.Inverse() * turn
+            reading.orientation[:] = tuple(self._reference.Inverse() * turn)
+
+    def disturb(self) -> None:
+        """Add noise to rates and acceleration."""
+        if self.noises:
+            rate, acceleration = Vector3d(*self._reading.rate), Vector3d(*self._reading.acceleration)
+            self._noisy = self.noisy_vector(RATE_NOISE, rate), self.noisy_vector(ACCEL_NOISE, acceleration)
 
     def message(self) -> Any:
         """The last measurement as a msgs.IMU."""
         msg = msgs.IMU(entity_name=self.ParentName())
         msgs.Set(msg.stamp, self.LastMeasurementTime())
-        msgs.Set(msg.orientation, self._orientation)
-        msgs.Set(msg.angular_velocity, self._noisy[0])
-        msgs.Set(msg.linear_acceleration, self._noisy[1])
+        msgs.Set(msg.orientation, self.Orientation())
+        msgs.Set(msg.angular_velocity, self.AngularVelocity())
+        msgs.Set(msg.linear_acceleration, self.LinearAcceleration())
         return msg
 
     ImuMessage = GetImuMessage = message
 
     def AngularVelocity(self, noiseFree: bool = False) -> Vector3d:
         """Turning rate [rad/s]."""
-        return Vector3d(*(self._true if noiseFree else self._noisy)[0])
+        return Vector3d(*(self._reading.rate if noiseFree or not self.noises else self._noisy[0]))
 
     def LinearAcceleration(self, noiseFree: bool = False) -> Vector3d:
         """Acceleration less gravity [m/s^2]."""
-        return Vector3d(*(self._true if noiseFree else self._noisy)[1])
+        return Vector3d(*(self._reading.acceleration if noiseFree or not self.noises else self._noisy[1]))
 
     def Orientation(self) -> Quaterniond:
         """Orientation in the reference frame."""
-        return Quaterniond(*self._orientation)
+        return Quaterniond(*self._reading.orientation)
 
     def SetReferencePose(self) -> None:
         """Take the present orientation as the reference."""
-        self._reference = self.world_rotation()
+        self._refer_to(self.world_rotation())
 
     def SetWorldToReferenceOrientation(self, orientation: QuaternLike) -> None:
         """Set the orientation of the reference frame in the world."""
-        self._reference = Quaterniond(*orientation)
+        self._refer_to(Quaterniond(*orientation))
+
+    def _refer_to(self, orientation: Quaterniond) -> None:
+        self._reference = orientation
+        self.world.core.update_rows_changed()
 
     GetAngularVelocity, GetLinearAcceleration, GetOrientation = AngularVelocity, LinearAcceleration, Orientation
 

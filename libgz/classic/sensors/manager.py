@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, Model, World
     from libgz.classic.transport.topic import Topic
     from libgz.sdf.element import Element
+    from libgz.simulation.plan import Plan
 
 __all__ = ["WorldSensors"]
 
@@ -46,7 +47,9 @@ class WorldSensors:
         self._gathering: list[Sensor] = []  # active, and need every iteration
         self._idle: list[tuple[Topic, Sensor]] = []  # inactive until their topics have subscribers
         self._now = 0.0  # [s] of the last iteration
-        self._next = -math.inf  # [s] sim time of the next measurement
+        self._natively: list[Sensor] = []  # active, and measured by native code where it makes steps alone
+        self._next = -math.inf  # [s] sim time of the next measurement, or an earlier one
+        self._next_here = -math.inf  # [s] that of the others
         self._diagnostics = Diagnostics()
         self._parent_name: str | None = None  # of a sensor that is made again
         self._started = False
@@ -137,19 +140,20 @@ class WorldSensors:
     def reschedule(self, sensor: Sensor) -> None:
         """The activity or rate of a sensor may have changed: check whether it measures, and when."""
         if sensor in self._active:
-            self._next = -math.inf
+            self._next = self._next_here = -math.inf
         elif self.sensors.get(sensor.ScopedName()) is sensor and sensor.IsActive():
-            self._next = -math.inf
             self._activate(sensor)
             self._update_lists()
 
     def _activate(self, sensor: Sensor) -> None:
         self._active = {one: None for one in self.sensors.values() if one in self._active or one is sensor}
         sensor.activated()
+        self._plan_again()
 
     def _deactivate(self, sensor: Sensor) -> None:
         del self._active[sensor]
         sensor.deactivated()
+        self._plan_again()
         self._update_lists()
 
     def _update_lists(self) -> None:
@@ -161,12 +165,31 @@ class WorldSensors:
     def idle_until(self) -> float:
         """The sim time [s] of the next measurement; -inf if there is something to do in each iteration."""
         if not self.sensors:
-            return math.inf if self._next == -math.inf else -math.inf
+            return -math.inf if self._now else math.inf
         if self._gathering or self.world.core.GetSimTime() < self._now or (self._unknown and self._asked()):
             return -math.inf
         if any(topic.subscribers or topic.remote for topic, _ in self._idle):
             return -math.inf
-        return self._next
+        if any(sensor.heard for sensor in self._natively):
+            self._plan_again()
+        return self._next_here
+
+    def plan_end(self, plan: Plan) -> None:
+        """Add the measurements that nobody reads."""
+        self._natively = [sensor for sensor in self._active if sensor.obeys_law and not sensor.heard]
+        for sensor in self._natively:
+            sensor.plan(plan)
+        self._set_next()
+
+    def _plan_again(self) -> None:
+        """What native code measures has changed."""
+        self._natively, self._next, self._next_here = [], -math.inf, -math.inf
+        self.world.core.update_rows_changed()
+
+    def _set_next(self) -> None:
+        self._next = min((sensor.schedule.due for sensor in self._active), default=math.inf)
+        others = (sensor for sensor in self._active if sensor not in self._natively)
+        self._next_here = min((sensor.schedule.due for sensor in others), default=math.inf)
 
     def skipped(self) -> None:
         """Iterations have passed without `update`."""
@@ -176,7 +199,7 @@ class WorldSensors:
     def update(self) -> None:
         """Let the sensors that are due measure, after an iteration."""
         if not self.sensors:
-            self._now, self._next = 0.0, -math.inf  # as in a world that never had one
+            self._now = 0.0  # as in a world that never had one
             return
         for topic, sensor in self._idle:
             if topic.subscribers or topic.remote:
@@ -199,7 +222,7 @@ class WorldSensors:
 
     def _measure(self, now: float) -> None:
         for sensor in list(self._active):
-            if now < sensor.due or sensor not in self._active:  # a callback of one may have removed another
+            if now < sensor.schedule.due or sensor not in self._active:  # a callback of one may have removed another
                 continue
             if not sensor.IsActive():
                 self._deactivate(sensor)
@@ -209,7 +232,10 @@ class WorldSensors:
             except GazeboError as error:
                 log.error("sensor %s is removed, because it cannot measure: %s", sensor.ScopedName(), error)
                 self.remove(sensor)
-        self._next = min((sensor.due for sensor in self._active), default=math.inf)
+        if any(sensor.obeys_law and not sensor.heard for sensor in self._active if sensor not in self._natively):
+            self._plan_again()
+        else:
+            self._set_next()
 
     def _advertise(self) -> None:
         """Advertise the topics of new sensors, and the one on which all are described."""
@@ -249,7 +275,7 @@ class WorldSensors:
         """The state of all sensors, as plain data; None without any."""
         if not self.sensors:
             return None
-        return self._now, self._next, self._rows()
+        return self._now, self._rows()
 
     def _rows(self) -> list[Any]:
         """Of each sensor how it is made, whether it is active, and the states of itself and of its cameras, encoded."""
@@ -267,7 +293,7 @@ class WorldSensors:
 
     def load(self, state: Sequence[Any] | None) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
-        now, due, rows = state if state is not None else (0.0, -math.inf, [])
+        now, rows = state if state is not None else (0.0, [])
         if [(name, kind, active) for name, kind, _, _, active, _ in rows] != [
             (name, one.Type(), one in self._active) for name, one in self.sensors.items()
         ]:
@@ -276,7 +302,8 @@ class WorldSensors:
             for part, encoded in zip(_parts(self.sensors[name]), states, strict=True):
                 if encoded != _state(part):
                     set_values(part, decode(encoded))
-        self._now, self._next = now, due
+        self._now = now
+        self._plan_again()
 
     def _match(self, rows: Sequence[Any]) -> None:
         """Make the sensors those of a state."""
@@ -389,7 +416,8 @@ class WorldSensors:
 
     def reset(self) -> None:
         """Start all sensors again, because the clock was reset."""
-        self._next, self._now = -math.inf, 0.0
+        self._now = 0.0
+        self._plan_again()
         for sensor in self.sensors.values():
             sensor.reset()
 

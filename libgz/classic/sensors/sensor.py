@@ -8,12 +8,14 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from libgz.base.errors import NotFoundError, ParameterError
-from libgz.base.geometry import GzCoordPoseAdd, GzPose, place_of
+from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector, GzVectorAdd, place_of, rotate
+from libgz.base.law import is_law, law
 from libgz.classic import msgs
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType, new_noise
 from libgz.classic.sensors.read import custom_topic, first, number
+from libgz.classic.sensors.schedule import Schedule
 from libgz.simulation.event import Connection, Event
 
 if TYPE_CHECKING:
@@ -21,10 +23,9 @@ if TYPE_CHECKING:
     from libgz.classic.rendering.camera import Camera as CameraView
     from libgz.classic.transport import Publisher
     from libgz.sdf.element import Element
+    from libgz.simulation.plan import Plan
 
 __all__ = ["LinkSensor", "Sensor", "SensorCategory", "SensorOwner"]
-
-TOLERANCE = 1e-9  # [s] sim times are sums of steps, and may miss a due time by less than this
 
 _ids = itertools.count(1 << 30)  # clients know sensors and entities by number, so that none may be equal
 
@@ -69,10 +70,7 @@ class Sensor:
     STATE: ClassVar[tuple[str, ...]] = (
         "_pose",
         "_active",
-        "_period",
-        "_updated",
-        "_measured",
-        "_delay",
+        *(f"schedule.{name}" for name in Schedule.STATE),
         "all_noises",
     )
 
@@ -90,8 +88,7 @@ class Sensor:
         self._number = next(_ids)
         self._pose = sdf.Get(Pose3d, "pose")
         self._active: bool | None = True if sdf.Get(bool, "always_on") else None
-        self._period = 0.0
-        self._updated = self._measured = self._delay = 0.0
+        self.schedule = Schedule()
         self.SetUpdateRate(number(sdf, "update_rate"))
         self._update_event = Event(f"Updated of sensor {self.ScopedName()}")
         self._message_event = Event(f"Update of sensor {self.ScopedName()}")
@@ -178,6 +175,7 @@ class Sensor:
     def SetPose(self, pose: GzPose) -> None:
         """Set the pose in its link [m]."""
         self._pose = Pose3d(pose)
+        self.world.core.update_rows_changed()
 
     GetPose = Pose
 
@@ -206,26 +204,26 @@ class Sensor:
 
     def UpdateRate(self) -> float:
         """Measurements a second of sim time [Hz]; 0: one in each iteration."""
-        return 1.0 / self._period if self._period > 0.0 else 0.0
+        return 1.0 / self.schedule.period if self.schedule.period > 0.0 else 0.0
 
     def SetUpdateRate(self, hz: float) -> None:
         """Set the rate [Hz]; 0 or less: every iteration."""
-        self._period = 1.0 / hz if hz > 0.0 else 0.0
+        self.schedule.set_period(1.0 / hz if hz > 0.0 else 0.0)
         self.sensors.reschedule(self)
 
     def LastUpdateTime(self) -> Time:
         """Sim time of the last update."""
-        return Time(self._updated)
+        return Time(self.schedule.updated)
 
     def LastMeasurementTime(self) -> Time:
         """Sim time of the last measurement."""
-        return Time(self._measured)
+        return Time(self.schedule.measured)
 
     GetUpdateRate, GetLastUpdateTime, GetLastMeasurementTime = UpdateRate, LastUpdateTime, LastMeasurementTime
 
     def ResetLastUpdateTime(self) -> None:
         """Forget the times of its measurements, because the clock was set back."""
-        self._updated = self._measured = self._delay = 0.0
+        self.schedule.forget()
         self.sensors.reschedule(self)
 
     def ConnectUpdated(self, callback: Callable[[], object]) -> Connection:
@@ -242,28 +240,51 @@ class Sensor:
         self.sensors.reschedule(self)
         return connection
 
-    @property
-    def due(self) -> float:
-        """Earliest sim time of the next measurement [s]."""
-        return self._updated + max(self._period - self._delay - TOLERANCE, TOLERANCE)
-
     def Update(self, force: bool = False) -> None:
         """Measure, if it is active and due, or if forced."""
-        now = self.world.core.GetSimTime()
-        if not force and (now < self.due or not self.IsActive()):
+        now, schedule = self.world.core.GetSimTime(), self.schedule
+        if not force and (now < schedule.due or not self.IsActive()):
             return
-        elapsed = now - self._measured
+        elapsed = now - schedule.measured
         if not self.ready(elapsed):
             return
-        late = max(0.0, now - self._updated + self._delay - self._period)
-        self._measured = now
+        schedule.measured = now
         self.measure(elapsed)
+        self.disturb()
         self.deliver()
-        # Late by more than a period: it was idle, or steps are longer. There is nothing to catch up with.
-        self._delay = late if TOLERANCE < late < self._period else 0.0
-        self._updated = now
+        schedule.settle(now)
         if self._update_event:
             self._update_event()
+
+    @property
+    def heard(self) -> bool:
+        """Whether anybody gets its measurements."""
+        return self.listened() or self.connected()
+
+    @property
+    def obeys_law(self) -> bool:
+        """Whether native code may measure while nobody gets what it measures."""
+        return is_law(type(self).measure) and not self.noises
+
+    def plan(self, plan: Plan) -> None:
+        """Add what it does after an iteration while nobody gets what it measures."""
+        with plan.when(self.is_due):
+            plan.call(self.sample)
+
+    @law
+    def is_due(self) -> Any:
+        """Whether it is time to measure."""
+        now, schedule = self.world.core.clock.sim_time, self.schedule
+        return (now >= schedule.due) & (now > schedule.measured)
+
+    @law
+    def sample(self) -> None:
+        """Measure, for nobody."""
+        now, schedule = self.world.core.clock.sim_time, self.schedule
+        elapsed = now - schedule.measured
+        schedule.measured = now
+        self.measure(elapsed)
+        schedule.settle(now)
 
     def ready(self, elapsed: float) -> bool:
         """Whether it can measure now, `elapsed` seconds of sim time after its last measurement."""
@@ -272,6 +293,9 @@ class Sensor:
     def measure(self, elapsed: float) -> None:
         """Take a measurement, `elapsed` seconds of sim time after the last one."""
         raise NotImplementedError(f"{type(self).__name__} cannot measure")
+
+    def disturb(self) -> None:
+        """Add noise to what a law has measured."""
 
     def deliver(self) -> None:
         """Pass the measurement to callbacks and to the topic's subscribers."""
@@ -405,10 +429,18 @@ class LinkSensor(Sensor):
         """Global pose [m]."""
         return GzCoordPoseAdd(self._pose, self.link.pose())
 
+    @property
+    def obeys_law(self) -> bool:
+        """Whether native code may measure: it has no row for a link that is fixed."""
+        return super().obeys_law and self.link.body.row >= 0
+
+    @law
     def world_rotation(self) -> Quaterniond:
         """Global rotation."""
-        return self.link.WorldPose().rot * self._pose.rot
+        return Quaterniond(self.link.body.GetPose().rot) * self._pose.rot
 
-    def world_velocity(self) -> Vector3d:
+    @law
+    def world_velocity(self) -> GzVector:
         """Global velocity of the sensor's position [m/s]."""
-        return self.link.WorldLinearVel(self._pose.pos)
+        pose = self.link.body.GetPose()
+        return self.link.body.GetPointVel(GzVectorAdd(pose.pos, rotate(pose.rot, self._pose.pos)))

@@ -1,0 +1,219 @@
+"""Laws of sensors and plugins: native code does as Python does, to the bit, and alone while nobody listens."""
+
+from contextlib import contextmanager
+
+import pytest
+from plugin_worlds import GROUND, command, plugin, wheel
+
+import libgz
+from libgz.base.law import law
+from libgz.classic import transport
+from libgz.classic.math import Quaterniond, Vector3d
+from libgz.classic.server import WorldServer, attach
+
+IMU = (
+    "<sensor name='imu' type='imu'><pose>.1 .2 .3 .4 .5 .6</pose><always_on>1</always_on><update_rate>{}</update_rate>"
+    "</sensor>"
+)
+RATES = (0, 1000, 300, 77)  # [Hz]
+WHEELS = {"left_joint": "left", "right_joint": "right"}
+
+
+def tumbling(name, rate):
+    return (
+        f"<model name='{name}'><pose>{rate} 0 2 0.3 0.2 0.1</pose><link name='link'><collision name='c'><geometry><box>"
+        f"<size>.4 .3 .2</size></box></geometry></collision>{IMU.format(rate)}</link></model>"
+    )
+
+
+BODIES = "".join(tumbling(f"b{rate}", rate) for rate in RATES)
+TEXT = f"<sdf version='1.6'><world name='default'>{GROUND}{BODIES}</world></sdf>"
+
+
+@contextmanager
+def pair(text):
+    """Two worlds of one text: native, and all in Python."""
+    with libgz.World.from_string(text) as native, libgz.World.from_string(text) as plain:
+        plain.rows.enabled = False
+        yield native, plain
+
+
+def readings(world):
+    sensors = attach(world).sensors.sensors.values()
+    return [
+        (
+            [*one.AngularVelocity()],
+            [*one.LinearAcceleration()],
+            [*one.Orientation()],
+            one.LastMeasurementTime().Double(),
+            one.LastUpdateTime().Double(),
+        )
+        for one in sensors
+    ]
+
+
+def imus(world):
+    return list(attach(world).sensors.sensors.values())
+
+
+def turn_gravity(world):
+    world.engine.gravity = (0.0, 3.0, -5.0)
+
+
+def set_reference(world):
+    imus(world)[0].SetWorldToReferenceOrientation(Quaterniond(0.1, 0.2, 0.3))
+
+
+def set_rate(world):
+    imus(world)[1].SetUpdateRate(50.0)
+
+
+def move_sensor(world):
+    imus(world)[2].SetPose(libgz.GzPose(libgz.GzVector(1, 0, 0), libgz.GzQuatern(1, 0, 0, 0)))
+
+
+def throw(world):
+    attach(world).world.ModelByName("b0").GetLink("link").SetLinearVel(Vector3d(1, 2, 3))
+
+
+def remove_one(world):
+    attach(world).world.RemoveModel("b300")
+
+
+def start_again(world):
+    world.Reset()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [turn_gravity, set_reference, set_rate, move_sensor, throw, remove_one, start_again],
+    ids=lambda c: c.__name__,
+)
+def test_imus_measure_the_same_natively(change):
+    with pair(TEXT) as worlds:
+        for world in worlds:
+            world.step(457)
+            change(world)
+            world.step(391)
+        native, plain = worlds
+        assert readings(native) == readings(plain)
+        assert native.get_state() == plain.get_state()
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """The steps in which Python had to look at sensors."""
+    made, step = [], WorldServer.step
+    monkeypatch.setattr(WorldServer, "step", lambda server, paused: (made.append(paused), step(server, paused))[1])
+    return made
+
+
+def test_python_measures_only_while_somebody_listens(steps):
+    with libgz.World.from_string(TEXT) as world:
+        world.step(5)
+        steps.clear()
+        world.step(200)
+        assert not steps
+        seen = []
+        imu = imus(world)[1]
+        connection = imu.ConnectUpdated(lambda: seen.append(imu.LastMeasurementTime().Double()))
+        world.step(100)
+        assert len(seen) == 100
+        assert seen == pytest.approx([0.205 + 0.001 * (i + 1) for i in range(100)])
+        connection.Disconnect()
+        world.step(5)
+        steps.clear()
+        world.step(100)
+        assert not steps
+        node = transport.Node()
+        node.Init("default")
+        messages = []
+        kept = node.Subscribe(imu.Topic(), messages.append)
+        world.step(100)
+        assert len(messages) == pytest.approx(100, abs=1)
+        del kept
+
+
+FOUR = {"left_front": (0.2, 0.2), "right_front": (0.2, -0.2), "left_rear": (-0.2, 0.2), "right_rear": (-0.2, -0.2)}
+WHEELS = "".join(wheel(name, *place) for name, place in FOUR.items())
+BASE = "<link name='base'><pose>0 0 0.15 0 0 0</pose><inertial><mass>5</mass></inertial></link>"
+ROVER = f"<model name='rover'>{BASE}{WHEELS}{{}}</model>"
+PAIR = {"left_joint": "left_front", "right_joint": "right_front"}
+DRIVES = {
+    "skid": plugin("SkidSteerDrivePlugin", max_force=20),
+    "two wheels": plugin("DiffDrivePlugin", torque=5, **PAIR),
+    "without a motor": plugin("DiffDrivePlugin", **PAIR),
+}
+
+
+def double_separation(world, drive):
+    drive.separation *= 2.0
+
+
+def attach_anew(world, drive):
+    joint = attach(world).world.ModelByName("rover").GetJoint("left_front").core
+    parent, child = joint.parent, joint.child
+    joint.detach()
+    world.step(3)
+    joint.attach(parent, child)
+
+
+def set_motor(world, drive):
+    attach(world).world.ModelByName("rover").GetJoint("left_front").SetParam("fmax", 0, 0.001)
+
+
+def drive_off(text, native, change):
+    """The states of a world on the way."""
+    with libgz.World.from_string(text) as world:
+        world.rows.enabled = native
+        states = []
+        for speed, turn in ((0.3, 0.0), (0.2, 0.7), (-0.4, 0.0)):
+            kept = command("~/rover/vel_cmd", speed, turn)
+            world.step(150)
+            change(world, next(attach(world).plugins.running()).plugin)
+            world.step(50)
+            states.append(world.get_state())
+            del kept
+        return states
+
+
+@pytest.mark.parametrize("change", [double_separation, attach_anew, set_motor], ids=lambda change: change.__name__)
+@pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
+def test_drives_do_the_same_natively(drive, change):
+    text = f"<sdf version='1.6'><world name='default'>{GROUND}{ROVER.format(drive)}</world></sdf>"
+    assert drive_off(text, True, change) == drive_off(text, False, change)
+
+
+@pytest.mark.parametrize("drive", [DRIVES["skid"], DRIVES["two wheels"]])
+def test_drives_run_without_python(drive, steps):
+    text = f"<sdf version='1.6'><world name='default'>{GROUND}{ROVER.format(drive)}</world></sdf>"
+    with libgz.World.from_string(text) as world:
+        kept = command("~/rover/vel_cmd", 0.3)
+        world.step(5)
+        steps.clear()
+        world.step(1000)
+        assert not steps
+        assert attach(world).world.ModelByName("rover").WorldPose().Pos().X() == pytest.approx(0.3, abs=0.02)
+        del kept
+
+
+class Undecided:
+    """A callback that is marked as a law, and cannot be recorded."""
+
+    height = 1.0
+
+    @law
+    def OnUpdate(self):
+        return 1.0 if self.world.clock.sim_time > 0.5 else 0.0
+
+
+def test_a_law_that_cannot_be_recorded_is_reported_with_its_line(caplog):
+    with libgz.World.from_string(TEXT) as world:
+        other = Undecided()
+        other.world = world
+        connection = world.events["WorldUpdateBegin"].Connect(other.OnUpdate)
+        world.step(3)
+        assert "test_laws.py" in caplog.text
+        assert "the law OnUpdate decides by a number" in caplog.text
+        assert not connection.connected
+        assert world.GetSimTime() == pytest.approx(0.003)

@@ -136,13 +136,13 @@ class Pages(Closing):
         self._server: web.Server
         self._listener: asyncio.Server | None = None
         self._closed = False
-        try:
-            self._loop.run_until_complete(self._listen())
-        except BaseException:
-            self._loop.close()
-            raise
         self._thread = threading.Thread(target=self._loop.run_forever, name="pages", daemon=True)
         self._thread.start()
+        try:  # in its own thread: that of the caller may have a loop that runs, such as a notebook's
+            asyncio.run_coroutine_threadsafe(self._listen(), self._loop).result()
+        except BaseException:
+            self.close()
+            raise
 
     def __iter__(self) -> Any:
         return iter(list(self._pages.values()))

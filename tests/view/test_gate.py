@@ -1,10 +1,12 @@
 """The viewer's port: who gets the page, who may control, what the page may load, and what a page may send."""
 
+import asyncio
 import contextlib
 import json
 import re
 import socket
 import struct
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -14,7 +16,7 @@ import numpy as np
 import pytest
 from view_sockets import Socket, running
 
-from libgz.base.errors import NotFoundError
+from libgz.base.errors import GazeboError, NotFoundError
 from libgz.transport.observer import ObservedState
 from libgz.view import pages
 from libgz.view.protocol import read_message
@@ -348,3 +350,17 @@ def test_a_state_is_one_message(viewer):
     with Socket(viewer.watch_url) as page:
         raw = page.until("state")["state"]
         assert struct.unpack("<8I", raw[:32]) == (1, 0, 0, 0, 16, 0, 4, 0)
+
+
+def test_a_viewer_opens_where_a_loop_runs_as_in_notebooks():
+    async def cell():
+        with Viewer(Nothing(), port=18380) as viewer:
+            return viewer.url
+
+    assert asyncio.run(cell()).startswith("http://127.0.0.1:")
+
+
+def test_an_address_of_another_machine_is_refused():
+    with pytest.raises(GazeboError, match=r"192\.0\.2\.1, port 18380, cannot be bound"):
+        Viewer(Nothing(), host="192.0.2.1", port=18380)
+    assert not [thread for thread in threading.enumerate() if thread.name == "pages"]

@@ -85,8 +85,12 @@ def opened(chromium, address):
         page.context.close()
 
 
-def asked(page, verb):
-    """What was asked for by a verb: [[argument, content], ...]; forgotten then."""
+def asked(page, verb, wait=True):
+    """What was asked for by a verb: [[argument, content], ...]; forgotten then. Keys may take a moment to arrive."""
+    end = time.monotonic() + PATIENCE / 1000.0
+    while wait and not page.evaluate("verb => asked.some(one => one[0] === verb)", verb):
+        assert time.monotonic() < end, f"{verb} was not asked for"
+        page.wait_for_timeout(20)
     return page.evaluate(
         "verb => { const found = asked.filter(one => one[0] === verb).map(one => one.slice(1));"
         " window.asked = asked.filter(one => one[0] !== verb); return found; }",
@@ -179,7 +183,7 @@ def test_keys_do_what_the_buttons_do(opened):
     asked(page, "pause")
     page.get_by_label("Search the tree").fill("t")
     page.keyboard.press("Space")
-    assert asked(page, "pause") == []
+    assert asked(page, "pause", wait=False) == []
 
 
 def test_undo_and_redo_by_keys_and_buttons_where_the_server_can(opened):
@@ -188,6 +192,7 @@ def test_undo_and_redo_by_keys_and_buttons_where_the_server_can(opened):
     page.keyboard.press("Control+Shift+Z")
     button(page, "Undo").click()
     button(page, "Redo").click()
+    until(page, "asked.length === 4")
     assert [len(asked(page, verb)) for verb in ("undo", "redo")] == [2, 2]
     page.evaluate("world.select({entity: 6})")
     page.keyboard.press("Delete")  # without a question, as it can be undone
@@ -195,7 +200,7 @@ def test_undo_and_redo_by_keys_and_buttons_where_the_server_can(opened):
     page = opened("verbs=pause")
     assert button(page, "Undo").count() == 0
     page.keyboard.press("Control+z")
-    assert asked(page, "undo") == []
+    assert asked(page, "undo", wait=False) == []
 
 
 def test_models_are_duplicated_and_aligned(opened):
@@ -227,12 +232,12 @@ def test_help_shows_the_keys(opened):
             "Drive up and down",
             "Oblique view",
         ):
-            assert dialog.get_by_text(text, exact=True).count() == 1
+            dialog.get_by_text(text, exact=True).wait_for()
         page.keyboard.press("Escape")
-        assert page.get_by_role("dialog").count() == 0
+        dialog.wait_for(state="detached")
     button(page, "Keys").click()
     button(page, "Close").click()
-    assert page.get_by_role("dialog").count() == 0
+    page.get_by_role("dialog").wait_for(state="detached")
 
 
 def test_the_time_line_records_and_rewinds(opened):
@@ -365,7 +370,7 @@ def test_the_inspector_shows_and_sets_a_model(opened):
     field.fill("many")
     field.press("Tab")
     assert field.get_attribute("aria-invalid") == "true"
-    assert asked(page, "move") == []
+    assert asked(page, "move", wait=False) == []
 
     panel.get_by_role("slider", name="ptz1 pan").fill("0.5")
     button(page, "gripper1: close").click()
@@ -427,7 +432,7 @@ def test_attributes_are_edited_within_their_types_and_limits(opened):
         mass.fill(wrong)
         mass.press("Tab")
         assert mass.get_attribute("aria-invalid") == "true"
-    assert asked(page, "edit") == []
+    assert asked(page, "edit", wait=False) == []
     panel.get_by_label("size 2").fill("2.5")
     panel.get_by_label("size 2").press("Tab")
     panel.get_by_label("static").check()
@@ -604,7 +609,7 @@ def test_a_model_is_inserted_deleted_and_the_world_saved(opened):
 
     page.keyboard.press("Delete")
     page.get_by_role("dialog", name="Delete rover?").get_by_role("button", name="Cancel").click()
-    assert asked(page, "delete") == []
+    assert asked(page, "delete", wait=False) == []
     page.keyboard.press("Delete")
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     assert asked(page, "delete") == [["-", {"name": "rover"}]]
@@ -634,7 +639,7 @@ def test_files_are_dropped_on_the_view(opened):
     assert asked(page, "insert")[0][1]["text"] == "<sdf/>"
     page.evaluate(drop, ["a.exe", "x"])
     page.get_by_text("a.exe cannot be inserted; allowed are sdf").wait_for()
-    assert asked(page, "insert") == []
+    assert asked(page, "insert", wait=False) == []
     page.evaluate("world.abilities.add('mesh')")
     page.evaluate(drop, ["a.stl", "solid"])
     until(page, "asked.some(one => one[0] === 'mesh')")

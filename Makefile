@@ -24,6 +24,7 @@ check: lint types
 lint: setup
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check -q .
+	@./scripts/check_client.sh
 
 # From another directory, so that mypy checks the installed package with interfaces and models.
 types: setup

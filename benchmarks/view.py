@@ -4,13 +4,15 @@ CPU times of the server per step are compared: with the viewer, with a stopped v
 a process that has nothing to do with the server and uses as much of a core. What that one costs is the machine's: cores
 that share caches and memory. Rounds of all three alternate.
 
-python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers at 30 Hz, then 400 robots)
+python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers at 30 Hz, their ranges shown, then 400)
+python benchmarks/view.py attack            the same with 30 robots while others attack the viewer's port
 python benchmarks/view.py page              how long a page takes in headless Chromium until it shows the robot,
                                             a live one and a replay (Debian's chromium; pip install playwright)
 """
 
 import asyncio
 import io
+import json
 import os
 import shutil
 import signal
@@ -21,10 +23,8 @@ import tempfile
 import time
 from pathlib import Path
 
-import msgspec.msgpack
+import aiohttp
 import numpy as np
-import viser
-import websockets
 from laser_robots import ratio_text
 from PIL import Image
 
@@ -77,23 +77,22 @@ def cpu(process):
 
 
 class Page:
-    """A client that receives as a browser does; it counts the frames."""
+    """A client that receives as a browser does; it counts the states."""
 
-    def __init__(self, url):
-        self.url, self.frames, self.bytes, self.ended = url, 0, 0, False
+    def __init__(self, url, wants=()):
+        self.url, self.wants, self.frames, self.bytes, self.ended = url, wants, 0, 0, False
 
     async def receive(self):
-        token = self.url.partition("token=")[2]
-        address = self.url.split("?")[0].replace("http", "ws") + token
-        protocol = f"viser-v{viser.__version__}"
-        async with websockets.connect(address, subprotocols=[protocol], max_size=None, compression=None) as socket:
-            camera = {"type": "ViewerCameraMessage", "wxyz": (1, 0, 0, 0), "position": (0, 0, 1), "fov": 1.0}
-            camera |= {"near": 0.1, "far": 100.0, "look_at": (1, 0, 0), "up_direction": (0, 0, 1)}
-            await socket.send(msgspec.msgpack.encode(camera | {"image_height": 600, "image_width": 800}))
-            while not self.ended:
-                raw = await asyncio.wait_for(socket.recv(), LONGEST)
-                self.bytes += len(raw)
-                self.frames += len(raw) > 2000
+        async with aiohttp.ClientSession() as session:
+            async with session.get(self.url) as answer:
+                address = f"{answer.url}socket"
+            async with session.ws_connect(address, max_msg_size=0) as socket:
+                for channel, names in self.wants:
+                    await socket.send_str(json.dumps({"want": channel, "names": names}))
+                while not self.ended:
+                    message = await socket.receive(LONGEST)
+                    self.bytes += len(message.data)
+                    self.frames += message.type == aiohttp.WSMsgType.BINARY and message.data[0] == 1
 
 
 def measure(server, viewer, page, observer):
@@ -130,7 +129,8 @@ def run(robots, rate, lasers):
             str(rate),
         ]
         viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-        page = Page(viewer.stdout.readline().split()[-1])
+        lasers = [("ranges", [f"laser.laser{i}" for i in range(robots)])] if lasers else []
+        page = Page(viewer.stdout.readline().split()[-1], lasers)
         try:
             asyncio.run(_measured(server, viewer, page, observer, robots, rate))
         finally:
@@ -185,8 +185,8 @@ def shows_robot(page):
         image = Image.open(io.BytesIO(page.screenshot(timeout=1000.0 * LONGEST))).convert("RGB")
     except Error:  # a page that has not rendered anything yet
         return False
-    red, green, blue = np.moveaxis(np.asarray(image)[150:450, 150:510].astype(int), -1, 0)
-    return np.count_nonzero((red > 90) & (green < 45) & (blue < 45)) > 15
+    red, green, blue = np.moveaxis(np.asarray(image)[100:500, 200:600].astype(int), -1, 0)
+    return np.count_nonzero((red > 90) & (green < 60) & (blue < 60)) > 15
 
 
 def load_times(chromium, url):
@@ -232,7 +232,91 @@ def pages():
             server.wait(20.0)
 
 
+# Attacks -------------------------------------------------------------------------------------------------------------
+
+ATTACKER = r"""
+import os, socket, sys, time
+port, kind = int(sys.argv[1]), sys.argv[2]
+greeting = (f"GET /socket HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n").encode()
+def frame(payload, length=None):
+    return b"\x81\xff" + (length or len(payload)).to_bytes(8, "big") + bytes(4) + payload
+data = {
+    "silent": b"", "half": b"GET / HTTP/1.1\r\nHost: 127", "garbage": os.urandom(65536), "lazy": greeting,
+    "giant": greeting + frame(b"x" * 65536, 1 << 62),
+    "flood": greeting + frame(b'{"ask": "describe", "number": 1, "content": {"name": "robot1"}}') * 2000,
+    "deep": greeting + frame(b'{"ask":' + b"[" * 100000),
+}[kind]
+opened = []
+while True:
+    one = socket.socket()
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    one.settimeout(0.2)
+    try:
+        one.connect(("127.0.0.1", port))
+        one.sendall(data)
+        opened.append(one)
+    except OSError:
+        one.close()
+    if len(opened) > 250:
+        opened.pop(0).close()
+    time.sleep(0.005)
+"""
+ATTACKS = {
+    "silent": "connections that send nothing",
+    "half": "connections that send half a request",
+    "garbage": "connections that send garbage",
+    "lazy": "pages that read nothing",
+    "giant": "pages that announce frames of 4 EB",
+    "flood": "pages that ask without an end",
+    "deep": "pages that nest messages",
+}
+
+
+def attacks():
+    """Measure what a page gets, and what the viewer takes, under each attack."""
+    server_id = free_server_id(400)
+    with tempfile.NamedTemporaryFile("w", suffix=".world") as file:
+        file.write(world(30, True))
+        file.flush()
+        server = subprocess.Popen(
+            [sys.executable, "-m", "libgz.apps.gazebo", "-d", "0", "-s", str(server_id), file.name]
+        )
+        words = [sys.executable, "-m", "libgz", "view", "-s", str(server_id), "--timeout", "60", "--view-port", "18900"]
+        viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        page = Page(viewer.stdout.readline().split()[-1])
+        try:
+            with libgz.Observer(server_id) as observer:
+                asyncio.run(_attacked(server, viewer, page, observer))
+        finally:
+            for process in (viewer, server):
+                process.terminate()
+                process.wait(20.0)
+            viewer.stdout.close()
+
+
+async def _attacked(server, viewer, page, observer):
+    receiving = asyncio.create_task(page.receive())
+    await asyncio.sleep(4.0)
+    port = page.url.split("/")[2].rpartition(":")[2]
+    for kind, what in {"": "no attack", **ATTACKS}.items():
+        attacker = subprocess.Popen([sys.executable, "-c", ATTACKER, port, kind]) if kind else None
+        await asyncio.sleep(1.0)
+        step, share, frames = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
+        if attacker is not None:
+            attacker.kill()
+            attacker.wait()
+        held = int(Path(f"/proc/{viewer.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") >> 20
+        print(f"{frames:5.1f} frames/s, viewer {100 * share:3.0f} % of a core, {held} MiB, step {step:.0f} us: {what}")
+        sys.stdout.flush()
+    page.ended = True
+    await asyncio.gather(receiving, return_exceptions=True)
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["attack"]:
+        attacks()
+        raise SystemExit
     if sys.argv[1:] == ["page"]:
         pages()
         raise SystemExit

@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ("libgz", "interfaces", "models", "worlds")
-SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", *PACKAGE)
+SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", "NOTICE", *PACKAGE)
 BUNDLED = ("libode8", "libccd2")  # packages of Debian; what libgz.libs may contain
 PLATFORM = f"manylinux_2_24_{platform.machine()}"  # what docs/install.md promises
 

@@ -23,8 +23,9 @@ from libgz.recording.capture import Capture
 from libgz.recording.reader import LogReader
 from libgz.rendering.image import read_image
 from libgz.rendering.skin import read_skin
+from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
-from libgz.view.shapes import Shapes
+from libgz.view.protocol import scene_message
 
 __all__ = ["ASSETS", "KINDS", "TEXT", "problem", "seeds", "warm"]
 
@@ -180,12 +181,13 @@ def _read_log(path: Path) -> None:
 
 
 def show(world: World) -> None:
-    """Make all that a page of the browser shows of a world."""
+    """Make all that a page of the browser loads of a world."""
     source = LocalSource(world)
-    shapes = Shapes(source)
-    bodies = [body for entity in source.scene["entities"] for body in entity["bodies"]]
-    for shape in (shape for body in bodies for shape in body["shapes"]):
-        list(shapes.instances(shape))
+    assets = Assets(source)
+    addresses = assets.of_scene(source.scene)
+    scene_message(source.scene, addresses)
+    for address in filter(None, addresses.values()):
+        assets.get(address)
 
 
 def _problem(path: Path, action: Callable[[Path], object], line: bool = False) -> str:

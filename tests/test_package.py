@@ -70,7 +70,7 @@ def test_commands_need_no_extra_to_be_imported():
     """Completion, man pages and `libgz echo` work where only the required packages are installed."""
     code = """
 import sys
-EXTRAS = {"mcap", "zstandard", "foxglove_schemas_protobuf", "matplotlib", "viser", "trimesh", "imageio", "av"}
+EXTRAS = {"mcap", "zstandard", "foxglove_schemas_protobuf", "matplotlib", "aiohttp", "trimesh", "imageio", "av"}
 class Absent:
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in EXTRAS:

@@ -73,7 +73,8 @@ TERM = re.compile("|".join(rf"(?<![\w-])(?P<t{i}>{word})(?![\w-])" for i, word i
 
 
 def texts():
-    yield from (p for place in PLACES for p in sorted((ROOT / place).rglob("*")) if p.suffix in ENDINGS)
+    found = (p for place in PLACES for p in sorted((ROOT / place).rglob("*")) if p.suffix in ENDINGS)
+    yield from (p for p in found if "vendor" not in p.parts)
     yield from ROOT.glob("*.md")
 
 

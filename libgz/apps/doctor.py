@@ -52,8 +52,8 @@ EXTRAS = {
         "logs by --mcap, libgz play and libgz export",
         "worlds run, and gzserver -r records state.log",
     ),
-    "view": Extra(("viser",), "running worlds in a browser", "everything else works"),
-    "gym": Extra(("gymnasium", "viser"), "environments of Gymnasium", "everything else works"),
+    "view": Extra(("aiohttp",), "running worlds in a browser", "everything else works"),
+    "gym": Extra(("gymnasium", "aiohttp"), "environments of Gymnasium", "everything else works"),
     "cluster": Extra(
         ("distributed", "pyarrow"), "sweeps on clusters, and as Parquet", "libgz sweep runs here, and writes CSV"
     ),

@@ -153,9 +153,8 @@ def _write_page(options: argparse.Namespace) -> int:
         viewer = stack.enter_context(make_viewer(observer, _LogControls(player, controls), options, wait=True))
         from libgz.view.replay import replay_page  # the extra is there
 
-        for name in options.show:
-            viewer.set_mark(name, True)
-        text = replay_page(viewer, _moments(player, options, speed), f"{player.reader.about['world']} - {out.stem}")
+        title = f"{player.reader.about['world']} - {out.stem}"
+        text = replay_page(viewer, _moments(player, options, speed), title, options.show)
     try:
         write_whole(out, text.encode())
     except OSError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
-from libgz.rendering.image import jpeg_text
+from libgz.rendering.image import depth_text, jpeg_text
 from libgz.sdf.paths import find_model, model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
@@ -32,8 +33,9 @@ __all__ = ["WorldControl"]
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
 MOST_LISTED = 2000  # models of the catalogue, with their titles
+MOST_PROBLEMS, LONGEST_PROBLEM = 200, 4000  # of one answer; characters of each
 # Requests that only read.
-READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings")
+READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings", "problems")
 KEYS = "~/keyboard/keypress"
 LONGEST_LABEL = 80  # characters of what was inserted, in the history
 
@@ -76,6 +78,7 @@ class WorldControl:
             "publish": self._publish,
             "reload": self._reload,
             "readings": self._readings,
+            "problems": self._problems,
         }
         self._editing = Editing(world, self.replaced, self._insert_now)
         self._verbs |= self._editing.verbs
@@ -366,9 +369,28 @@ class WorldControl:
                 if sensor.Type() == "camera":
                     image = jpeg_text(sensor.ImageData(), sensor.ImageHeight(), sensor.ImageWidth())
                     images |= {name: image} if image else {}
+                elif sensor.Type() in ("depth", "depth_camera"):
+                    image = depth_text(sensor.DepthData(), sensor.ImageHeight(), sensor.ImageWidth())
+                    images |= {name: image} if image else {}
                 elif sensor.Type() in ("ray", "gpu_ray"):
                     ranges[name] = [float(r) if math.isfinite(r) else -1.0 for r in sensor.Ranges()]
         return {"images": images, "ranges": ranges}
+
+    def _problems(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
+        """Errors and warnings after number `since`, with the file and line that they name, and their sim time [s]."""
+        since, problems = content.get("since"), self.world.problems
+        last = since if isinstance(since, int) and 0 <= since <= problems.count else 0
+        found = []
+        for number, time, problem in [one for one in problems.recent if one[0] > last][:MOST_PROBLEMS]:
+            last = number
+            text = f"{problem.message}\n{problem.traceback}" if problem.traceback else problem.message
+            place = _PLACE.match(f"{problem.where}: " if problem.where else text)
+            file, line = (place["file"], int(place["line"])) if place is not None else ("", 0)
+            if place is not None and not problem.where:
+                text = text[place.end() :]
+            what = {"text": text[:LONGEST_PROBLEM], "file": file, "line": line, "source": problem.source, "time": time}
+            found.append({"number": number, "level": problem.severity, **what})
+        return {"problems": found, "count": last if found else problems.count}
 
     def _publish(self, argument: str, content: dict[str, Any]) -> None:
         """Publish a message on a topic, as a client of classic would."""
@@ -407,6 +429,9 @@ class WorldControl:
             self._nodes[""] = Node()
             self._nodes[""].Init(self._classic().Name())
         return self._nodes[""]
+
+
+_PLACE = re.compile(r"(?P<file>[^\s:][^:\n]{0,4000}):(?P<line>\d{1,9}): ")
 
 
 def _entry(name: str, folder: Path | None) -> dict[str, str]:

@@ -9,7 +9,7 @@ __all__ = ["install"]
 
 
 def install(extra: str) -> str:
-    """The command that installs an extra's packages: ``pip install 'viser<1.2,>=1.1'`` for ``view``.
+    """The command that installs an extra's packages: ``pip install 'aiohttp<4,>=3.9'`` for ``view``.
 
     It names the packages and not the extra: that is right for a checkout, a wheel and an index.
     """

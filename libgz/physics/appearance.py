@@ -13,11 +13,23 @@ from typing import Any
 from libgz.base.errors import StateError
 from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 
-__all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "SAME", "Appearance", "Backdrop"]
+__all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "SAME", "Appearance", "Backdrop", "Surface"]
 
 # GZ_RENDER_*: the passes of a frame, in order.
 RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT = range(3)
 SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # the matrix of textures that are neither scaled, turned nor moved
+
+
+@dataclass(frozen=True)
+class Surface:
+    """How a surface reflects, by SDF's `<pbr>`: shares from 0 to 1, and images. Only pages show it."""
+
+    metalness: float
+    roughness: float
+    normal_map: Path | None = None
+    metalness_map: Path | None = None
+    roughness_map: Path | None = None
+    emissive_map: Path | None = None
 
 
 @dataclass
@@ -44,6 +56,7 @@ class Appearance:
     laser: float = 1.0
     retro: float = 0.0
     fiducial: int = -1
+    surface: Surface | None = None  # from the world file; it never changes
     pick_id: int = 0
     render_order: int = RENDER_OPAQUE
     version: int = 0  # grows with each change; a renderer then rebuilds the geom

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from libgz.base.errors import GazeboError
 from libgz.physics.image_files import open_image
 
-__all__ = ["jpeg_text", "pyramid", "read_image", "write_image", "write_pnm"]
+__all__ = ["depth_text", "jpeg_text", "pyramid", "read_image", "write_image", "write_pnm"]
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -62,6 +62,16 @@ def write_pnm(path: Path, pixels: NDArray[np.uint8]) -> None:
         path.write_bytes(f"P6\n# Gazebo\n{width} {height}\n255\n".encode() + pixels.tobytes())
     except OSError as error:
         raise GazeboError(f"unable to open file {path} for writing: {error.strerror}") from None
+
+
+def depth_text(depths: NDArray[np.float32], height: int, width: int) -> str:
+    """Depths [m] as a JPEG in base64, from white, the nearest, to black, the farthest; empty if there are none yet."""
+    if depths.size != height * width:
+        return ""
+    seen = np.isfinite(depths)
+    low, high = (float(depths[seen].min()), float(depths[seen].max())) if seen.any() else (0.0, 0.0)
+    share = (high - np.where(seen, depths, high)) / max(high - low, 1e-6)
+    return jpeg_text(np.round(255.0 * share).astype(np.uint8).tobytes(), height, width)
 
 
 def jpeg_text(data: bytes | None, height: int, width: int) -> str:

@@ -17,7 +17,7 @@ PARTS = {
     "audio_source": "sound is not simulated",
     "projector": "projectors are not simulated: nothing is projected",
     "particle_emitter": "particles are not simulated",
-    "pbr": "its roughness, normals and reflections are not rendered; colours and the albedo map are",
+    "pbr": "its roughness, normals and reflections are shown in pages only; images have colours and the albedo map",
 }
 
 

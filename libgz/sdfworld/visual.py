@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.files import is_file
 from libgz.base.geometry import GzColor, GzPose, GzVector
-from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
+from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance, Surface
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import DomeGeom, LightGeom
@@ -47,6 +47,9 @@ HOUR = 3600.0  # [s]
 # Elements of a `<material>`, and what they set.
 COLORS = {"ambient": "ambient", "diffuse": "diffuse", "specular": "specular", "emissive": "emission"}
 
+# Images of a `<pbr>` beside that of colours, in the order of a `Surface`.
+MAPS = ("normal_map", "metalness_map", "roughness_map", "emissive_map")
+
 
 # Visuals ---------------------------------------------------------------------------------------------------------
 
@@ -80,7 +83,7 @@ def dress_material(look: Appearance, element: Element, note: Note) -> None:
             note(element.child("script"), f"there is no material {name!r}; it is shown in grey")
         put_on(look, found or NEUTRAL)
     else:
-        _put_albedo_on(look, element, note)
+        _put_surface_on(look, element, note)
     for key, attribute in COLORS.items():
         if element.HasElement(key):
             setattr(look, attribute, element.Get(GzColor, key))
@@ -89,20 +92,34 @@ def dress_material(look: Appearance, element: Element, note: Note) -> None:
     look.version += 1
 
 
-def _put_albedo_on(look: Appearance, element: Element, note: Note) -> None:
-    """Apply the image of colours of a `<pbr>`; of its other images nothing is rendered."""
-    workflows = (flow for pbr in element.named("pbr") for name in ("metal", "specular") for flow in pbr.named(name))
-    albedo = next((image for flow in workflows for image in flow.named("albedo_map")), None)
-    if albedo is None:
+def _put_surface_on(look: Appearance, element: Element, note: Note) -> None:
+    """Apply a `<pbr>`: its image of colours is rendered, the rest is for pages."""
+    workflows = [flow for pbr in element.named("pbr") for name in ("metal", "specular") for flow in pbr.named(name)]
+    flow = next((flow for flow in workflows if flow.HasElement("albedo_map")), next(iter(workflows), None))
+    if flow is None:
         return
-    folder = Path(albedo.file).parent if albedo.file and not albedo.file.startswith("<") else None
+    albedo = _map(flow, "albedo_map", note)
+    if albedo is not None:
+        put_on(look, Material(texture=albedo))
+    metalness, roughness = (
+        min(max(flow.Get(float, name), 0.0), 1.0) if flow.HasElement(name) else 0.5
+        for name in ("metalness", "roughness")
+    )
+    look.surface = Surface(metalness, roughness, *(_map(flow, name, note) for name in MAPS))
+
+
+def _map(flow: Element, name: str, note: Note) -> Path | None:
+    """An image of a `<pbr>`; None without one, or after a note that it cannot be found."""
+    image = next(flow.named(name), None)
+    if image is None:
+        return None
+    folder = Path(image.file).parent if image.file and not image.file.startswith("<") else None
     try:
-        found = find_uri(albedo.Get(str), folder)
+        found = find_uri(image.Get(str), folder)
     except NotFoundError as error:
-        note(albedo, f"{error}; the plain colours are shown")
-        return
-    if is_file(found):
-        put_on(look, Material(texture=found))
+        note(image, f"{error}; the plain colours are shown")
+        return None
+    return found if is_file(found) else None
 
 
 def material_name(element: Element) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -160,6 +161,7 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
         "texture": None
         if look.texture_file is None
         else {"file": look.texture_file, "size": tuple(look.texture_size)[:2], "matrix": look.texture_matrix},
+        "pbr": None if look.surface is None else asdict(look.surface),
         "skin": None
         if look.skin_file is None
         else {"file": look.skin_file, "pose": pose_list(look.skin_pose), "scale": look.skin_scale},
@@ -172,11 +174,14 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
 
 def describe_body(body: Body, row: int, names: dict[Geom, str], store: Store) -> dict[str, Any]:
     """A body with its shapes; `row` is its place in the table of bodies, `names` are those of geoms."""
+    mass = body.GetMass()
     return {
         "id": body.number,
         "name": body.bodyName or "",
         "row": row,
         "static": body.dummy,
+        "mass": mass.mass,
+        "inertia": [mass.I[i] for i in (0, 5, 10, 1, 2, 6)],
         "shapes": [_describe_geom(geom, names.get(geom, ""), store) for geom in body.geoms],
     }
 

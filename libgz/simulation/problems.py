@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import traceback
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,16 +53,27 @@ class Problems:
         owned: whether the calling thread works for the world: what it logs belongs to the world.
         strict: whether the first error or warning ends the run.
         warnings: whether warnings end it, too.
+        time: the sim time [s]; None where there is none.
 
     Attributes:
         errors, warnings: the problems in order, 1000 each at most.
+        count: how many there have been.
+        recent: the last 1000 of both: number from 1 on, sim time [s] and problem.
         failure: the first one, if the world is strict.
     """
 
-    def __init__(self, owned: Callable[[], bool], strict: bool, warnings: bool = True) -> None:
-        self.owned, self.strict = owned, strict
+    def __init__(
+        self,
+        owned: Callable[[], bool],
+        strict: bool,
+        warnings: bool = True,
+        time: Callable[[], float] | None = None,
+    ) -> None:
+        self.owned, self.strict, self._time = owned, strict, time
         self.errors: list[Problem] = []
         self.warnings: list[Problem] = []
+        self.count = 0
+        self.recent: deque[tuple[int, float, Problem]] = deque(maxlen=LARGEST)
         self.failure: Problem | None = None
         self._with_warnings = warnings
         self._raised = False
@@ -75,6 +87,8 @@ class Problems:
         kept = self.errors if problem.severity == "error" else self.warnings
         if len(kept) < LARGEST:
             kept.append(problem)
+        self.count += 1
+        self.recent.append((self.count, self._time() if self._time is not None else 0.0, problem))
         if self.strict and self.failure is None and (self._with_warnings or problem.severity == "error"):
             self.failure = problem
 

@@ -161,7 +161,8 @@ class World(Closing):
         self.clock = Clock()
         self.lock = self.engine.lock
         self.lock.report = report_wait
-        self.problems = Problems(self.lock.owned, strict)
+        clock = self.clock
+        self.problems = Problems(self.lock.owned, strict, time=lambda: clock.sim_time)
         self.agenda = Agenda(self.lock)
         self.events = WorldEvents(everywhere)
         self.journal = Journal()

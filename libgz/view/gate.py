@@ -1,243 +1,154 @@
-"""Gate: what the page's port answers. Only pages whose address has the token can control; the others only watch."""
+"""Gate: what the viewer's port answers, and to whom. Only pages whose address has the token can control."""
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-import contextvars
-import functools
+import base64
 import gzip
-import http
+import hashlib
 import ipaddress
-import json
-import logging
+import re
 import secrets
-import threading
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-import msgspec.msgpack
-import viser
-import websockets.asyncio.server
-from websockets.datastructures import Headers
-from websockets.exceptions import ConnectionClosed
-from websockets.http11 import Request, Response
+from aiohttp import web
 
-__all__ = ["LEAN_SCRIPT", "POLICY", "Gate", "may_control"]
+from libgz.view.assets import Asset, Assets
 
-CONTROL_SCRIPT, LEAN_SCRIPT = (Path(__file__).with_name(name) for name in ("page.js", "lean.js"))
-WATCHING = {"ViewerCameraMessage"}  # all that a page without the token may send
-NEVER = {"ShareUrlRequest", "ShareUrlDisconnect"}  # would make the page public through a server of others
-# Nothing is loaded from anywhere but this port, whatever a world's file says.
+__all__ = ["Gate", "policy"]
+
+CLIENT = Path(__file__).resolve().with_name("client")
+KINDS = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+SAFE_HEADERS = {"Server": "libgz", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+FOREVER = "public, max-age=31536000, immutable"
+WORTH_PACKING = 1024  # [byte]
+# Nothing is loaded from anywhere but this port, whatever a world's file says, and no text of it is ever run.
 POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob: data:; worker-src blob: data:; "
-    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; media-src 'none'; object-src 'none'; "
-    "connect-src 'self' {socket} data: blob:; base-uri 'none'; form-action 'none'"
+    "default-src 'none'; script-src {scripts}; style-src {styles}; img-src 'self' data: blob:; "
+    "connect-src {sources} data: blob:; base-uri 'none'; form-action 'none'"
 )
-SAFE_HEADERS = {"Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff", "Cache-Control": "no-store"}
-LARGEST_NOTE = 4096  # [byte]
-LARGEST_MESSAGE = 1 << 20  # [byte] of a page
-LARGEST_NUMBER = 1e9  # of a message: metres, pixels, times [s]
-
-may_control: contextvars.ContextVar[bool] = contextvars.ContextVar("may_control", default=False)
-
-# Browsers open connections in advance, and close them unused: that is no error.
-QUIET = logging.getLogger("libgz.view.port")
-QUIET.setLevel(logging.CRITICAL)
-
-OnNote = Callable[[dict[str, Any], int], None]
 
 
-class _Checked:
-    """A connection whose messages are dropped if `allowed` does not let them through, or a number is out of range."""
-
-    def __init__(self, connection: Any, allowed: Callable[[str], bool]) -> None:
-        self._connection, self._allowed = connection, allowed
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._connection, name)
-
-    async def recv(self) -> bytes:
-        """The next message that may pass."""
-        while True:
-            raw = await self._connection.recv()
-            try:
-                message = msgspec.msgpack.decode(raw) if isinstance(raw, bytes) else None
-            except (msgspec.DecodeError, RecursionError):
-                continue
-            if isinstance(message, dict) and self._allowed(str(message.get("type", ""))) and _is_sane(message):
-                return bytes(raw)
+def policy(scripts: str, styles: str, sources: str) -> str:
+    """A Content-Security-Policy, by where its scripts, styles and connections may come from."""
+    return POLICY.format(scripts=scripts, styles=styles, sources=sources)
 
 
-def _is_sane(value: Any, depth: int = 8) -> bool:
-    """Whether all numbers of a message are within +-`LARGEST_NUMBER`, and it is not nested deeper than pages send."""
-    if isinstance(value, int | float):
-        return abs(value) <= LARGEST_NUMBER
-    if isinstance(value, dict | list):
-        inside = value.values() if isinstance(value, dict) else value
-        return depth > 0 and all(_is_sane(item, depth - 1) for item in inside)
-    return True
+def script_source(text: str) -> str:
+    """The source that allows a script within a page."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 class Gate:
-    """Answers the page's port: the page itself, its connection, and the notes of the page's own script.
+    """Answers requests for the page, its modules and its assets.
 
     Args:
         host: address that is bound; of a loopback address, requests for other hosts' names are refused.
-        title: of the page.
-        on_note: called with each note of a page that may control, and the number of its connection; in the server's
-            thread. The note ``{"closed": true}`` ends a connection.
+        assets: of the scene.
         token: of the address that may control; None for a new one.
 
     Attributes:
         token: of the address that may control.
     """
 
-    def __init__(self, host: str, title: str, on_note: OnNote, token: str | None = None) -> None:
-        self.host, self.token = host, token or secrets.token_urlsafe(18)
-        self._on_note = on_note
-        self._title = title
-        self._pages: dict[bool, bytes] = {}
-        self._notebooks: dict[int, Any] = {}
-        self._last: dict[str, Any] = {}
-        self._count = 0
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._lock = threading.Lock()
+    def __init__(self, host: str, assets: Assets, token: str | None = None) -> None:
+        self.host, self.token, self._assets = host, token or secrets.token_urlsafe(18), assets
+        known = (path for path in sorted(CLIENT.rglob("*")) if path.suffix in KINDS and path.is_file())
+        files = {path.relative_to(CLIENT).as_posix(): path for path in known}
+        digest = hashlib.sha256()
+        for name, path in files.items():
+            digest.update(name.encode() + path.read_bytes())
+        self._base = f"/client/{digest.hexdigest()[:16]}/"
+        page = (CLIENT / "index.html").read_text().replace('"client/', f'"{self._base}')
+        found = re.search(r'<script type="importmap">(.*?)</script>', page, re.DOTALL)
+        self._import_map = script_source(found[1] if found else "")
+        self._page = Asset(page.encode(), KINDS[".html"])
+        self._files = {self._base + name: path for name, path in files.items() if name != "index.html"}
+        self._packed: dict[str, bytes] = {}
 
-    @contextlib.contextmanager
-    def guarding(self) -> Iterator[None]:
-        """Put this gate before the server that viser starts meanwhile."""
-        module, plain = websockets.asyncio.server, websockets.asyncio.server.serve
-
-        def serve(handler: Any, host: Any, port: Any, **options: Any) -> Any:
-            options["process_request"] = self._answer
-            options["logger"] = QUIET
-            options["max_size"] = LARGEST_MESSAGE
-            return plain(functools.partial(self._connect, handler), host, port, **options)
-
-        module.serve = serve  # type: ignore[assignment,misc]
-        try:
-            yield
-        finally:
-            module.serve = plain  # type: ignore[misc]
-
-    # Requests --------------------------------------------------------------------------------------------------------
-
-    def _answer(self, _connection: Any, request: Request) -> Response | None:
-        """The response to a request; None lets a socket connect."""
+    def refusal(self, request: web.BaseRequest) -> web.Response | None:
+        """Why a request is refused; None if it is not. Sockets of pages of other addresses are."""
         host = request.headers.get("Host", "")
         if not self._is_ours(host):
-            return _response(http.HTTPStatus.FORBIDDEN, "this host is not served here")
-        parts = urlsplit(request.path)
+            return _response(403, "this host is not served here")
         if request.headers.get("Upgrade", "").lower() == "websocket":
             origin = request.headers.get("Origin")
             if origin is not None and urlsplit(origin).netloc != host:
-                return _response(http.HTTPStatus.FORBIDDEN, "pages of other addresses may not connect")
-            return None
-        given = parse_qs(parts.query).get("token", [""])[0]
-        if parts.path in ("", "/") and given:
-            where = f"/{self.token}/" if self._right(given) else "/"
-            return _response(http.HTTPStatus.FOUND, "", {"Location": where})
-        words = [word for word in parts.path.split("/") if word]
-        if not words or (len(words) == 1 and self._right(words[0])):
-            return self._page(bool(words), request, host)
-        return _response(http.HTTPStatus.NOT_FOUND, "there is nothing here")
+                return _response(403, "pages of other addresses may not connect")
+        return None
+
+    def may_control(self, request: web.BaseRequest) -> bool:
+        """Whether the address of a request has the token."""
+        words = request.path.split("/")
+        return len(words) > 2 and self._right(words[1])
+
+    def local_path(self, request: web.BaseRequest) -> str:
+        """The path of a request without the token, such as ``/socket``."""
+        return request.path[len(self.token) + 1 :] if self.may_control(request) else request.path
 
     def _right(self, token: str) -> bool:
         return secrets.compare_digest(token.encode(), self.token.encode())
 
     def _is_ours(self, host: str) -> bool:
         """Whether a request names this machine: a name that others made point here is not served."""
-        name = urlsplit(f"//{host}").hostname or ""
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+        except ValueError:
+            return False
         if name in ("localhost", self.host):
             return True
         try:
             ipaddress.ip_address(name)
             return True
         except ValueError:
-            return not _loopback(self.host)
+            return not _is_loopback(self.host)
 
-    def _page(self, control: bool, request: Request, host: str) -> Response:
-        if control not in self._pages:
-            text = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text()
-            text = text.replace("<title>Viser</title>", f"<title>{_text(self._title)}</title>", 1)
-            own = f"window.libgzControl={json.dumps(control)};\n{CONTROL_SCRIPT.read_text()}\n{LEAN_SCRIPT.read_text()}"
-            script = f"<script>{own}</script>"
-            self._pages[control] = gzip.compress(text.replace("<head>", f"<head>{script}", 1).encode(), 1)
-        body, headers = self._pages[control], dict(SAFE_HEADERS)
-        headers["Content-Security-Policy"] = POLICY.format(socket=f"ws://{host} wss://{host}")
-        if "gzip" in request.headers.get("Accept-Encoding", ""):
+    def answer(self, request: web.BaseRequest) -> web.Response:
+        """The response to a request that is not refused and opens no socket. It may take as long as reading a mesh."""
+        if request.method not in ("GET", "HEAD"):
+            return _response(405, "only GET is answered here")
+        given = parse_qs(request.query_string).get("token", [""])[0]
+        if request.path == "/" and given:
+            where = f"/{self.token}/" if self._right(given) else "/"
+            return _response(302, "", {"Location": where})
+        path = self.local_path(request)
+        if path == "/":
+            host = request.headers.get("Host", "")
+            sources = f"'self' ws://{host} wss://{host}"
+            headers = {"Content-Security-Policy": policy(f"'self' {self._import_map}", "'self'", sources)}
+            return self._send(request, self._page, {"Cache-Control": "no-store", **headers})
+        if path in self._files:
+            file = self._files[path]
+            return self._send(request, Asset(file.read_bytes(), KINDS[file.suffix]), {"Cache-Control": FOREVER}, path)
+        if path.startswith("/assets/"):
+            asset = self._assets.get(path[1:])
+            if asset is not None:
+                return self._send(request, asset, {"Cache-Control": FOREVER})
+        return _response(404, "there is nothing here")
+
+    def _send(self, request: web.BaseRequest, asset: Asset, headers: dict[str, str], keep_as: str = "") -> web.Response:
+        body, headers = asset.body, {**SAFE_HEADERS, **headers, "Content-Type": asset.kind}
+        pays = len(body) > WORTH_PACKING and not asset.kind.startswith(("image/jpeg", "image/png"))
+        if pays and "gzip" in request.headers.get("Accept-Encoding", ""):
             headers["Content-Encoding"] = "gzip"
-        else:
-            body = gzip.decompress(body)
-        headers["Content-Type"] = "text/html; charset=utf-8"
-        headers["Content-Length"] = str(len(body))
-        return Response(200, "OK", Headers(headers), body)
-
-    # Sockets ---------------------------------------------------------------------------------------------------------
-
-    async def _connect(self, handler: Any, connection: Any) -> None:
-        words = [word for word in urlsplit(connection.request.path).path.split("/") if word]
-        control = bool(words) and self._right(words[0])
-        if words[1:] == ["notes"] and control:
-            await self._take_notes(connection)
-            return
-        may_control.set(control)
-        allowed: Callable[[str], bool] = (lambda kind: kind not in NEVER) if control else WATCHING.__contains__
-        await handler(_Checked(connection, allowed))
-
-    async def _take_notes(self, connection: Any) -> None:
-        self._loop = asyncio.get_running_loop()
-        with self._lock:
-            self._count += 1
-            number = self._count
-            self._notebooks[number] = connection
-        try:
-            if self._last:
-                await connection.send(json.dumps(self._last))
-            async for raw in connection:
-                with contextlib.suppress(ValueError):
-                    note = json.loads(raw) if len(raw) <= LARGEST_NOTE else None
-                    if isinstance(note, dict):
-                        self._on_note(note, number)
-        except ConnectionClosed:
-            pass
-        finally:
-            with self._lock:
-                self._notebooks.pop(number, None)
-            self._on_note({"closed": True}, number)
-
-    def notify(self, **facts: Any) -> None:
-        """Send facts to the scripts of all pages that may control, and to those that come; only what is new."""
-        if facts == self._last:
-            return
-        self._last = facts
-        with self._lock:
-            connections = list(self._notebooks.values())
-        for connection in connections:
-            if self._loop is not None:
-                asyncio.run_coroutine_threadsafe(_send(connection, json.dumps(facts)), self._loop)
+            body = self._packed.get(keep_as) or gzip.compress(body, 6 if keep_as else 1)
+            if keep_as:
+                self._packed[keep_as] = body
+        return web.Response(body=body, headers=headers)
 
 
-async def _send(connection: Any, text: str) -> None:
-    with contextlib.suppress(ConnectionClosed):
-        await connection.send(text)
-
-
-def _loopback(host: str) -> bool:
+def _is_loopback(host: str) -> bool:
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host == "localhost"
 
 
-def _response(status: http.HTTPStatus, text: str, more: dict[str, str] | None = None) -> Response:
-    body = text.encode()
-    headers = {"Content-Type": "text/plain", "Content-Length": str(len(body)), **SAFE_HEADERS, **(more or {})}
-    return Response(status.value, status.phrase, Headers(headers), body)
-
-
-def _text(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+def _response(status: int, text: str, more: dict[str, str] | None = None) -> web.Response:
+    headers = {**SAFE_HEADERS, "Cache-Control": "no-store", **(more or {})}
+    return web.Response(status=status, text=text, headers=headers)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from libgz.transport.observer import ObservedState
 
-__all__ = ["Controls", "Source"]
+__all__ = ["Controls", "Overlay", "Source"]
 
 
 class Source(Protocol):
@@ -49,7 +50,7 @@ class Controls(Protocol):
 
     Attributes:
         abilities: names of what works: pause, step, reset, speed, rewind, seek, move, delete, insert, write, publish,
-            describe, contacts, interfaces, readings.
+            describe, contacts, interfaces, readings, problems and those of docs/view.md.
     """
 
     @property
@@ -72,3 +73,18 @@ class Controls(Protocol):
 
     def reconnect(self) -> None:
         """Forget all that belongs to the run before."""
+
+
+class Overlay(Protocol):
+    """What a GUI plugin shows: `libgz.classic.gui.GUI` is one."""
+
+    text: str
+    visible: bool
+    images: dict[str, NDArray[np.uint8]]
+    plots: dict[str, tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]]
+
+    def Buttons(self) -> list[str]:
+        """The labels of its buttons."""
+
+    def Press(self, label: str) -> None:
+        """Press a button."""

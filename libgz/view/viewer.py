@@ -2,50 +2,47 @@
 
 from __future__ import annotations
 
-import base64
 import contextlib
-import io
+import json
 import logging
-import math
 import queue
+import re
 import threading
 import time
-from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import numpy as np
-import viser
-from numpy.typing import NDArray
-from PIL import Image
-
 from libgz.base.closing import Closing
-from libgz.base.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
+from libgz.base.errors import GazeboError, InterfaceError, ServerGoneError
 from libgz.transport.observer import ObservedState
+from libgz.view.assets import Assets
+from libgz.view.channels import Channels, fields_of_interface
+from libgz.view.controllers import Controllers
 from libgz.view.driving import Driver, Robot, robots_of
-from libgz.view.gate import Gate, may_control
-from libgz.view.marks import Marks, sensor_name
-from libgz.view.panel import Overlay, Panel
-from libgz.view.parts import STEERED, Part, interface_parts, joint_parts, light_parts
-from libgz.view.scene import Look, SceneView
-from libgz.view.source import Controls, Source
+from libgz.view.gate import Gate
+from libgz.view.pages import Page, Pages
+from libgz.view.parts import STEERED, interface_parts
+from libgz.view.protocol import CHANNELS, VERBS, scene_message, state_message, wanted_names
+from libgz.view.source import Controls, Overlay, Source
 
 __all__ = ["HOST", "PORT", "RATE", "Viewer"]
 
 log = logging.getLogger("libgz.view")
 
 HOST, PORT, RATE = "127.0.0.1", 8080, 30.0
-STATUS_PERIOD, IMAGE_PERIOD, ASK_PERIOD, RETRY = 0.25, 0.2, 0.2, 0.5  # [s]
+LONGEST_LOOK = 0.01  # [s] at what pages that only watch have sent, per frame
+LOG_PERIOD, RETRY = 0.25, 0.5  # [s]
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
-KEPT = 60.0  # [s] for the time line
-FAR_AWAY = 60.0  # [m] models beyond do not count for the first view, if there are others
-GROUND = 25.0  # [m] what is larger does not count either, if there is something else
-FLAT = 0.05  # [m]
-CLEAR, TALL = 0.7, 3.0  # [m] around a model that is inserted, and above it
-SHADOW_DELAY = 2.5  # [s]
-HANDLES = 110.0  # [px]
+MOST_REQUESTS, MOST_OF_WATCHERS = 50, 10  # of all pages that have not been answered, when another one comes
+FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
+READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
+CAN_SHOW = frozenset({"interfaces", "publish", "contacts", "readings", "problems"})  # what pages offer because of it
+# What a text that a page inserts may not have: it would run code, expand macros, or hide one of both.
+CODE = re.compile(r"plugin|xacro|<!", re.IGNORECASE)
+ENDED = "The server has ended. Waiting for the next one ..."
+WATCHING = "This address has no token."
 
 
 class Viewer(Closing):
@@ -63,6 +60,8 @@ class Viewer(Closing):
 
     Attributes:
         failures: how many frames and actions ended with an error that is none of libgz.
+        scene: that is shown.
+        asset_names: the addresses of its assets.
 
     Raises:
         GazeboError: no port is free.
@@ -84,37 +83,39 @@ class Viewer(Closing):
         self.source, self.controls, self.rate = source, controls, rate
         self._overlays = overlays
         self._actions: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
+        self._watchers: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()  # what only watching pages send
         self._asking = ThreadPoolExecutor(1, "viewer")
-        self._pending: set[str] = set()
-        self.gate = Gate(host, "libgz", self._take_note, token)
-        with self.gate.guarding(), contextlib.redirect_stdout(io.StringIO()):
-            self.page = viser.ViserServer(host, port, verbose=False)
-        self.page.scene.world_axes.visible = False
-        self._root = self.page.scene.add_frame("/world", show_axes=False)
-        self.view = SceneView(self.page, source, lambda name, _client: self.do(lambda: self.select(name)))
-        self.marks = Marks(self.page, self.view, controls)
+        self._requests = 0  # of pages that have not been answered
+        self._requests_lock = threading.Lock()
         self._can: frozenset[str] = controls.abilities if controls is not None else frozenset()
-        self.panel = Panel(self.page, self._can, self.do, self)
         self.driver = self._new_driver()
         self._robots: dict[str, Robot] = {}
         self._inventory: dict[str, Any] = {"drives": [], "keys": False}
+        self.scene: dict[str, Any] = {}
+        self.asset_names: frozenset[str] = frozenset()
+        self._scene_message, self._state_message = b"", b""
         self._state: ObservedState | None = None
         self._revision = -1
-        self._selected = ""
-        self._pictures: dict[str, NDArray[np.uint8]] = {}  # of SDF cameras
-        self._details: dict[str, Any] = {}
-        self._follow = self._following = False
-        self._offset: NDArray[np.float64] = np.zeros(3)
-        self._handle: Any = None
-        self._held = False  # whether a user holds the handles
-        self._history: deque[tuple[float, float, int]] = deque(maxlen=12)
-        self._wanted_time: float | None = None
-        self._next = dict.fromkeys(("status", "image", "ask", "move", "log"), 0.0) | {"shadows": math.inf}
+        self._log: dict[str, Any] | None = None
+        self._next_log = self._next_try = 0.0
+        self._status = ""
         self._due = self._shown = 0.0
         self._gone = False
-        self._aimed = False
         self._ended = threading.Event()
-        self.page.on_client_connect(self._welcome)
+        self.assets = Assets(source)
+        self.controllers = Controllers()
+        self._gate = Gate(host, self.assets, token)
+        self._pages = Pages(
+            self._gate,
+            port,
+            lambda page: self.do(lambda: self._welcome(page)),
+            lambda page, message: self._queue(page).put(lambda: self._obey(page, message)),
+            lambda page: self.do(lambda: self._leave(page)),
+        )
+        self.channels = Channels(self._pages, self._ask, overlays)
+
+    def _queue(self, page: Page) -> queue.SimpleQueue[Callable[[], object]]:
+        return self._actions if page.may_control else self._watchers
 
     def _new_driver(self) -> Driver | None:
         return Driver(self.controls) if self.controls is not None and self._can & {"interfaces", "publish"} else None
@@ -122,13 +123,18 @@ class Viewer(Closing):
     @property
     def url(self) -> str:
         """The address of the page that can control."""
-        return f"{self.watch_url}?token={self.gate.token}"
+        return f"{self.watch_url}?token={self._gate.token}"
 
     @property
     def watch_url(self) -> str:
         """The address of the page that only watches."""
-        host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.gate.host, self.gate.host)
-        return f"http://{host}:{self.page.get_port()}/"
+        host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self._gate.host, self._gate.host)
+        return f"http://{f'[{host}]' if ':' in host and host[0] != '[' else host}:{self._pages.port}/"
+
+    @property
+    def pages(self) -> int:
+        """How many pages are connected."""
+        return len(self._pages)
 
     def close(self) -> None:
         """End the page. Can be called twice."""
@@ -139,8 +145,7 @@ class Viewer(Closing):
             with contextlib.suppress(GazeboError):
                 self.driver.choose(None)
         self._asking.shutdown(wait=False, cancel_futures=True)
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.page.stop()
+        self._pages.close()
 
     # The loop --------------------------------------------------------------------------------------------------------
 
@@ -156,24 +161,25 @@ class Viewer(Closing):
 
     def tick(self) -> None:
         """Do what users did, and show a frame if it is time for one; for programs with a loop of their own."""
-        begin = time.monotonic()
+        begin, used = time.monotonic(), time.thread_time()
         self.act()
         if begin < self._due:
             return
-        if self.page.get_clients() or begin >= self._shown + ALONE_PERIOD or self._state is None:
+        if len(self._pages) or begin >= self._shown + ALONE_PERIOD or self._state is None:
             self._shown = begin
             self._attempt(self.frame)
-        now = time.monotonic()
-        self._due = max(self._due + 1.0 / self.rate, begin + (now - begin) / LARGEST_SHARE, now)
+        now, used = time.monotonic(), time.thread_time() - used
+        self._due = max(self._due + 1.0 / self.rate, begin + used / LARGEST_SHARE, now)
 
     def act(self) -> None:
         """Do what users did since the last frame; what is refused is shown to them."""
-        while True:
-            try:
-                action = self._actions.get_nowait()
-            except queue.Empty:
-                break
-            self._attempt(action)
+        end = time.monotonic() + LONGEST_LOOK
+        for actions in (self._actions, self._watchers):
+            for _ in range(actions.qsize()):  # what comes meanwhile waits for the next frame
+                if actions is self._watchers and time.monotonic() > end:
+                    break
+                self._attempt(actions.get())
+        self.controllers.act()
         if self.driver is not None:
             self._attempt(self.driver.act)
 
@@ -190,9 +196,10 @@ class Viewer(Closing):
 
     def _report(self, text: str) -> None:
         log.warning("%s", text)
-        for client in self.page.get_clients().values():
-            with contextlib.suppress(Exception):  # a page that is being closed
-                client.add_notification("libgz", text[:500], color="red", auto_close_seconds=6.0)
+        self._post("problem", json.dumps({"problem": {"text": text[:500], "level": "error"}}))
+
+    def _post(self, key: str, message: bytes | str) -> None:
+        self._pages.post(self._pages, key, message)
 
     def frame(self, now: float | None = None) -> None:
         """Show the present state; `now` is the real time [s], of which images and texts have some frames a second."""
@@ -204,21 +211,22 @@ class Viewer(Closing):
             state = self.source.state()
             if state.revision != self._revision:
                 state = self._show_scene(state)
-            changed = self._state is None or state.number != self._state.number
+            changed = self._state is None or (state.number, state.paused) != (self._state.number, self._state.paused)
             self._state = state
         except ServerGoneError:
             self._lose()
             return
         except InterfaceError as error:
-            self.panel.set_status({}, str(error))
+            self._show_status(str(error), "waiting")
             return
         if changed:
-            self.view.move(state)
-            self.marks.show(state)
-            self._follow_model(state)
-            self.marks.select(self.view.ids.get(self._selected), state)
-        self._move_handle(state)
-        self._show_rest(state, now)
+            self._state_message = state_message(state)
+            self._pages.post((page for page in self._pages if page.visible), "state", self._state_message)
+        if "seek" in self._can and now >= self._next_log and "status" not in self.channels.pending:
+            self._next_log = now + LOG_PERIOD
+            self._ask("status", self._learn_log)
+        self._show_status("", "")
+        self.channels.show(now, state.sim_time, self.controls, self._can, self.scene)
 
     def _show_scene(self, state: ObservedState) -> ObservedState:
         """Show the scene that belongs to the present state, which is returned."""
@@ -227,122 +235,107 @@ class Viewer(Closing):
             if scene["revision"] == state.revision:
                 break
             state = self.source.state()
-        self.view.show(scene)
-        self._revision = state.revision
-        self.panel.set_options("model", [e["id"] for e in scene["entities"] if e["kind"] != "joints"], self._selected)
-        if not self._aimed:
-            self._aim(state)
-        self._ask_inventory()
-        self.gate.notify(driving=self._driving, title=f"{scene['world']} - libgz")
+        self.scene, self._revision = scene, state.revision
+        addresses = self.assets.of_scene(scene)
+        self.asset_names = frozenset(filter(None, addresses.values()))
+        self._scene_message = scene_message(scene, addresses)
+        self._post("scene", self._scene_message)
+        self._state = None  # what follows is a state of this scene
+        self._list_robots()
+        if "inventory" in self._can:
+            self._ask("inventory", self._learn_inventory)
+        for page in self._pages:
+            self._hail(page)
         return state
 
-    def _aim(self, state: ObservedState) -> None:
-        """Place the pages' cameras where the world's file wants them, or so that its models fill the page."""
-        self._aimed = True
-        view = self.view.scene["view"]
-        camera = self.page.initial_camera
-        if view is not None:
-            position, (u, x, y, z) = np.array(view[:3]), view[3:]
-            ahead = np.array((1 - 2 * (y * y + z * z), 2 * (x * y + u * z), 2 * (x * z - u * y)))
-            reach = max(abs(float(position[2])) / max(-float(ahead[2]), 0.3), 2.0)
-            place, target = position, position + ahead * reach
-        else:
-            place, target = self._overview(state)
-        camera.up, camera.position, camera.look_at = (0.0, 0.0, 1.0), place, target
-        camera.near, camera.far = 0.02, 4000.0
-        for client in self.page.get_clients().values():
-            client.camera.position, client.camera.look_at = place, target
-
-    def _overview(self, state: ObservedState) -> tuple[NDArray[Any], NDArray[Any]]:
-        found = [
-            (entity, box)
-            for number, entity in self.view.entities.items()
-            if (box := self.view.bounds(number, state)) is not None
-        ]
-        boxes = [(entity, box) for entity, box in found if np.abs(box).max() < FAR_AWAY] or found
-        moving = [box for entity, box in boxes if not entity["static"]]
-        small = [box for _, box in boxes if np.ptp(box, axis=0).max() < GROUND]
-        large = [box for _, box in boxes if np.ptp(box[:, 2]) > FLAT]  # terrain; a plane has no end worth showing
-        everything = _around(moving or small or large)
-        robots = _around([box for entity, box in boxes if entity["interfaces"] and not entity["static"]])
-        if everything is None:
-            return np.array((-4.0, -4.0, 3.0)), np.zeros(3)
-        middle, size = everything
-        if robots is not None:
-            middle, size = robots[0], min(size, 5.0 * robots[1])
-        return middle + max(size, 1.5) * np.array((-0.8, -0.95, 0.65)), middle
+    def show_to(self, page: Any) -> None:
+        """Show all to what is like a page, such as a recorder."""
+        self._pages.join(page)
 
     # Coming and going ------------------------------------------------------------------------------------------------
 
-    async def _welcome(self, client: viser.ClientHandle) -> None:
+    def _hail(self, page: Page) -> None:
+        own = {"fields", "parts", "steer"} if "interfaces" in self._can else set()
+        mine = sorted((self._can & (VERBS | CAN_SHOW)) | own | ({"press"} if self._overlays is not None else set()))
+        hello: dict[str, Any] = {"title": f"{self.scene.get('world', '')} - libgz", "abilities": mine}
+        if not page.may_control:
+            hello["reason"] = WATCHING
+        elif self.controls is None or not self._can:
+            hello["reason"] = "This viewer only shows the world."
+        page.post("hello", json.dumps({"hello": hello, "control": self.controllers.state_of(page)}))
+
+    def _welcome(self, page: Page) -> None:
         """Greet a page that was opened."""
-        if len(self.page.get_clients()) <= 1:
-            self.do(self._delay_shadows)
-        if not may_control.get():
-            text = "This address has no token: you can look around, but not control."
-            client.add_notification("Watching", text, color="blue", auto_close_seconds=8.0)
+        if self.controls is not None:
+            self.controllers.open(page)
+        self._hail(page)
+        page.post("status", self._status or json.dumps({"status": {"text": "", "level": ""}}))
+        page.post("robots", self._robots_message())
+        if self._scene_message:
+            page.post("scene", self._scene_message)
+            page.post("state", self._state_message)
 
-    def _delay_shadows(self) -> None:
-        """Show no shadows at first: without a GPU they take most of the time until a page shows the world."""
-        self._next["shadows"] = time.monotonic() + SHADOW_DELAY
-        self.view.show_shadows(False)
-
-    def choose_shadows(self) -> None:
-        """Whether there are shadows, as the users' switch says."""
-        self._next["shadows"] = math.inf
-        self.view.show_shadows(bool(self.panel.shadows.value))
+    def _leave(self, page: Page) -> None:
+        """A page was closed."""
+        if self.driver is not None:
+            self.driver.leave(page.number)
+        self.controllers.close(page)
 
     def _lose(self) -> None:
         """The server has ended."""
         self._gone = True
-        self.panel.set_status({}, "The server has ended. Waiting for the next one ...")
-        self.gate.notify(driving=False)
+        self._show_status(ENDED, "ended")
         if self.controls is not None:
             self.controls.reconnect()
 
     def _come_back(self, now: float) -> None:
-        if now < self._next["ask"]:
+        if now < self._next_try:
             return
-        self._next["ask"] = now + RETRY
+        self._next_try = now + RETRY
         try:
             self.source.reconnect()
         except (ServerGoneError, InterfaceError):
             return
-        self._gone, self._revision, self._state, self._aimed = False, -1, None, False
-        self._selected, self._robots, self._wanted_time = "", {}, None
-        if self.controls is not None and self.controls.abilities != self._can:
+        self._gone, self._revision, self._state = False, -1, None
+        self._robots, self._log = {}, None
+        self.assets.clear()
+        self.channels.clear()
+        self.channels.pending.clear()
+        if self.controls is not None:
             self._can = self.controls.abilities
-            self.page.gui.reset()
-            self.panel = Panel(self.page, self._can, self.do, self)
             self.driver = self._new_driver()
-        self._inventory, self._details = {"drives": [], "keys": False}, {}
-        self._history.clear()
-        self.view.clear()
-        self.marks.clear()
-        self._pending.clear()
+        self._inventory = {"drives": [], "keys": False}
+
+    def _show_status(self, text: str, level: str) -> None:
+        status = json.dumps({"status": {"text": text, "level": level}, "log": self._log})
+        if status != self._status:
+            self._status = status
+            self._post("status", status)
+
+    def _learn_log(self, answer: Any) -> None:
+        self._log = {name: float(answer[name]) for name in ("begin", "end", "time")} if answer else None
 
     # Requests --------------------------------------------------------------------------------------------------------
 
-    def ask(self, verb: str, argument: str = "-", then: Callable[[Any], object] | None = None, **content: Any) -> None:
-        """Send a request to the server, without waiting; `then` is called with the answer, between two frames."""
+    def _ask(self, verb: str, then: Callable[[Any], object], **content: Any) -> None:
+        """Send a request of the viewer's own to the server; `then` is called with the answer, between two frames."""
         controls = self.controls
         if controls is None:
             return
 
         def work() -> None:
             try:
-                answer = controls.ask(verb, argument, **content)
-                self._pending.discard(verb)
-                if then is not None:
-                    self.do(lambda: then(answer))
+                answer = controls.ask(verb, **content)
+                self.do(lambda: then(answer))
             except GazeboError as error:
-                text = str(error)
-                if not self._gone:
-                    self.do(lambda: self._report(text))
+                log.debug("%s: %s", verb, error)  # the page asked for nothing
             finally:
-                self._pending.discard(verb)
+                self.channels.pending.discard(verb)
 
-        self._pending.add(verb)
+        self.channels.pending.add(verb)
+        self._submit(work)
+
+    def _submit(self, work: Callable[[], None]) -> None:
         if self._wait:
             work()
             self.act()
@@ -350,433 +343,205 @@ class Viewer(Closing):
         with contextlib.suppress(RuntimeError):  # the viewer is closed
             self._asking.submit(work)
 
-    def _ask_inventory(self) -> None:
-        def learn(answer: Any) -> None:
-            self._inventory = answer or self._inventory
-            self._list_robots()
+    def _obey(self, page: Page, message: dict[str, Any]) -> None:
+        """A message of a page."""
+        page.pending -= 1
+        if "want" in message:
+            channel = message["want"]
+            if channel in CHANNELS:
+                page.wants[channel] = wanted_names(message)
+                self.channels.welcome(page, channel)
+        elif "visible" in message:
+            page.visible = message["visible"] is True
+            if page.visible and self._state_message:
+                page.post("state", self._state_message)
+            elif self.driver is not None:
+                self.driver.leave(page.number)
+        elif "ask" in message:
+            number = message.get("number")
+            if isinstance(number, int):
+                self._answer(page, number, message)
+        elif page is self.controllers.page:
+            self._steer(page, message)
 
+    def _answer(self, page: Page, number: int, message: dict[str, Any]) -> None:
+        """Answer a request of a page."""
+
+        def reply(**result: Any) -> None:
+            page.post(f"answer {number}", json.dumps({"answer": number, **result}))
+
+        verb, argument, content = message["ask"], message.get("argument", "-"), message.get("content") or {}
+        try:
+            if not isinstance(verb, str) or not isinstance(argument, str) or not isinstance(content, dict):
+                raise GazeboError("a request has a verb and an argument, which are texts, and a content")
+            if verb == "control":
+                self.controllers.request(page, argument)
+                reply(value=None)
+                return
+            if verb == "fields":
+                reply(value=self._fields(argument))
+                return
+            if page is not self.controllers.page and verb not in READS:
+                raise GazeboError("this page does not control the world")
+            own = {"parts": self._list_parts, "steer": self._move_part, "press": self._press}.get(verb)
+            if own is not None:
+                reply(value=own(argument, content))
+                return
+            if verb not in VERBS or verb not in self._can:
+                raise GazeboError(f"there is no request {verb[:50]!r} here")
+            if any(ord(letter) < 33 for letter in argument) or len(argument) > 200 or not argument:
+                raise GazeboError(f"the argument of {verb} is not one word")
+            self._pass_on(page, verb, argument, content, reply)
+        except GazeboError as error:
+            reply(error=str(error)[:1000])
+
+    def _pass_on(
+        self, page: Page, verb: str, argument: str, content: dict[str, Any], reply: Callable[..., None]
+    ) -> None:
+        """Send a request of a page to the server."""
+        controls = self.controls
+        most = MOST_REQUESTS if page is self.controllers.page else MOST_OF_WATCHERS
+        with self._requests_lock:
+            if controls is None or self._requests >= most:
+                raise GazeboError("the server has not answered the requests before; try again later")
+            self._requests += 1
+        if verb == "write":
+            content = {}  # pages name no files
+
+        def work() -> None:
+            try:
+                if verb == "insert":
+                    _check_insertion(content, controls)
+                reply(value=controls.ask(verb, argument, **content))
+            except GazeboError as error:
+                reply(error=str(error)[:1000])
+            except Exception:
+                self.failures += 1
+                log.exception("the viewer continues after an error of request %s", verb)
+                reply(error=f"request {verb} failed; the viewer's log says why")
+            finally:
+                with self._requests_lock:
+                    self._requests -= 1
+
+        self._submit(work)
+
+    # What users do ---------------------------------------------------------------------------------------------------
+
+    def _steer(self, page: Page, message: dict[str, Any]) -> None:
+        """What the page that controls does without asking for an answer."""
+        driver = self.driver
+        if "key" in message and isinstance(message["key"], int):
+            self._press_key(message["key"])
+        elif driver is None:
+            return
+        elif "drive" in message:
+            driver.want(page.number, message["drive"])
+        elif "robot" in message:
+            driver.choose(self._robots.get(str(message["robot"])))
+            self._post("robots", self._robots_message())
+        elif isinstance(message.get("speeds"), dict):
+            speeds = {
+                name: min(max(float(value), 0.0), FASTEST)
+                for name, value in message["speeds"].items()
+                if isinstance(value, int | float)
+            }
+            driver.speed, driver.turn = speeds.get("linear", driver.speed), speeds.get("angular", driver.turn)
+            self._post("robots", self._robots_message())
+
+    def _press_key(self, key: int) -> None:
+        if self._inventory["keys"] and "publish" in self._can:
+            message = {"type": "INT32", "int_value": key}
+            content = {"type": "gazebo.msgs.Any", "message": message}
+            controls = self.controls
+            self._submit(lambda: controls.ask("publish", "~/keyboard/keypress", **content) if controls else None)
+
+    def _learn_inventory(self, answer: Any) -> None:
+        self._inventory = answer or self._inventory
         self._list_robots()
-        if "inventory" in self._can:
-            self.ask("inventory", then=learn)
-            if len(getattr(self.panel, "catalogue", ()) and self.panel.catalogue.options) <= 1:
-                self.ask("catalogue", then=lambda names: self.panel.set_options("catalogue", names or []))
 
     def _list_robots(self) -> None:
         if self.driver is None:
             return
-        robots = {robot.label: robot for robot in robots_of(self.view.scene, self._inventory["drives"])}
+        robots = {robot.label: robot for robot in robots_of(self.scene, self._inventory["drives"])}
         if robots != self._robots:
-            had = set(self._robots)
-            self._robots = robots
+            had, self._robots = set(self._robots), robots
             present = self.driver.robot
             if (present is None and not had) or (present is not None and present.label not in robots):
-                self.choose_robot(next(iter(robots), ""))
-        self.panel.set_options("robot", robots, self.driver.robot.label if self.driver.robot is not None else "")
+                self.driver.choose(next(iter(robots.values()), None))
+        self._post("robots", self._robots_message())
 
-    # What users do ---------------------------------------------------------------------------------------------------
+    def _robots_message(self) -> str:
+        driver = self.driver
+        found = [
+            {"label": one.label, "entity": one.entity, "kind": "position" if one.interface else "vel_cmd"}
+            for one in self._robots.values()
+        ]
+        robot = driver.robot.label if driver is not None and driver.robot is not None else ""
+        speeds = {"linear": driver.speed, "angular": driver.turn} if driver is not None else {}
+        return json.dumps({"robots": {"list": found, "robot": robot, "speeds": speeds}})
 
-    @property
-    def _driving(self) -> bool:
-        return self.driver is not None and self.driver.robot is not None
+    # Interfaces ------------------------------------------------------------------------------------------------------
 
-    def press(self, label: str) -> None:
-        """One of the buttons pause, run, step, reset."""
-        if label in ("pause", "run"):
-            self.ask("pause", "on" if label == "pause" else "off")
-        elif label == "step":
-            self.ask("step", "1")
-        else:
-            self.ask(label)
+    def _interfaces(self, name: str) -> Iterator[Any]:
+        """The interfaces of an entity, by its id, and of what is attached to it."""
+        entities = {entity["number"]: entity for entity in self.scene.get("entities", ())}
+        family = [number for number, entity in entities.items() if entity["id"] == name][:1]
+        for one in family:
+            family += [n for n, entity in entities.items() if entity["parent"] == one and n not in family]
+        if self.controls is None or "interfaces" not in self._can:
+            return
+        for number in family:
+            for served in entities[number]["interfaces"]:
+                with contextlib.suppress(GazeboError):
+                    yield self.controls.interface(served["type"], served["id"])
 
-    def press_overlay(self, overlay: Overlay, label: str) -> None:
-        """A button of a GUI plugin."""
+    def _fields(self, name: str) -> list[dict[str, Any]]:
+        """The numbers that the interfaces of an entity hold."""
+        return [field for interface in self._interfaces(name) for field in fields_of_interface(interface)][:2000]
+
+    def _list_parts(self, name: str, _content: dict[str, Any]) -> list[dict[str, Any]]:
+        """The sliders and buttons of what an entity carries."""
+        found = []
+        for interface in self._interfaces(name):
+            if interface.type in STEERED:
+                for i, part in enumerate(interface_parts(interface)):
+                    found.append(part.as_data(f"{interface.type}.{interface.id}/{i}"))
+        return found
+
+    def _move_part(self, key: str, content: dict[str, Any]) -> None:
+        """Move a part."""
+        name, _, place = key.rpartition("/")
+        kind, _, owner = name.partition(".")
+        value = content.get("value", 1)
+        if self.controls is None or kind not in STEERED or not place.isdecimal() or not isinstance(value, int | float):
+            raise GazeboError(f"there is no part {key[:100]!r}")
+        parts = interface_parts(self.controls.interface(kind, owner))
+        if int(place) >= len(parts):
+            raise GazeboError(f"there is no part {key[:100]!r}")
+        part = parts[int(place)]
+        low, high = part.limits or (value, value)
+        part.action(min(max(float(value), low), high))
+
+    def _press(self, name: str, content: dict[str, Any]) -> None:
+        """Press a button of a GUI plugin."""
+        overlay = self._overlays().get(name) if self._overlays is not None else None
+        label = content.get("label")
+        if overlay is None or label not in overlay.Buttons():
+            raise GazeboError(f"there is no button {label!r} of {name!r}")
         overlay.Press(label)
 
-    def set_speed(self, speed: float) -> None:
-        """The slider of the speed."""
-        self.ask("speed", f"{speed:g}")
 
-    def seek(self, moment: float) -> None:
-        """Go to a time of the log that is played [s]."""
-        self._wanted_time = moment
-        self._seek_on()
+def _check_insertion(content: dict[str, Any], controls: Controls) -> None:
+    """Refuse what a page inserts if it is no model of the catalogue, or could run code.
 
-    def _seek_on(self) -> None:
-        """Send the last time that was wanted, once the request before has been answered."""
-        if self._wanted_time is not None and "seek" not in self._pending:
-            moment, self._wanted_time = self._wanted_time, None
-            self.ask("seek", f"{moment:g}")
-
-    def choose_robot(self, label: str) -> None:
-        """Drive another robot, or none."""
-        if self.driver is None:
-            return
-        self.driver.choose(self._robots.get(label))
-        self.panel.set_options("robot", self._robots, label)
-        self._show_parts()
-        self.gate.notify(driving=self._driving, title=f"{self.view.scene.get('world', '')} - libgz")
-
-    def set_drive(self, speed: float | None = None, turn: float | None = None) -> None:
-        """Velocities at full deflection [m/s], [rad/s]."""
-        if self.driver is not None:
-            self.driver.speed = self.driver.speed if speed is None else speed
-            self.driver.turn = self.driver.turn if turn is None else turn
-
-    def select(self, name: str) -> None:
-        """Select a model by its id; an empty one selects none."""
-        number = self.view.ids.get(name)
-        while number is not None and self.view.entities[number]["id"] != name:
-            number = None
-        self._selected = name if number is not None else ""
-        self._details = {}
-        self.panel.set_options("model", list(self.panel.model.options[1:]), self._selected)
-        self._drop_handle()
-        self._show_model_parts()
-        if self._selected and "describe" in self._can:
-            self.ask("describe", then=self._learn_details, name=name)
-        if self._state is not None:
-            self.marks.select(number, self._state)
-            self._show_info(self._state)
-
-    def _learn_details(self, answer: Any) -> None:
-        self._details = answer or {}
-
-    def set_follow(self, on: bool) -> None:
-        """Whether the view follows the selected model."""
-        self._follow, self._following = on, False
-        if not on:
-            offset, self._offset = self._offset, np.zeros(3)
-            self._root.position = np.zeros(3)
-            for client in self.page.get_clients().values():
-                place, target = client.camera.position + offset, client.camera.look_at + offset
-                client.camera.position, client.camera.look_at = place, target
-
-    def set_handles(self, on: bool) -> None:
-        """Whether the selected model has handles."""
-        if not on:
-            self._drop_handle()
-
-    def set_mark(self, name: str, on: bool) -> None:
-        """Show or hide marks."""
-        self.marks.switch(name, on)
-        if self._state is not None:
-            self.marks.show(self._state)
-
-    def set_look(self, name: str, on: bool) -> None:
-        """Wireframe, or collision shapes instead of visible ones."""
-        now = self.view.look
-        self.view.look = Look(**{"wireframe": now.wireframe, "collisions": now.collisions, name: on})
-        if self.view.scene and self._state is not None:
-            self.view.show(self.view.scene)
-            self.view.move(self._state)
-
-    def set_keep(self, on: bool) -> None:
-        """Whether the server keeps states for the time line."""
-        self.ask("keep", f"{KEPT if on else 0.0:g}")
-
-    def rewind(self, seconds: float) -> None:
-        """Go back [s]."""
-        self.ask("rewind", f"{seconds:g}")
-
-    def insert(self, name: str) -> None:
-        """Insert a model of the catalogue where the views look at the ground."""
-        place = [0.0, 0.0, 0.0]
-        for client in self.page.get_clients().values():
-            eye, target = np.array(client.camera.position), np.array(client.camera.look_at)
-            down = eye[2] - target[2]
-            place = (eye + (target - eye) * (eye[2] / down) if down > 1e-3 else target).tolist()
-            place = [min(max(part, -100.0), 100.0) for part in place[:2]] + [0.0]
-        self.ask("insert", model=name, pose=[*self._free_place(np.array(place) + self._offset), 1.0, 0.0, 0.0, 0.0])
-
-    def _free_place(self, wanted: NDArray[Any]) -> list[float]:
-        """The place nearest to another one on the ground that is clear of all models [m]."""
-        state = self._state
-        boxes = [] if state is None else [self.view.bounds(number, state) for number in self.view.entities]
-        corners = [box for box in boxes if box is not None and box[0][2] < TALL and np.ptp(box, axis=0).max() < 50.0]
-        angles = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
-        for radius in np.arange(0.0, 30.0, 0.5):
-            for angle in angles if radius else angles[:1]:
-                place = wanted[:2] + radius * np.array((math.cos(angle), math.sin(angle)))
-                if all(np.any(place < low[:2] - CLEAR) or np.any(place > high[:2] + CLEAR) for low, high in corners):
-                    return [*place.tolist(), 0.0]
-        return [*wanted[:2].tolist(), 0.0]
-
-    def delete(self) -> None:
-        """Delete the selected model."""
-        if self._selected:
-            self.ask("delete", name=self._selected)
-            self.select("")
-
-    def save(self) -> None:
-        """Save the world."""
-
-        def done(path: Any) -> None:
-            for client in self.page.get_clients().values():
-                client.add_notification("Saved", str(path or "the world's file"), color="green", auto_close_seconds=5.0)
-
-        self.ask("write", then=done)
-
-    def _take_note(self, note: dict[str, Any], page: int) -> None:
-        """A note of a page's script; in the page's thread."""
-        driver = self.driver
-        if driver is None:
-            return
-        if note.get("closed"):
-            self.do(lambda: driver.leave(page))
-        elif "drive" in note:
-            self.do(lambda: driver.want(page, note["drive"]))
-        elif isinstance(note.get("key"), int):
-            key = note["key"]
-            self.do(lambda: self._press_key(key))
-
-    def _press_key(self, key: int) -> None:
-        if self._inventory["keys"]:
-            message = {"type": "INT32", "int_value": key}
-            self.ask("publish", "~/keyboard/keypress", type="gazebo.msgs.Any", message=message)
-
-    # Details ---------------------------------------------------------------------------------------------------------
-
-    def _follow_model(self, state: ObservedState) -> None:
-        number = self.view.ids.get(self._selected)
-        if not self._follow or number is None:
-            return
-        here = self.view.pose(number, state)[:3]
-        if not self._following:
-            self._following = True
-            for client in self.page.get_clients().values():
-                client.camera.position = client.camera.position - here + self._offset
-                client.camera.look_at = (0.0, 0.0, 0.0)
-        self._offset = here.copy()
-        self._root.position = -here
-
-    def _drop_handle(self) -> None:
-        if self._handle is not None:
-            self._handle.remove()
-            self._handle, self._held = None, False
-
-    def _move_handle(self, state: ObservedState) -> None:
-        """Show handles at the selected model, and keep them there while nobody holds them."""
-        number = self.view.ids.get(self._selected)
-        wanted = number is not None and hasattr(self.panel, "handles") and self.panel.handles.value
-        if not wanted or number is None:
-            self._drop_handle()
-            return
-        pose = self.view.pose(number, state)
-        if self._handle is None:
-            self._handle = self.page.scene.add_transform_controls(
-                "/world/handles", scale=HANDLES, fixed=True, position=pose[:3], wxyz=pose[3:], depth_test=False
-            )
-
-            async def moved(event: Any) -> None:
-                place, turn = np.array(event.target.position), np.array(event.target.wxyz)
-                self.do(lambda: self._drag(event.phase, [*place.tolist(), *turn.tolist()]))
-
-            self._handle.on_update(moved)
-        elif not self._held:
-            if not np.allclose(self._handle.position, pose[:3], atol=1e-5):
-                self._handle.position = pose[:3]
-            if not np.allclose(self._handle.wxyz, pose[3:], atol=1e-5):
-                self._handle.wxyz = pose[3:]
-
-    def _drag(self, phase: str, pose: list[float]) -> None:
-        """A user moves the handles."""
-        self._held = phase != "end"
-        now = time.monotonic()
-        if self._selected and (phase == "end" or (now >= self._next["move"] and "move" not in self._pending)):
-            self._next["move"] = now + 0.05
-            self.ask("move", name=self._selected, pose=pose)
-
-    def _show_parts(self) -> None:
-        """Sliders for what the driven robot carries."""
-        robot = self.driver.robot if self.driver is not None else None
-        number = self.view.ids.get(robot.entity) if robot is not None else None
-        self.panel.set_parts("robot", self._interface_parts(number))
-
-    def _interface_parts(self, number: int | None) -> list[Part]:
-        """The sliders of the interfaces of an entity and of what it carries."""
-        parts: list[Part] = []
-        if number is None or self.controls is None or "interfaces" not in self._can:
-            return parts
-        for one in self.view.family(number):
-            for served in self.view.entities[one]["interfaces"]:
-                with contextlib.suppress(GazeboError):
-                    if served["type"] in STEERED:
-                        parts += interface_parts(self.controls.interface(served["type"], served["id"]))
-        return parts
-
-    def _show_model_parts(self) -> None:
-        """Sliders for the joints, heads and lights of the selected model."""
-        number, state = self.view.ids.get(self._selected), self._state
-        parts: list[Part] = []
-        if number is not None and state is not None:
-            entity = self.view.entities[number]
-            if "light" in self._can:
-                parts += light_parts(entity, self.ask)
-            if "joint" in self._can and self.view.scene["era"] == "classic":
-                parts += joint_parts(entity, state, self.ask)
-            parts += self._interface_parts(number)
-        self.panel.set_parts("model", parts)
-
-    def _show_rest(self, state: ObservedState, now: float) -> None:
-        """Texts, images and whatever else is slower than the scene."""
-        if now >= self._next["shadows"]:
-            self.choose_shadows()
-        if now >= self._next["status"]:
-            self._next["status"] = now + STATUS_PERIOD
-            self._show_status(state, now)
-            self._show_info(state)
-            if self._overlays is not None:
-                self.panel.set_overlays(self._overlays())
-        self._seek_on()
-        if "seek" in self._can and now >= self._next["log"] and "status" not in self._pending:
-            self._next["log"] = now + STATUS_PERIOD
-            self._ask_log()
-        if "contacts" in self.marks.on and now >= self._next["ask"] and "contacts" not in self._pending:
-            self._next["ask"] = now + ASK_PERIOD
-            self.ask("contacts", then=self._learn_contacts)
-        if now >= self._next["image"]:
-            self._next["image"] = now + IMAGE_PERIOD
-            self._ask_readings()
-            self._show_images(state)
-
-    @property
-    def _shows_images(self) -> bool:
-        return bool(self.panel.live.value) or "frusta" in self.marks.on
-
-    def _ask_readings(self) -> None:
-        """Ask for images and ranges of SDF sensors, as far as they are shown."""
-        kinds = {
-            "camera": self._shows_images,
-            "ray": "lasers" in self.marks.on,
-            "gpu_ray": "lasers" in self.marks.on,
-        }
-        names = [
-            sensor_name(entity, sensor)
-            for entity in self.view.entities.values()
-            for sensor in entity["sensors"]
-            if kinds.get(sensor["kind"]) and "name" in sensor
-        ]
-        if names and "readings" in self._can:
-            if "readings" not in self._pending:
-                self.ask("readings", then=self._learn_readings, names=names)
-        else:
-            self._pictures = {}
-
-    def _learn_readings(self, answer: Any) -> None:
-        self.marks.ranges = answer["ranges"]
-        self._pictures = {
-            name: np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for name, data in answer["images"].items()
-        }
-
-    def _ask_log(self) -> None:
-        """Ask where the log is, unless it has to follow the user first; the server answers in the order of asking."""
-        if self._wanted_time is None:
-            slider = self.panel.log
-            moves = slider.moves
-            self.ask("status", then=lambda answer: slider.show(answer, moves))
-
-    def _learn_contacts(self, answer: Any) -> None:
-        self.marks.contacts = answer or []
-        if self._state is not None:
-            self.marks.show(self._state)
-
-    def _show_status(self, state: ObservedState, now: float) -> None:
-        if self._history and self._history[-1][2] > state.steps:
-            self._history.clear()  # a reset, or back in time
-        self._history.append((now, state.sim_time, state.steps))
-        (begin, before, steps), span = self._history[0], now - self._history[0][0]
-        factor = max(state.sim_time - before, 0.0) / span if span > 0.0 else 0.0
-        rate = max(state.steps - steps, 0) / span if span > 0.0 else 0.0
-        del begin
-        self.panel.set_status(
-            {
-                "sim time": f"{state.sim_time:.2f} s",
-                "real-time factor": f"{factor:.2f}",
-                "steps": f"{rate:.0f} Hz",
-                "state": "paused" if state.paused else "running",
-            }
-        )
-
-    def _show_info(self, state: ObservedState) -> None:
-        number = self.view.ids.get(self._selected)
-        if number is None:
-            self.panel.set_info([])
-            return
-        entity, pose = self.view.entities[number], self.view.pose(number, state)
-        roll, pitch, yaw = _angles(pose[3:])
-        rows = [
-            ("id", self._selected),
-            ("type", entity["type"] or entity["kind"]),
-            ("position", f"{_numbers(pose[:3], 3)} m"),
-            ("rotation", f"{_numbers(map(math.degrees, (roll, pitch, yaw)), 1)} deg"),
-        ]
-        row = self.view.rows.get(entity["body"], -1)
-        if 0 <= row < len(state.bodies):
-            linear, angular = state.bodies[row, 10:13], state.bodies[row, 13:16]
-            rows.append(("velocity", f"{_numbers(linear, 2)} m/s"))
-            rows.append(("angular velocity", f"{_numbers(angular, 2)} rad/s"))
-        if self._details.get("mass"):
-            rows.append(("mass", f"{self._details['mass']:.4g} kg"))
-        if entity["interfaces"]:
-            rows.append(("interfaces", ", ".join(f"{i['type']}.{i['id']}" for i in entity["interfaces"])))
-        if self._details.get("plugins"):
-            rows.append(("plugins", ", ".join(f"{name} ({file})" for name, file in self._details["plugins"])))
-        if entity["sensors"]:
-            rows.append(("sensors", ", ".join(str(s.get("name") or s["kind"]) for s in entity["sensors"])))
-        rows.append(("bodies", ", ".join(body["name"] or "-" for body in entity["bodies"][:30])))
-        if entity["joints"]:
-            rows.append(("joints", ", ".join(joint["name"] or joint["kind"] for joint in entity["joints"][:30])))
-        if entity["parent"] in self.view.entities:
-            rows.append(("attached to", self.view.entities[entity["parent"]]["id"]))
-        below = [self.view.entities[n]["id"] for n in self.view.family(number)[1:]]
-        if below:
-            rows.append(("carries", ", ".join(below)))
-        self.panel.set_info(rows)
-
-    def _show_images(self, state: ObservedState) -> None:
-        images: dict[str, NDArray[np.uint8]] = {}
-        names = [
-            (one["type"], one["id"])
-            for entity in self.view.entities.values()
-            for one in entity["interfaces"]
-            if one["type"] in ("camera", "guicam")
-        ]
-        if self._shows_images and self.controls is not None:
-            for kind, name in names:
-                with contextlib.suppress(GazeboError, ClosedError):
-                    image = np.array(self.controls.interface(kind, name).image)
-                    if image.size:
-                        images[name] = image
-            images |= self._pictures
-        former = self.marks.images
-        # The same object stands for the same image, which is not sent again.
-        images = {name: former[name] if _same(former.get(name), image) else image for name, image in images.items()}
-        self.marks.images = images
-        if "frusta" in self.marks.on and any(former.get(name) is not image for name, image in images.items()):
-            self.marks.show(state)
-        self.panel.set_images(images if self.panel.live.value else {})
-
-
-def _same(a: NDArray[Any] | None, b: NDArray[Any]) -> bool:
-    return a is not None and (a is b or np.array_equal(a, b))
-
-
-def _around(boxes: list[NDArray[Any]]) -> tuple[NDArray[Any], float] | None:
-    """Middle and size [m] of the box around boxes; None if there are none."""
-    if not boxes:
-        return None
-    low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
-    return (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 0.6)
-
-
-def _numbers(values: Iterable[float], digits: int) -> str:
-    """Numbers as a text, without minus signs before zeros."""
-    return " ".join(f"{round(float(value), digits) + 0.0:.{digits}f}" for value in values)
-
-
-def _angles(q: NDArray[Any]) -> tuple[float, float, float]:
-    """Roll, pitch and yaw [rad] of a quaternion (u, x, y, z)."""
-    u, x, y, z = (float(part) for part in q)
-    roll = math.atan2(2.0 * (u * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(min(max(2.0 * (u * y - z * x), -1.0), 1.0))
-    return roll, pitch, math.atan2(2.0 * (u * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    Raises:
+        GazeboError: it is refused.
+    """
+    if "text" in content:
+        text = content["text"]
+        if not isinstance(text, str) or CODE.search(text.removeprefix("<?xml")):
+            raise GazeboError("a page inserts no plugins, macros or declarations: put the model into a world's file")
+        return
+    entries = controls.ask("catalogue") or []
+    if content.get("model") not in [one["name"] if isinstance(one, dict) else one for one in entries]:
+        raise GazeboError(f"there is no {str(content.get('model'))[:100]!r} in the catalogue")

@@ -1,6 +1,7 @@
 """What viewers ask of a running world, in both eras."""
 
 import json
+import logging
 
 import numpy as np
 import pytest
@@ -150,3 +151,26 @@ def test_states_have_what_joints_are_held_at():
         with pytest.raises(GazeboError), ask.control.replaced():
             world.set_state(b"no state")
         assert ask.control.follows
+
+
+def test_problems_are_told_once_with_their_place_and_time(tmp_path):
+    path = tmp_path / "a.world"
+    model = "<model:SimpleSolid><id>a</id><colour>1</colour></model:SimpleSolid>"
+    path.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'>\n{model}</gz:world>")
+    with libgz.World.from_file(path) as world:
+        ask = Asker(world)
+        first = ask("problems", since=0)
+        (warning,) = first["problems"]
+        assert (warning["level"], warning["file"], warning["line"]) == ("warning", str(path), 2)
+        assert "<colour>" in warning["text"]
+        assert str(path) not in warning["text"]
+        assert first["count"] == 1
+        assert ask("problems", since=1) == {"problems": [], "count": 1}
+        ask.step(4)
+        with world.lock:
+            logging.getLogger("libgz.physics").error("a wheel diverged")
+        (error,) = ask("problems", since=1)["problems"]
+        assert (error["number"], error["level"], error["text"], error["file"]) == (2, "error", "a wheel diverged", "")
+        assert error["time"] == pytest.approx(world.clock.sim_time, abs=0.1)
+        for wrong in (-5, 10**30, "x", None):
+            assert ask("problems", since=wrong)["count"] <= 2

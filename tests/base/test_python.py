@@ -12,7 +12,7 @@ from libgz.base.python import run_module
 
 BIN = Path(sys.executable).parent
 HOSTILE = "from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\nraise SystemExit('hostile')\n"
-NAMES = ("json", "struct", "logging", "numpy", "pickle", "socket", "threading", "viser", "mcap", "lxml", "libgz")
+NAMES = ("json", "struct", "logging", "numpy", "pickle", "socket", "threading", "aiohttp", "mcap", "lxml", "libgz")
 STUDY = """world = "pioneer2at"
 duration = 0.1
 seeds = 2

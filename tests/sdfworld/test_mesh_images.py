@@ -6,15 +6,15 @@ import re
 
 import numpy as np
 import pytest
-import trimesh
 from PIL import Image
 from sdf_worlds import collision, link, model, world
 
 from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.camera import Camera
+from libgz.simulation.description import describe_body
+from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
-from libgz.view.shapes import Shapes
 
 SQUARE = [(0, -1, -1), (0, 1, -1), (0, 1, 1), (0, -1, 1)]  # facing +x, its left edge at -y
 CORNERS = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -160,9 +160,27 @@ def test_an_albedo_map_is_shown(load, tmp_path, workflow, caplog):
     [look] = [geom.appearance for geom in loaded(load, text).body("m").geoms]
     assert look.texture_file == tmp_path / "four.png"
     assert tuple(look.diffuse) == (1, 0.5, 1, 1)
-    assert "reflections are not rendered" in caplog.text
+    assert "reflections are shown in pages only" in caplog.text
     [look] = [geom.appearance for geom in loaded(load, text.replace("four", "lost")).body("m").geoms]
     assert look.texture_file is None
+    assert "lost.png" in caplog.text
+
+
+def test_a_surface_is_described_for_pages(load, tmp_path, caplog):
+    write_image(tmp_path / "bumps.png")
+    pbr = "<pbr><metal><normal_map>bumps.png</normal_map><roughness>7</roughness><metalness>0.1</metalness>"
+    pbr += "<roughness_map>lost.png</roughness_map></metal></pbr>"
+    shape = "<geometry><box><size>1 1 1</size></box></geometry>"
+    made = loaded(load, f"<visual name='v'>{shape}<material>{pbr}</material></visual>")
+    described = describe_body(made.body("m"), 0, {}, lambda arrays: {})["shapes"][0]["pbr"]
+    assert described == {
+        "metalness": 0.1,
+        "roughness": 1.0,
+        "normal_map": tmp_path / "bumps.png",
+        "metalness_map": None,
+        "roughness_map": None,
+        "emissive_map": None,
+    }
     assert "lost.png" in caplog.text
 
 
@@ -236,11 +254,12 @@ def test_the_page_shows_the_image(load, tmp_path):
     made = loaded(load, visual("square.obj"))
     source = LocalSource(made)
     [shape] = source.scene["entities"][0]["bodies"][0]["shapes"]
-    [form] = [one.form for one in Shapes(source).instances(shape)]
-    [part] = trimesh.load(io.BytesIO(form.glb), file_type="glb").geometry.values()
-    pixels = np.asarray(part.visual.material.baseColorTexture.convert("RGB"))
+    arrays = source.data(shape["data"])
+    assets = Assets(source)
+    asset = assets.get(assets.of_scene(source.scene)[shape["texture"]["file"]])
+    pixels = np.asarray(Image.open(io.BytesIO(asset.body)).convert("RGB"))
     assert pixels[4, 4].tolist() == pytest.approx(RED, abs=40)
-    low = part.visual.uv[np.argmin(part.vertices @ (0, 1, 1))]
+    low = arrays["texture_coordinates"].reshape(-1, 2)[np.argmin(arrays["vertices"] @ (0, 1, 1))]
     assert tuple(low) == pytest.approx((0, 0))
 
 

@@ -1,5 +1,6 @@
 """Looks of meshes from files: normals, transparency, images of skins, and colours that replace all of them."""
 
+import io
 import re
 from importlib.resources import files
 
@@ -13,8 +14,8 @@ from libgz.classic.math import Color
 from libgz.classic.server import attach
 from libgz.physics.appearance import RENDER_TRANSPARENT
 from libgz.physics.mesh_files import Collada, read_mesh
+from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
-from libgz.view.shapes import Shapes
 
 # Two triangles that meet at the z axis at a right angle.
 BENT = "v 0 -1 0\nv 1 0 0\nv 0 1 0\nv 1 0 1\n"
@@ -123,8 +124,7 @@ def test_the_page_shows_normals_and_transparency(load, tmp_path):
     (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{BENT}vn 0 0 1\nusemtl look\nf 1//1 2//1 4//1\n")
     source = LocalSource(shown(load, "a.obj"))
     [shape] = source.scene["entities"][0]["bodies"][0]["shapes"]
-    [instance] = Shapes(source).instances(shape)
-    assert (instance.opacity, instance.form.clear) == (0.25, True)
+    assert shape["material"]["opacity"] == 0.25
     assert np.array_equal(source.data(shape["data"])["normals"], np.tile((0, 0, 1), (3, 1)))
 
 
@@ -219,4 +219,7 @@ def test_skins_of_actors_show_their_images(load, tmp_path):
     source = LocalSource(made)
     bodies = [body for entity in source.scene["entities"] for body in entity["bodies"]]
     shape = next(shape for body in bodies for shape in body["shapes"] if shape["texture"])
-    assert Shapes(source).tone(shape["texture"]) == pytest.approx((1, 0, 0), abs=0.05)
+    assets = Assets(source)
+    asset = assets.get(assets.of_scene(source.scene)[shape["texture"]["file"]])
+    pixels = np.asarray(Image.open(io.BytesIO(asset.body)).convert("RGB")).reshape(-1, 3)
+    assert pixels.mean(axis=0) == pytest.approx((255, 0, 0), abs=12)

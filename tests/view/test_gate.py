@@ -1,170 +1,366 @@
-"""The viewer's port: who gets the page, who may control, and what the page may load."""
+"""The viewer's port: who gets the page, who may control, what the page may load, and what a page may send."""
 
 import asyncio
+import contextlib
 import json
+import re
+import socket
+import struct
+import threading
+import time
 import urllib.error
 import urllib.request
 
-import msgspec.msgpack
+import aiohttp
+import numpy as np
 import pytest
+from view_sockets import Socket, running
 
-from libgz.view import gate
-from libgz.view.gate import Gate
-
-
-class Request:
-    def __init__(self, path, **headers):
-        self.path = path
-        self.headers = {"Host": "127.0.0.1:8080"} | {name.replace("_", "-"): text for name, text in headers.items()}
-
-
-@pytest.fixture
-def door():
-    return Gate("127.0.0.1", "a <title>", lambda note, page: None)
-
-
-def test_the_token_is_in_the_address_and_nowhere_else(door):
-    answer = door._answer(None, Request(f"/?token={door.token}"))
-    assert (answer.status_code, answer.headers["Location"]) == (302, f"/{door.token}/")
-    assert door._answer(None, Request("/?token=wrong")).headers["Location"] == "/"
-    page = door._answer(None, Request("/"))
-    assert page.status_code == 200
-    assert door.token.encode() not in page.body
-    assert b"libgzControl=false" in page.body
-    assert b"libgzControl=true" in door._answer(None, Request(f"/{door.token}/")).body
-    assert b"a &lt;title&gt;" in page.body
-
-
-@pytest.mark.parametrize("path", ["/wrong/", "/../../etc/passwd", "/index.html", "/etc/passwd"])
-def test_nothing_else_is_served(door, path):
-    assert door._answer(None, Request(path)).status_code == 404
-
-
-def test_names_that_others_made_point_here_are_refused(door):
-    assert door._answer(None, Request("/", Host="evil.example:8080")).status_code == 403
-    assert door._answer(None, Request("/", Host="localhost:9000")).status_code == 200  # a forwarded port
-
-
-def test_pages_of_other_addresses_cannot_connect(door):
-    other = Request("/", Upgrade="websocket", Origin="http://evil.example")
-    assert door._answer(None, other).status_code == 403
-    assert door._answer(None, Request("/", Upgrade="websocket", Origin="http://127.0.0.1:8080")) is None
-
-
-def test_the_page_loads_nothing_from_elsewhere(door):
-    policy = door._answer(None, Request("/")).headers["Content-Security-Policy"]
-    assert "default-src 'none'" in policy
-    assert "img-src data: blob:" in policy
-    assert "http:" not in policy
-    assert "https:" not in policy
-
-
-def test_messages_of_watching_pages_are_dropped():
-    messages = [{"type": "GuiButtonUpdate"}, {"type": "ViewerCameraMessage"}, [1], {"type": "CommandTriggerMessage"}]
-    raws = [b"\xc1", *map(msgspec.msgpack.encode, messages), msgspec.msgpack.encode({"type": "ViewerCameraMessage"})]
-
-    class Connection:
-        async def recv(self):
-            return raws.pop(0)
-
-    async def passed():
-        watcher = gate._Checked(Connection(), gate.WATCHING.__contains__)
-        return [msgspec.msgpack.decode(await watcher.recv())["type"] for _ in range(2)]
-
-    assert asyncio.run(passed()) == ["ViewerCameraMessage"] * 2
-    assert not raws
-
-
-def let_through(*messages, control=True):
-    """The types of those messages that a page's connection lets through."""
-    raws = [message if isinstance(message, bytes) else msgspec.msgpack.encode(message) for message in messages]
-
-    class Connection:
-        request = Request("/")
-
-        async def recv(self):
-            if not raws:
-                raise EOFError
-            return raws.pop(0)
-
-    found = []
-
-    async def handler(connection):
-        while True:
-            found.append(msgspec.msgpack.decode(await connection.recv())["type"])
-
-    door = Gate("127.0.0.1", "", lambda note, page: None)
-    Connection.request = Request(f"/{door.token}/" if control else "/")
-    with pytest.raises(EOFError):
-        asyncio.run(door._connect(handler, Connection()))
-    return found
-
-
-@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 1e308, -1e10, 2**63])
-@pytest.mark.parametrize("control", [True, False])
-def test_messages_with_numbers_out_of_range_are_dropped(bad, control):
-    good = {"type": "ViewerCameraMessage", "position": [0.0, 1.0, -2.0], "fov": 1.2, "image_width": 800}
-    wrong = [{**good, "fov": bad}, {**good, "position": [0.0, bad, 0.0]}, {**good, "more": {"deep": [[bad]]}}]
-    assert let_through(*wrong, good, control=control) == ["ViewerCameraMessage"]
-
-
-def test_messages_that_are_nested_deeply_are_dropped():
-    deep = 0
-    for _ in range(20):
-        deep = [deep]
-    deeper = b"\x81\xa1x" + b"\x91" * 100_000 + b"\x00"  # deeper than a decoder can follow
-    assert let_through({"type": "GuiUpdateMessage", "value": deep}, deeper, {"type": "end"}) == ["end"]
-
-
-@pytest.mark.parametrize("kind", ["ShareUrlRequest", "ShareUrlDisconnect"])
-def test_no_page_can_make_itself_public(kind):
-    assert let_through({"type": kind}, {"type": "end"}) == ["end"]
-
-
-def test_an_origin_without_the_port_is_another_one(door):
-    for origin in ("http://127.0.0.1", "http://127.0.0.1:80801", "null", ""):
-        request = Request("/", Upgrade="websocket", Origin=origin)
-        assert door._answer(None, request).status_code == 403
-
-
-def test_notes_are_short_tables():
-    notes = []
-    door = Gate("127.0.0.1", "", lambda note, page: notes.append(note))
-    fits = json.dumps({"key": "x" * (gate.LARGEST_NOTE - len('{"key": ""}'))})
-    raws = ["[" * 5000, "{", "[1]", fits, fits.replace("x", "xx", 1), '{"key": 1}']
-
-    class Connection:
-        request = Request(f"/{door.token}/notes")
-
-        def __aiter__(self):
-            return self
-
-        async def __anext__(self):
-            if not raws:
-                raise StopAsyncIteration
-            return raws.pop(0)
-
-    asyncio.run(door._connect(None, Connection()))
-    assert [len(note.get("key", "")) if isinstance(note.get("key", ""), str) else 1 for note in notes] == [4085, 1, 0]
-    assert notes[-1] == {"closed": True}
-
-
-def test_a_viewer_binds_this_machine_and_a_busy_port_moves_on():
-    from libgz.view.viewer import Viewer
-
-    with Viewer(Nothing(), port=18380) as first, Viewer(Nothing(), port=18380) as second:
-        assert first.watch_url.startswith("http://127.0.0.1:")
-        assert first.url != second.url
-        assert first.watch_url != second.watch_url
-        with urllib.request.urlopen(first.url, timeout=20.0) as answer:
-            assert answer.status == 200
-            assert answer.geturl().endswith(f"/{first.gate.token}/")
-        with pytest.raises(urllib.error.HTTPError):
-            urllib.request.urlopen(first.watch_url + second.gate.token + "/", timeout=20.0)
+from libgz.base.errors import GazeboError, NotFoundError
+from libgz.transport.observer import ObservedState
+from libgz.view import pages
+from libgz.view.protocol import read_message
+from libgz.view.viewer import Viewer
 
 
 class Nothing:
     """A source without content."""
 
     alive = True
-    scene = json.loads('{"revision": 0, "entities": [], "others": [], "world": "empty", "view": null}')
+    scene = json.loads('{"revision": 0, "entities": [], "others": [], "world": "<b>", "view": null, "sky": null}')
+
+    def state(self):
+        return ObservedState(1, 0, 0, False, 0.0, 0.0, 0.0, np.zeros((0, 16)), np.zeros((0, 4)))
+
+    def reconnect(self, timeout=0.0):
+        pass
+
+
+class Counting:
+    """Controls that count what is asked."""
+
+    abilities = frozenset({"pause", "publish", "reload", "insert", "catalogue", "write", "describe", "move"})
+
+    def __init__(self):
+        self.asked = []
+
+    def ask(self, verb, argument="-", **content):
+        self.asked.append((verb, argument, content))
+        return ["box"] if verb == "catalogue" else None
+
+    def interface(self, kind, id):
+        raise NotFoundError(f"there is no {kind} {id}")
+
+    def reconnect(self):
+        pass
+
+
+@pytest.fixture
+def controls():
+    return Counting()
+
+
+@pytest.fixture
+def viewer(controls):
+    with running(Nothing(), controls) as found:
+        yield found
+
+
+def get(viewer, path="/", **headers):
+    """(status, headers, body) of the response to exactly this path."""
+    port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
+    lines = [f"GET {path} HTTP/1.1", *(f"{name.replace('_', '-')}: {text}" for name, text in headers.items())]
+    if "Host" not in headers:
+        lines.append(f"Host: 127.0.0.1:{port}")
+    with socket.create_connection(("127.0.0.1", port), 20.0) as connection:
+        connection.sendall("\r\n".join([*lines, "Connection: close", "", ""]).encode())
+        raw = b"".join(iter(lambda: connection.recv(65536), b""))
+    head, _, body = raw.partition(b"\r\n\r\n")
+    first, *rest = head.decode().split("\r\n")
+    return int(first.split()[1]), dict(line.split(": ", 1) for line in rest), body
+
+
+def token_of(viewer):
+    return viewer.url.partition("token=")[2]
+
+
+def test_the_token_is_in_the_address_and_nowhere_else(viewer):
+    token = token_of(viewer)
+    assert get(viewer, f"/?token={token}")[1]["Location"] == f"/{token}/"
+    assert get(viewer, "/?token=wrong")[1]["Location"] == "/"
+    for path in ("/", f"/{token}/"):
+        status, headers, body = get(viewer, path)
+        assert status == 200
+        assert token.encode() not in body
+        assert headers["Cache-Control"] == "no-store"
+        assert headers["Referrer-Policy"] == "no-referrer"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/wrong/",
+        "/../../etc/passwd",
+        "/index.html",
+        "/etc/passwd",
+        "/client/../viewer.py",
+        "/assets/../viewer.py",
+        "/assets/%2e%2e/viewer.py",
+        "//etc/passwd",
+        "/assets/" + "0" * 40 + ".bin",
+    ],
+)
+def test_nothing_else_is_served(viewer, path):
+    assert get(viewer, path)[0] == 404
+    base = re.search(rb"/client/\w+/", get(viewer)[2])[0].decode()
+    assert get(viewer, base + "app.js")[0] == 200
+    assert get(viewer, base + "../../viewer.py")[0] == 404
+
+
+def test_only_get_is_answered(viewer):
+    request = urllib.request.Request(viewer.watch_url, method="POST", data=b"x")
+    with pytest.raises(urllib.error.HTTPError, match="405"):
+        urllib.request.urlopen(request, timeout=20.0)
+
+
+def test_names_that_others_made_point_here_are_refused(viewer):
+    assert get(viewer, Host="evil.example:8080")[0] == 403
+    assert get(viewer, Host="localhost:9000")[0] == 200  # a forwarded port
+    assert get(viewer, Host="[::1")[0] == 403
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://127.0.0.1", "http://127.0.0.1:80801", "null", ""])
+def test_pages_of_other_addresses_cannot_connect(viewer, origin):
+    with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):
+        Socket(viewer.url, Origin=origin)
+
+
+def test_a_page_of_this_address_connects(viewer):
+    with Socket(viewer.url, Origin=viewer.watch_url.rstrip("/")) as page:
+        assert page.until("hello")["hello"]["title"] == "<b> - libgz"
+
+
+def test_the_page_loads_nothing_from_elsewhere_and_runs_no_text(viewer):
+    _, headers, body = get(viewer)
+    policy = headers["Content-Security-Policy"]
+    assert policy.startswith("default-src 'none'; script-src 'self' 'sha256-")
+    assert "unsafe" not in policy
+    assert "http" not in policy
+    assert b"http" not in body
+    assert len(re.findall(rb"<script", body)) == 2  # the import map and the module
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+def test_modules_are_kept_by_browsers_and_packed(viewer):
+    path = re.search(rb'src="([^"]+app.js)"', get(viewer)[2])[1].decode()
+    status, headers, body = get(viewer, path.replace("app.js", "store.js"), Accept_Encoding="gzip")
+    assert (status, headers["Content-Encoding"]) == (200, "gzip")
+    assert "immutable" in headers["Cache-Control"]
+    assert body[:2] == b"\x1f\x8b"
+
+
+def test_a_page_without_the_token_only_watches(viewer, controls):
+    with Socket(viewer.watch_url) as page:
+        hello = page.until("hello")
+        assert hello["hello"]["reason"] == "This address has no token."
+        assert hello["control"]["here"] is False
+        assert page.ask("pause", "on") == (None, "this page does not control the world")
+        assert "no token" in page.ask("control", "take")[1]
+        page.send({"drive": [1, 0, 0]})
+        page.send({"key": 65})
+        assert page.ask("describe", name="x") == (None, None)
+    assert [verb for verb, _, _ in controls.asked] == ["describe"]
+
+
+def test_pages_ask_for_nothing_but_the_worlds_requests(viewer, controls):
+    with Socket(viewer.url) as page:
+        for verb in ("publish", "reload", "abilities", "__class__", "ask", "x" * 5000):
+            assert "there is no request" in page.ask(verb)[1]
+        assert page.ask("write", file="/tmp/stolen") == (None, None)
+        for argument in ("on\nstop -", "", "x" * 300, "a b"):
+            assert "not one word" in page.ask("pause", argument)[1]
+        assert page.ask("insert", model="/tmp/evil.sdf")[1] == "there is no '/tmp/evil.sdf' in the catalogue"
+        for text in ("<sdf><model><plugin/></model></sdf>", "<!DOCTYPE a>", "<a xmlns:Xacro='b'/>", 7):
+            assert "inserts no plugins" in page.ask("insert", text=text)[1]
+        assert page.ask("insert", text="<?xml version='1.0'?><sdf/>") == (None, None)
+        assert page.ask("insert", model="box") == (None, None)
+    asked = [(verb, content) for verb, _, content in controls.asked if verb != "catalogue"]
+    assert asked == [("write", {}), ("insert", {"text": "<?xml version='1.0'?><sdf/>"}), ("insert", {"model": "box"})]
+
+
+@pytest.mark.parametrize("bad", ["NaN", "Infinity", "1e308", "-1e10", str(2**63)])
+def test_numbers_out_of_range_are_dropped(bad):
+    good = '{"ask": "move", "number": 1, "content": {"pose": [0, 0, 0.5]}}'
+    assert read_message(good)
+    assert read_message(good.replace("0.5", bad)) is None
+    assert read_message(f'{{"drive": [{bad}]}}') is None
+
+
+@pytest.mark.parametrize("raw", ["[" * 100_000, "{", "[1]", '"x"', "", '{"a":' * 20 + "1" + "}" * 20])
+def test_messages_of_no_page_of_ours_are_dropped(viewer, raw):
+    assert read_message(raw) is None
+    with Socket(viewer.url) as page:
+        page.send(raw)
+        page.run(page.socket.send_bytes(b"\x00\xff"))
+        assert page.ask("pause", "on") == (None, None)
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"want": ["images"], "names": []},
+        {"want": "images", "names": {"a": 1}},
+        {"want": "images", "names": [1, "x" * 10000, None]},
+        {"want": "fields", "names": ["laser.x.ranges[99999]", "no.such.thing", "a" * 299]},
+        {"visible": [1]},
+        {"ask": {"a": 1}, "number": 0},
+        {"ask": "pause", "number": "x"},
+        {"ask": "parts", "number": 0, "argument": 5},
+        {"ask": "steer", "number": 0, "argument": "ptz.a/99", "content": {"value": "x"}},
+        {"drive": "far"},
+        {"drive": [1, 2]},
+        {"robot": ["x"]},
+        {"speeds": {"linear": "x", "angular": [1]}},
+        {"key": "x"},
+        {},
+    ],
+)
+def test_the_viewer_survives_what_pages_send(viewer, message):
+    with Socket(viewer.url) as page:
+        page.send(message)
+        assert page.ask("pause", "on") == (None, None)
+    assert viewer.failures == 0
+
+
+def test_a_message_that_is_too_large_ends_the_page_alone(viewer):
+    with Socket(viewer.url) as page, Socket(viewer.url) as other:
+        other.until("hello")
+        with contextlib.suppress(ConnectionError):
+            page.send("x" * (pages.LARGEST_MESSAGE + 1))
+        end = time.monotonic() + 20.0
+        while viewer.pages != 1:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        assert other.ask("describe") == (None, None)
+
+
+def test_connections_are_limited(viewer, monkeypatch):
+    monkeypatch.setattr(pages, "MOST_CONNECTIONS", 8)
+    port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
+    crowd = [socket.create_connection(("127.0.0.1", port), 20.0) for _ in range(30)]
+    closed = 0
+    for one in crowd:
+        one.settimeout(0.3)
+        with contextlib.suppress(TimeoutError):
+            closed += one.recv(1) == b""
+    assert closed == 22
+    for one in crowd:
+        one.close()
+    end = time.monotonic() + 20.0
+    while True:  # the others have places again
+        try:
+            assert get(viewer)[0] == 200
+            break
+        except (OSError, ValueError, IndexError):
+            assert time.monotonic() < end
+
+
+def test_connections_that_send_nothing_are_closed(monkeypatch, controls):
+    monkeypatch.setattr(pages, "SILENCE", 0.2)
+    with running(Nothing(), controls) as viewer:
+        port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
+        with socket.create_connection(("127.0.0.1", port), 20.0) as one:
+            assert one.recv(1) == b""
+
+
+class Wide(Nothing):
+    """A source with many states, each of 1 MB."""
+
+    count = 0
+
+    def state(self):
+        Wide.count += 1
+        return ObservedState(Wide.count, 0, 0, False, 0.0, 0.0, 0.0, np.zeros((16384, 16)), np.zeros((0, 4)))
+
+
+def test_a_page_that_does_not_read_is_closed_and_holds_little(monkeypatch, controls):
+    monkeypatch.setattr(pages, "PATIENCE", 0.5)
+    with running(Wide(), controls, rate=200.0) as viewer, Socket(viewer.url) as other:
+        port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
+        with socket.socket() as lazy:
+            lazy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            lazy.connect(("127.0.0.1", port))
+            key = "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13"
+            lines = (
+                f"GET /socket HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n{key}"
+            )
+            lazy.sendall(f"{lines}\r\n\r\n".encode())
+            end = time.monotonic() + 60.0
+            seen = 0
+            while viewer.pages != 2:
+                other.until("state")
+                assert time.monotonic() < end
+            while viewer.pages == 2:
+                other.until("state")  # another page is served meanwhile
+                seen += 1
+                waiting = [sum(map(len, page._waiting.values())) for page in viewer._pages]
+                assert max(waiting) < 4 << 20  # states are dropped, not kept
+                assert time.monotonic() < end
+        assert seen > 1
+
+
+def test_one_page_controls_at_a_time_and_hands_over(viewer, controls):
+    with Socket(viewer.url) as one, Socket(viewer.url) as two:
+        assert one.until("hello")["control"]["here"] is True
+        assert two.until("hello")["control"] == {"here": False, "other": True, "canAsk": True, "asked": ""}
+        assert two.ask("pause", "on")[1] == "this page does not control the world"
+        assert two.ask("control", "give")[1]
+        assert two.ask("control", "ask") == (None, None)
+        assert one.until(lambda m: m.get("control", {}).get("asked"))["control"]["asked"] == "page 2"
+        assert one.ask("control", "give") == (None, None)
+        assert two.until(lambda m: m.get("control", {}).get("here"))
+        assert two.ask("pause", "on") == (None, None)
+        assert one.ask("pause", "on")[1] == "this page does not control the world"
+    with Socket(viewer.url) as three:
+        assert three.until("hello")["control"]["here"] is True  # the others were closed
+    assert [verb for verb, _, _ in controls.asked] == ["pause"]
+
+
+def test_a_controller_that_does_not_answer_hands_over(viewer, monkeypatch):
+    monkeypatch.setattr("libgz.view.controllers.PATIENCE", 0.1)
+    with Socket(viewer.url) as one, Socket(viewer.url) as two:
+        one.until("hello")
+        assert two.ask("control", "ask") == (None, None)
+        assert two.until(lambda m: m.get("control", {}).get("here"))
+
+
+def test_a_viewer_binds_this_machine_and_a_busy_port_moves_on():
+    with Viewer(Nothing(), port=18380) as first, Viewer(Nothing(), port=18380) as second:
+        assert first.watch_url.startswith("http://127.0.0.1:")
+        assert first.url != second.url
+        assert first.watch_url != second.watch_url
+        with urllib.request.urlopen(first.url, timeout=20.0) as answer:
+            assert answer.status == 200
+            assert answer.geturl().endswith(f"/{token_of(first)}/")
+        with pytest.raises(urllib.error.HTTPError):
+            urllib.request.urlopen(first.watch_url + token_of(second) + "/", timeout=20.0)
+
+
+def test_a_state_is_one_message(viewer):
+    with Socket(viewer.watch_url) as page:
+        raw = page.until("state")["state"]
+        assert struct.unpack("<8I", raw[:32]) == (1, 0, 0, 0, 16, 0, 4, 0)
+
+
+def test_a_viewer_opens_where_a_loop_runs_as_in_notebooks():
+    async def cell():
+        with Viewer(Nothing(), port=18380) as viewer:
+            return viewer.url
+
+    assert asyncio.run(cell()).startswith("http://127.0.0.1:")
+
+
+def test_an_address_of_another_machine_is_refused():
+    with pytest.raises(GazeboError, match=r"192\.0\.2\.1, port 18380, cannot be bound"):
+        Viewer(Nothing(), host="192.0.2.1", port=18380)
+    assert not [thread for thread in threading.enumerate() if thread.name == "pages"]

@@ -1,11 +1,11 @@
-"""What users do with models in the page: handles, insertion, deletion, saving, rewinding, joints, lights, looks."""
+"""What users do with models in the page: insert, move, delete, save, rewind; joints, lights, looks and plots."""
 
 import os
 from pathlib import Path
 
 import numpy as np
 import pytest
-from view_pages import PANEL, browser, needs_chromium, opened, picture, reddish, served, wait_for
+from view_pages import browser, button, needs_chromium, opened, picture, reddish, row, served, until, wait_for
 
 import libgz
 from libgz.base.files import installed_worlds
@@ -36,13 +36,8 @@ def new_id():
     return free_server_id(300 + os.getpid() % 500)
 
 
-def tab(page, name):
-    page.get_by_role("tab", name=name).click()
-
-
-def choose(page, label, option):
-    page.get_by_label(label, exact=True).click()
-    page.get_by_role("option", name=option, exact=True).click()
+def ids(observer):
+    return {entity.id for entity in observer.entities}
 
 
 def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tmp_path):
@@ -50,85 +45,110 @@ def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tm
     file.write_bytes((installed_worlds() / "pioneer2at.world").read_bytes())
     with served("-s", server_id, "-d", 0, file) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
         page = opened(chromium, url)
-        tab(page, "World")
-        page.get_by_label("Record 60 s").click()
-        choose(page, "Insert", "Shrimp")
-        page.get_by_role("button", name="Insert", exact=True).click()
-        wait_for(lambda: "shrimp1" in {entity.id for entity in observer.entities}, "the insertion")
+        line = page.get_by_role("group", name="Time line")
+        line.get_by_role("button", name="Record 60 s").click()
+        button(page, "Insert").click()
+        page.get_by_label("Search models").fill("shrimp")
+        page.get_by_role("option", name="Shrimp").click()
+        wait_for(lambda: "shrimp1" in ids(observer), "the insertion")
         begin = observer.state().sim_time
         wait_for(lambda: observer.state().sim_time > begin + 1.0, "a second")
         assert observer.pose("shrimp1").rot.u == pytest.approx(1.0, abs=0.01)  # it stands on free ground
+        until(page, "libgz.store.entities.get(libgz.store.selection?.entity)?.id === 'shrimp1'")
         before = file.read_text()
-        page.get_by_role("button", name="Save the world").click()
-        page.get_by_role("button", name="Save", exact=True).click()  # it asks first
+        button(page, "Save the world").click()
+        button(page, "Save").click()  # it asks first
         wait_for(lambda: "<id>shrimp1</id>" in file.read_text(), "the file")
         assert "<xyz>-8 6 20</xyz>" in file.read_text()  # the sun has not moved
         assert Path(f"{file}.bak").read_text() == before
 
-        tab(page, "Model")
-        choose(page, "Model", "shrimp1")
-        page.get_by_label("Handles").click()
+        row(page, "shrimp1").click()
+        if not page.locator("#inspector").is_visible():
+            page.keyboard.press("]")
         before = observer.pose("shrimp1").pos
-        wait_for(lambda: drag_handle(page), "the handles")
+        field = page.locator("#inspector").get_by_label("x", exact=True)
+        field.fill(f"{before.x + 1.0:.3f}")
+        field.press("Enter")
+        wait_for(lambda: observer.pose("shrimp1").pos.x > before.x + 0.9, "the field moves it")
+        page.keyboard.press("f")
+        page.keyboard.press("t")
+        before = observer.pose("shrimp1").pos
+        until(page, "libgz.workplace.stage.handles.controls.object")
+        drag_handle(page)
         wait_for(lambda: np.linalg.norm(np.array([*observer.pose("shrimp1").pos]) - before) > 0.2, "the model moves")
 
-        page.get_by_role("button", name="Delete", exact=True).click()
-        wait_for(lambda: "shrimp1" not in {entity.id for entity in observer.entities}, "the deletion")
-        page.get_by_text("Pause", exact=True).click()
+        row(page, "shrimp1").click()
+        page.keyboard.press("Delete")
+        dialog = page.get_by_role("dialog").get_by_role("button", name="Delete")
+        if dialog.count():  # without undo, it asks
+            dialog.click()
+        wait_for(lambda: "shrimp1" not in ids(observer), "the deletion")
+        button(page, "Pause").click()
         wait_for(lambda: observer.state().paused, "the pause")
-        tab(page, "World")
-        page.get_by_role("slider").last.focus()
+        page.get_by_role("slider", name="Time line").focus()
         for _ in range(4):
             page.keyboard.press("ArrowLeft")  # 0.5 s each
-        page.wait_for_timeout(500)
         now = observer.state().sim_time
-        page.get_by_role("button", name="Rewind to there").click()
+        button(page, "Rewind to there").click()
         wait_for(lambda: observer.state().sim_time < now - 1.0, "the moment before")
         assert not page.errors
         page.close()
 
 
 def drag_handle(page):
-    """Drag a blue arrow of the handles, if there is one."""
-    image = picture(page)[:, :-PANEL]
-    found = np.argwhere((image[..., 2] > 220) & (image[..., 0] < 90) & (image[..., 1] > 110))
-    if len(found) < 60:
-        return False
-    row, column = found[np.argmin(found[:, 0])]  # the tip of the vertical one
-    page.mouse.move(float(column), float(row) + 4.0)
+    """Drag the handles' arrow along x, once the camera is at rest."""
+    places = [None]
+
+    def rests():
+        page.wait_for_timeout(300)
+        places.append(page.evaluate(ARROW))
+        return places[-1] == places[-2]
+
+    wait_for(rests, "the camera's rest")
+    x, y = places[-1]
+    page.mouse.move(x, y)
     page.mouse.down()
     for i in range(1, 9):
-        page.mouse.move(float(column), float(row) + 4.0 - 10.0 * i)
+        page.mouse.move(x + 10.0 * i, y - 5.0 * i)
         page.wait_for_timeout(60)
     page.mouse.up()
-    return True
+
+
+ARROW = """() => {
+  const { handles, cameras } = libgz.workplace.stage;
+  const point = handles.grip.position.clone();
+  point.x += 0.12 * handles.controls.size * cameras.camera.position.distanceTo(point);
+  point.project(cameras.camera);
+  const box = document.querySelector('#stage canvas').getBoundingClientRect();
+  return [box.left + ((point.x + 1) / 2) * box.width, box.top + ((1 - point.y) / 2) * box.height].map(Math.round);
+}"""  # where that arrow is in the window [px]
 
 
 def test_sliders_move_joints_and_lights_and_images_of_sensors_are_shown(chromium, tmp_path):
     file, server_id = tmp_path / "arm.world", new_id()
     file.write_text(ARM)
     with served("-s", server_id, "-d", 0, file) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
-        page = opened(chromium, url)
-        tab(page, "Model")
-        choose(page, "Model", "arm")
-        page.get_by_text("shoulder [rad]").wait_for()
-        row = observer.joints[0].row
+        page = opened(chromium, url, (1280, 800))
+        panel = page.locator("#inspector")
+        row(page, "arm").click()
+        shoulder = panel.get_by_role("slider", name="shoulder")
+        place = observer.joints[0].row
         for key, angle in (("End", 1.0), ("Home", -1.0)):
-            page.get_by_role("slider").nth(1).focus()
-            page.keyboard.press(key)
-            wait_for(lambda angle=angle: abs(observer.state().joints[row, 0] - angle) < 0.05, f"the joint at {angle}")
-        page.get_by_role("button", name="Release the joints").click()
+            shoulder.press(key)
+            wait_for(lambda angle=angle: abs(observer.state().joints[place, 0] - angle) < 0.05, f"the joint at {angle}")
+        panel.get_by_role("button", name="shoulder").click()
+        until(page, 'Math.abs(libgz.workplace.sampler.read(\'["joint","arm","shoulder",0,"position"]\') + 1) < 0.05')
+        button(page, "Release the joints").click()
 
-        choose(page, "Model", "sun")
-        page.get_by_text("Brightness").wait_for()
-        light = picture(page)[300:, :-PANEL].mean()
-        page.get_by_role("slider").nth(1).focus()
-        page.keyboard.press("Home")
-        wait_for(lambda: picture(page)[300:, :-PANEL].mean() < 0.8 * light, "the darkness")
+        row(page, "sun").click()
+        bright = picture(page).mean()
+        panel.get_by_role("slider", name="Brightness").fill("0.1")
+        wait_for(lambda: picture(page).mean() < 0.95 * bright, "the darkness")
 
-        tab(page, "Show")
-        page.get_by_label("Camera images").click()
-        page.get_by_text("arm::upper::cam").wait_for()
+        button(page, "Show").click()
+        page.get_by_role("menuitemcheckbox", name="arm::upper::cam").click()
+        page.get_by_role("img", name="Image of arm::upper::cam").wait_for()
+        assert not page.errors
         page.close()
 
 
@@ -136,12 +156,44 @@ def test_wireframe_and_collision_shapes(chromium):
     server_id = new_id()
     with served("-s", server_id, "-d", 0, "worlds/pioneer2at.world") as (_, url):
         page = opened(chromium, url)
+
+        def switch(name):
+            button(page, "Show").click()
+            page.get_by_role("menuitemcheckbox", name=name).click()
+            page.keyboard.press("Escape")
+
         wait_for(lambda: len(reddish(picture(page))) > 100, "the robot")
         full = len(reddish(picture(page)))
-        tab(page, "Show")
-        page.get_by_label("Wireframe").click()
+        switch("Wireframe")
         wait_for(lambda: len(reddish(picture(page))) < 0.7 * full, "the wireframe")
-        page.get_by_label("Wireframe").click()
-        page.get_by_label("Collision shapes").click()
-        wait_for(lambda: len(reddish(picture(page))) > 0.7 * full, "the collision shapes")
+        switch("Wireframe")
+        wait_for(lambda: len(reddish(picture(page))) > 0.9 * full, "the robot as it was")
+        switch("Collision shapes")
+        wait_for(lambda: orange(picture(page)) > 500, "the collision shapes")
         page.close()
+
+
+def test_fields_of_interfaces_are_plotted_and_warnings_listed(chromium, tmp_path):
+    file, server_id = tmp_path / "a.world", new_id()
+    text = (installed_worlds() / "pioneer2at.world").read_text()
+    file.write_text(text.replace("<id>crate</id>", "<id>crate</id><colour>1</colour>"))
+    with served("-s", server_id, "-d", 0, file) as (_, url):
+        page = opened(chromium, url, (1280, 800))
+        page.get_by_role("tab", name="Console").click()
+        message = page.locator(".message.warning")
+        message.first.wait_for()
+        assert "<colour>" in message.first.inner_text()
+        assert f"{file}:" in message.first.inner_text()
+        row(page, "robot1").click()
+        button(page, "Plot pos[0]").first.click()
+        page.keyboard.down("w")
+        until(page, "(workplace => workplace.plots.plots[0].curves[0].values.at(-1) > 0.1)(libgz.workplace)")
+        page.keyboard.up("w")
+        assert not page.errors
+        page.close()
+
+
+def orange(image):
+    """How many pixels are as collision shapes are shown."""
+    red, green, blue = (image[..., i] for i in range(3))
+    return np.count_nonzero((red > 150) & (green > 80) & (green < 160) & (blue < 90))

@@ -1,14 +1,10 @@
-"""The page's controls, without a browser: panels of GUI plugins, joints and lights of models."""
+"""What users of the page move, without a browser: interfaces, joints and lights of models."""
 
-import contextlib
-import io
 import json
 import math
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
-import viser
 
 import libgz
 from libgz.apps.world_control import WorldControl
@@ -16,8 +12,7 @@ from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.base.files import installed_worlds
 from libgz.classic.gui import GUI
 from libgz.transport.control import Request
-from libgz.view.panel import Panel
-from libgz.view.parts import Part, interface_parts, joint_parts, light_parts
+from libgz.view.parts import interface_parts
 
 LIGHT = """<light name="lamp" type="point"><pose>0 0 3 0 0 0</pose><diffuse>0.8 0.4 0.2 1</diffuse></light>"""
 ARM = f"""<sdf version="1.6"><world name="w"><gravity>0 0 -9.8</gravity>{LIGHT}<model name="arm">
@@ -32,14 +27,6 @@ ARM = f"""<sdf version="1.6"><world name="w"><gravity>0 0 -9.8</gravity>{LIGHT}<
 def world():
     with libgz.World.from_string(ARM) as found:
         yield found
-
-
-@pytest.fixture
-def page():
-    with contextlib.redirect_stdout(io.StringIO()):
-        server = viser.ViserServer("127.0.0.1", 18980, verbose=False)
-        yield server
-        server.stop()
 
 
 def send(control, verb, **content):
@@ -59,38 +46,6 @@ def test_joint_interfaces_have_sliders():
         world.step(150)
         assert joints.joints[4]["angle"] == pytest.approx(0.3, abs=0.1)
         assert joints.joints[4]["angle2"] == pytest.approx(0.2, abs=0.1)
-
-
-def test_sliders_have_limits_that_fit_below_them(page):
-    panel = Panel(page, frozenset({"interfaces"}), lambda action: action(), Mock())
-    limits = [(-math.pi / 2.0, math.pi / 2.0), (0.0, 0.0333333)]
-    panel.set_parts("robot", [Part("slider", "a", lambda _: None, -1e-7, span) for span in limits])
-    shown = [(one.min, one.max, one.value, one.step) for one in panel._parts["robot"]]
-    assert shown == [(-1.57, 1.57, 0.0, 0.02), (0.0, 0.0333, 0.0, 0.0002)]
-    assert math.copysign(1.0, shown[0][2]) == 1.0
-
-
-def test_images_and_plots_of_gui_plugins_are_in_their_panels(page):
-    overlay = GUI("status")
-    panel = Panel(page, frozenset(), lambda action: action(), Mock())
-    overlay.SetImage("camera", np.full((4, 6), 300))
-    overlay.SetPlot("height", [0, 1, 2], {"z": [3, 4, 5]})
-    assert overlay.images["camera"].shape == (4, 6, 3)
-    assert overlay.images["camera"].max() == 255
-    panel.set_overlays({"status": overlay})
-    shown = panel._overlays["status"]
-    assert list(shown._images) == ["camera"]
-    assert [line.tolist() for line in shown._plots["height"].data] == [[0, 1, 2], [3, 4, 5]]
-    overlay.SetPlot("height", [0, 1], {"z": [3, 4]})
-    overlay.SetImage("camera", None)
-    panel.set_overlays({"status": overlay})
-    assert [line.tolist() for line in shown._plots["height"].data] == [[0, 1], [3, 4]]
-    assert not shown._images
-    overlay.SetPlot("height", None)
-    panel.set_overlays({"status": overlay})
-    assert not shown._plots
-    panel.set_overlays({})
-    assert not panel._overlays
 
 
 def test_images_and_plots_that_cannot_be_shown_are_refused():
@@ -141,27 +96,6 @@ def test_the_colour_of_a_light(world):
         send(control, "light", name="arm", color=[0, 0, 0])
 
 
-def test_sliders_of_a_scene(world):
-    scene = json.loads(world.publish().scene)
-    entities = {entity["id"]: entity for entity in scene["entities"]}
-    from libgz.view.local import LocalSource
-
-    sent = []
-    state = LocalSource(world).state()
-    parts = joint_parts(entities["arm"], state, lambda verb, **content: sent.append((verb, content)))
-    assert [(part.kind, part.label) for part in parts] == [("slider", "elbow [rad]"), ("button", "Release the joints")]
-    assert parts[0].limits == (-1.0, 1.0)
-    parts[0].action(0.5)
-    assert sent.pop() == ("joint", {"name": "arm", "joint": "elbow", "axis": 0, "position": 0.5})
-    strength, tint = light_parts(entities["lamp"], lambda verb, **content: sent.append((verb, content)))
-    assert strength.value == pytest.approx(0.8)
-    assert tint.color == (255, 128, 64)
-    strength.action(0.4)
-    assert sent.pop()[1]["color"] == pytest.approx([0.4, 0.2, 0.1])
-    tint.action((0, 255, 0))
-    assert sent.pop()[1]["color"] == pytest.approx([0.0, 0.4, 0.0])
-
-
 def test_new_models_stand_on_the_ground():
     with libgz.World.from_file("pioneer2at") as world:
         control = WorldControl(world)
@@ -170,15 +104,3 @@ def test_new_models_stand_on_the_ground():
             world.step(100)
             assert world.model(new).GetPose().rot.u == pytest.approx(1.0, abs=1e-3)
             send(control, "delete", name=new)
-
-
-def test_names_and_texts_of_worlds_are_never_markup(page):
-    panel = Panel(page, frozenset(), lambda action: action(), Mock())
-    markup, overlay = "<img src=x onerror=alert(1)>", GUI("<b>")
-    overlay.SetText(markup)
-    panel.set_overlays({"<b>": overlay})
-    panel.set_info([(markup, markup)])
-    panel.set_status({markup: markup}, markup)
-    for shown in (panel.info.content, panel.status.content, panel._overlays["<b>"]._text.content):
-        assert "<img" not in shown
-        assert "&lt;img src=x" in shown

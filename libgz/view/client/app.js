@@ -1,0 +1,19 @@
+// @ts-check
+// App: makes the page of its parts.
+
+import { Connection } from 'libgz/connection.js';
+import { Recording } from 'libgz/recording.js';
+import { Stage } from 'libgz/stage.js';
+import { Store } from 'libgz/store.js';
+import { Workplace } from 'libgz/workplace.js';
+
+const store = new Store();
+const quality = new URLSearchParams(location.search).get('quality');
+const workplace = new Workplace(document.body, store, (parent) => new Stage(parent, store, { quality }));
+const recorded = document.getElementById('recording');
+const connection = recorded ? new Recording(store, recorded.textContent ?? '', () => workplace.stage.ready) : new Connection(store);
+store.connect(connection);
+void connection.open();
+
+// For tests, and for users' consoles.
+Object.assign(window, { libgz: { store, workplace, connection } });

@@ -1,0 +1,92 @@
+// @ts-check
+// Connection: the socket to the viewer. libgz/view/protocol.py describes the messages.
+
+import { receive } from 'libgz/messages.js';
+
+/** @typedef {import('libgz/store.js').Store} Store */
+
+const RETRY = 500; // [ms] before the first new attempt; the next ones wait longer
+const SLOWEST = 4000; // [ms]
+const ALIVE = 1000; // [ms] between two signs of life while the page is shown
+
+/** The socket; it connects again when it is lost. */
+export class Connection {
+  /** @param {Store} store */
+  constructor(store) {
+    this.store = store;
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    this.wait = RETRY;
+    this.number = 0;
+    /** @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void}>} */
+    this.asked = new Map();
+    window.setInterval(() => document.visibilityState === 'visible' && this.send({ alive: 1 }), ALIVE);
+    document.addEventListener('visibilitychange', () => this.send({ visible: document.visibilityState === 'visible' }));
+  }
+
+  async open() {
+    const address = new URL('socket', location.href);
+    address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+    address.search = address.hash = '';
+    const socket = (this.socket = new WebSocket(address));
+    socket.binaryType = 'arraybuffer';
+    /** @type {Promise<void>} one message after the other: some are unpacked first */
+    let last = Promise.resolve();
+    socket.addEventListener('open', () => {
+      this.wait = RETRY;
+      if (document.visibilityState !== 'visible') this.send({ visible: false });
+    });
+    socket.addEventListener('message', ({ data }) => {
+      last = last.then(() => this.receive(data)).catch((error) => console.error(error));
+    });
+    socket.addEventListener('close', () => {
+      if (this.socket !== socket) return;
+      this.socket = null;
+      for (const { reject } of this.asked.values()) reject(new Error('The connection to the viewer was lost.'));
+      this.asked.clear();
+      this.store.lose();
+      window.setTimeout(() => void this.open(), this.wait);
+      this.wait = Math.min(1.5 * this.wait, SLOWEST);
+    });
+  }
+
+  /** @param {string | ArrayBuffer} data */
+  async receive(data) {
+    if (typeof data === 'string') {
+      const message = JSON.parse(data);
+      if ('answer' in message) {
+        const waiting = this.asked.get(message.answer);
+        this.asked.delete(message.answer);
+        if (message.error !== undefined) waiting?.reject(new Error(message.error));
+        else waiting?.resolve(message.value ?? null);
+        return;
+      }
+      this.store.learn(message);
+    } else {
+      await receive(this.store, data);
+    }
+  }
+
+  /** Send a message; it is dropped without a connection. @param {object} message */
+  send(message) {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  /**
+   * @param {string} verb
+   * @param {string} argument
+   * @param {object} content
+   * @returns {Promise<any>}
+   */
+  ask(verb, argument, content) {
+    return new Promise((resolve, reject) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) {
+        reject(new Error('There is no connection to the viewer.'));
+        return;
+      }
+      this.number += 1;
+      this.asked.set(this.number, { resolve, reject });
+      this.send({ ask: verb, number: this.number, argument, content });
+    });
+  }
+}

@@ -1,0 +1,160 @@
+// @ts-check
+/**
+ * Editors: fields for attributes that the server declares, with their types, units and limits.
+ * @module
+ */
+
+import { element, newId } from 'libgz/dom.js';
+import { short } from 'libgz/format.js';
+
+/**
+ * @typedef {object} Attribute
+ * @property {string} key
+ * @property {string} label
+ * @property {string} [group]
+ * @property {'number' | 'integer' | 'vector' | 'bool' | 'choice' | 'text' | 'color'} type
+ * @property {any} value
+ * @property {string} [unit]
+ * @property {number} [low]
+ * @property {number} [high]
+ * @property {string[]} [options]
+ * @property {string} [help]
+ * @property {boolean} [above] whether `low` itself is not allowed
+ * @property {boolean} [readonly]
+ * @property {string} [reason] why it cannot be changed
+ * @property {string} [file] in which it is, and
+ * @property {number} [line] where there; 0: it is not given
+ *
+ * @typedef {object} Subject what the attributes are of
+ * @property {string} name of the entity; empty for the world
+ * @property {string} [part]
+ * @property {string} [kind] of the part
+ */
+
+/**
+ * The groups of fields of a thing; none where the server has no such ability.
+ *
+ * @param {import('libgz/workplace.js').Workplace} workplace
+ * @param {Subject} subject
+ * @returns {Promise<{ title: string, rows: HTMLElement[] }[]>}
+ */
+export async function editors(workplace, subject) {
+  const { store } = workplace;
+  if (!store.control || !store.abilities.has('attributes')) return [];
+  /** @type {Attribute[] | undefined} */
+  const attributes = await workplace.ask('attributes', '-', subject);
+  /** @type {Map<string, HTMLElement[]>} */
+  const groups = new Map();
+  for (const attribute of attributes ?? []) {
+    const title = attribute.group || 'Attributes';
+    const rows = groups.get(title) ?? [];
+    groups.set(title, rows);
+    rows.push(row(workplace, subject, attribute));
+  }
+  return [...groups].map(([title, rows]) => ({ title, rows }));
+}
+
+/**
+ * @param {import('libgz/workplace.js').Workplace} workplace
+ * @param {Subject} subject
+ * @param {Attribute} attribute
+ */
+function row(workplace, subject, attribute) {
+  const id = newId('attribute');
+  const { label, unit, low, high, above, help, file, line } = attribute;
+  const editable = workplace.store.abilities.has('edit') && !attribute.readonly;
+  const limits = [low !== undefined && `${above ? 'more than' : 'at least'} ${short(low)}`, high !== undefined && `at most ${short(high)}`].filter(Boolean).join(', ');
+  /** @param {unknown} value */
+  const send = async (value) => {
+    const answer = await workplace.ask('edit', '-', { ...subject, key: attribute.key, value });
+    if (answer === undefined) write(attribute.value);
+    else attribute.value = answer?.value ?? value;
+  };
+  const { field, read, write } = fieldOf(id, attribute);
+  for (const control of field.matches('input, select') ? [field] : field.querySelectorAll('input')) {
+    if (!editable) control.setAttribute('disabled', '');
+    control.addEventListener('change', () => {
+      const value = read();
+      const wrong = value === undefined || outside(value, low, high, above);
+      if (wrong) control.setAttribute('aria-invalid', 'true');
+      else {
+        control.removeAttribute('aria-invalid');
+        void send(value);
+      }
+    });
+    control.addEventListener('keydown', (event) => event.stopPropagation());
+  }
+  return element(
+    'div',
+    { class: 'property', 'data-key': attribute.key, title: [help, limits, attribute.reason, line && `${file ?? ''}:${line}`].filter(Boolean).join(' — ') || null },
+    element('label', { for: id, class: 'name', text: label }),
+    field,
+    element('span', { class: 'unit', text: unit ?? '' }),
+  );
+}
+
+/** @param {unknown} value @param {number} [low] @param {number} [high] @param {boolean} [above] */
+const outside = (value, low = -Infinity, high = Infinity, above = false) =>
+  [value].flat().some((part) => typeof part === 'number' && (part < low || part > high || (above && part === low)));
+
+/**
+ * @param {string} id
+ * @param {Attribute} attribute
+ * @returns {{ field: HTMLElement, read: () => unknown, write: (value: any) => void }} `read` gives undefined if it is no
+ *   value of the type
+ */
+function fieldOf(id, { type, value, options, label }) {
+  /** @param {string} text @param {boolean} [whole] */
+  const number = (text, whole) => {
+    const read = Number(text.replace(',', '.'));
+    return text.trim() !== '' && Number.isFinite(read) && (!whole || Number.isInteger(read)) ? read : undefined;
+  };
+  if (type === 'bool') {
+    const box = element('input', { id, type: 'checkbox', checked: Boolean(value) });
+    return { field: box, read: () => box.checked, write: (shown) => (box.checked = Boolean(shown)) };
+  }
+  if (type === 'choice') {
+    const list = element('select', { id }, (options ?? []).map((option) => element('option', { value: option, text: option })));
+    list.value = String(value);
+    return { field: list, read: () => list.value, write: (shown) => (list.value = String(shown)) };
+  }
+  if (type === 'color') {
+    const parts = Array.isArray(value) ? value.map(Number) : [1, 1, 1];
+    const box = element('input', { id, type: 'color', value: hexOf(parts) });
+    return {
+      field: box,
+      write: (shown) => (box.value = hexOf(shown)),
+      read: () => [...[1, 3, 5].map((at) => parseInt(box.value.slice(at, at + 2), 16) / 255), ...parts.slice(3)],
+    };
+  }
+  if (type === 'vector') {
+    const boxes = (Array.isArray(value) ? value : []).map((part, i) =>
+      element('input', { id: i ? null : id, type: 'text', inputmode: 'decimal', class: 'figure', value: short(Number(part)), 'aria-label': `${label} ${i + 1}` }),
+    );
+    return {
+      field: element('div', { class: 'vector' }, boxes),
+      write: (shown) => boxes.forEach((box, i) => (box.value = short(Number(shown[i])))),
+      read: () => {
+        const parts = boxes.map((box) => number(box.value));
+        return parts.includes(undefined) ? undefined : parts;
+      },
+    };
+  }
+  const isText = type === 'text';
+  const box = element('input', {
+    id,
+    type: 'text',
+    inputmode: isText ? null : 'decimal',
+    class: isText ? 'text-value' : 'figure',
+    value: isText ? String(value ?? '') : short(Number(value)),
+  });
+  return {
+    field: box,
+    read: () => (isText ? box.value : number(box.value, type === 'integer')),
+    write: (shown) => (box.value = isText ? String(shown ?? '') : short(Number(shown))),
+  };
+}
+
+/** @param {number[]} parts red, green and blue, 0 to 1 */
+const hexOf = (parts) =>
+  `#${parts.slice(0, 3).map((part) => Math.round(255 * Math.min(Math.max(part, 0), 1)).toString(16).padStart(2, '0')).join('')}`;

@@ -1,0 +1,283 @@
+"""Pages: the browser pages that are connected to a viewer, and the port that serves them, in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import logging
+import threading
+import time
+import weakref
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from libgz.base.closing import Closing
+from libgz.base.errors import GazeboError
+from libgz.view.gate import Gate
+from libgz.view.protocol import LARGEST_MESSAGE, read_message
+
+__all__ = ["Page", "Pages"]
+
+# Browsers open connections in advance, and close them unused: that is no error.
+QUIET = logging.getLogger("libgz.view.port")
+QUIET.setLevel(logging.CRITICAL)
+
+MOST_CONNECTIONS = 200  # to the port
+MOST_TRIES = 200  # ports
+MOST_WAITING = 400  # messages to a page that have not been sent
+LARGEST_WAITING = 64 << 20  # [byte] of them
+MOST_PENDING = 100  # messages of a page that have not been acted on: then no more are read
+FASTEST, FASTEST_WATCHER, BURST = 500.0, 20.0, 0.5  # messages of a page per second; for so long it may send more [s]
+PATIENCE = 10.0  # [s] for a page to read a message
+KEPT = 15.0  # [s] that a connection without a page stays open
+SILENCE = 20.0  # [s] for a connection to send its first request
+BEAT = 20.0  # [s] between two pings
+END = 3.0  # [s] for the port to close
+
+
+class Page:
+    """A page that is connected.
+
+    Attributes:
+        number: of it, never used again.
+        may_control: whether its address has the token.
+        visible: whether its user can see it.
+        wants: names that it wants, by channel.
+        pending: how many of its messages have not been acted on.
+    """
+
+    def __init__(self, number: int, may_control: bool, loop: asyncio.AbstractEventLoop) -> None:
+        self.number, self.may_control = number, may_control
+        self.visible, self.pending = True, 0
+        self.wants: dict[str, list[str]] = {}
+        self._loop = loop
+        self._waiting: dict[str, bytes | str] = {}
+        self._filled = asyncio.Event()
+        self._overflown = False
+        self._busy = 0.0
+
+    def pause(self) -> float:
+        """How long to wait until the next message is read [s]: a page may send some at once, not all the time."""
+        now = time.monotonic()
+        self._busy = max(self._busy, now - BURST) + 1.0 / (FASTEST if self.may_control else FASTEST_WATCHER)
+        return max(self._busy - now, 0.0)
+
+    def post(self, key: str, message: bytes | str) -> None:
+        """Send a message; one of the same key that has not been sent is dropped for it. Safe in every thread."""
+        with contextlib.suppress(RuntimeError):  # the port was closed
+            self._loop.call_soon_threadsafe(self.put, key, message)
+
+    def put(self, key: str, message: bytes | str) -> None:
+        """As `post`, in the port's thread."""
+        self._waiting.pop(key, None)  # a state stays behind its scene
+        self._waiting[key] = message
+        self._overflown |= len(self._waiting) > MOST_WAITING or sum(map(len, self._waiting.values())) > LARGEST_WAITING
+        self._filled.set()
+
+    async def send_all(self, socket: web.WebSocketResponse, transport: asyncio.Transport | None) -> None:
+        """Send what is posted, until the page is closed or does not read; then the connection ends."""
+        try:
+            while not self._overflown:
+                await self._filled.wait()
+                self._filled.clear()
+                while self._waiting and not self._overflown:
+                    message = self._waiting.pop(next(iter(self._waiting)))
+                    async with asyncio.timeout(PATIENCE):
+                        if isinstance(message, bytes):
+                            await socket.send_bytes(message)
+                        else:
+                            await socket.send_str(message)
+        except (TimeoutError, ConnectionError, RuntimeError):
+            pass
+        self._waiting.clear()
+        if transport is not None:
+            transport.abort()
+
+
+OnMessage = Callable[[Page, dict[str, Any]], None]
+
+
+class Pages(Closing):
+    """Serves pages on a port.
+
+    Args:
+        gate: what the port answers.
+        port: first one that is tried.
+        on_open, on_message, on_close: called with a page, in the port's thread.
+
+    Attributes:
+        port: that was free.
+
+    Raises:
+        GazeboError: no port is free, or the address cannot be bound.
+    """
+
+    def __init__(
+        self,
+        gate: Gate,
+        port: int,
+        on_open: Callable[[Page], None],
+        on_message: OnMessage,
+        on_close: Callable[[Page], None],
+    ) -> None:
+        self.gate, self.port = gate, port
+        self._on_open, self._on_message, self._on_close = on_open, on_message, on_close
+        self._pages: dict[int, Page] = {}
+        self._sockets: weakref.WeakSet[web.WebSocketResponse] = weakref.WeakSet()
+        self._connections: set[Any] = set()
+        self._silent: set[Any] = set()  # connections without a request
+        self._count = 0
+        self._readers = ThreadPoolExecutor(2, "assets")
+        self._loop = asyncio.new_event_loop()
+        self._server: web.Server
+        self._listener: asyncio.Server | None = None
+        self._closed = False
+        self._thread = threading.Thread(target=self._loop.run_forever, name="pages", daemon=True)
+        self._thread.start()
+        try:  # in its own thread: that of the caller may have a loop that runs, such as a notebook's
+            asyncio.run_coroutine_threadsafe(self._listen(), self._loop).result()
+        except BaseException:
+            self.close()
+            raise
+
+    def __iter__(self) -> Any:
+        return iter(list(self._pages.values()))
+
+    def __len__(self) -> int:
+        return len(self._pages)
+
+    def post(self, pages: Iterable[Any], key: str, message: bytes | str) -> None:
+        """Send a message to pages, as `Page.post` does."""
+        wanted = []
+        for page in pages:
+            if isinstance(page, Page):
+                wanted.append(page)
+            else:
+                page.post(key, message)
+        if wanted:
+            with contextlib.suppress(RuntimeError):  # the port was closed
+                self._loop.call_soon_threadsafe(_put_all, wanted, key, message)
+
+    def join(self, page: Any) -> None:
+        """Count something as a page that is like one."""
+        self._pages[page.number] = page
+
+    async def _listen(self) -> None:
+        self._server = web.Server(self._handle)
+        wanted = self.port
+        for self.port in range(wanted, min(wanted + MOST_TRIES, 65536)) if wanted else (0,):
+            try:
+                self._listener = await self._loop.create_server(self._protocol, self.gate.host, self.port)
+                self.port = self._listener.sockets[0].getsockname()[1]
+                return
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    place = f"{self.gate.host}, port {self.port},"
+                    raise GazeboError(f"{place} cannot be bound: {error.strerror}") from None
+        raise GazeboError(f"no port from {wanted} to {self.port} is free on {self.gate.host}")
+
+    def _protocol(self) -> asyncio.BaseProtocol:
+        if len(self._connections) >= MOST_CONNECTIONS:
+            return _Refusal()
+        made = _Connection(self._server, loop=self._loop, access_log=QUIET, logger=QUIET, keepalive_timeout=KEPT)
+        made.all = self._connections
+        self._connections.add(made)
+        self._silent.add(made)
+        self._loop.call_later(SILENCE, self._close_silent, made)
+        return made
+
+    def _close_silent(self, protocol: Any) -> None:
+        if protocol in self._silent:
+            self._silent.discard(protocol)
+            protocol.force_close()
+
+    async def _handle(self, request: web.BaseRequest) -> web.StreamResponse:
+        self._silent.discard(request.protocol)
+        refusal = self.gate.refusal(request)
+        if refusal is not None:
+            return refusal
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            return await self._talk(request)
+        return await self._loop.run_in_executor(self._readers, self.gate.answer, request)
+
+    async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
+        """Serve the socket of a page until it ends."""
+        if self.gate.local_path(request) != "/socket":
+            return web.Response(status=404, text="there is nothing here")
+        socket = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=LARGEST_MESSAGE, compress=False)
+        await socket.prepare(request)
+        self._count += 1
+        page = Page(self._count, self.gate.may_control(request), self._loop)
+        self._pages[page.number] = page
+        self._sockets.add(socket)
+        sender = self._loop.create_task(page.send_all(socket, request.transport))
+        try:
+            self._on_open(page)
+            async for raw in socket:
+                message = read_message(raw.data) if raw.type == WSMsgType.TEXT else None
+                if message is not None:
+                    page.pending += 1
+                    self._on_message(page, message)
+                await asyncio.sleep(page.pause())
+                while page.pending >= MOST_PENDING and not self._closed:
+                    await asyncio.sleep(0.02)
+        finally:
+            self._pages.pop(page.number, None)
+            self._on_close(page)
+            sender.cancel()
+            await asyncio.gather(sender, return_exceptions=True)
+        return socket
+
+    def close(self) -> None:
+        """Close the port and all connections. Can be called twice."""
+        if self._closed:
+            return
+        self._closed = True
+        with contextlib.suppress(Exception):
+            asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(2.0 * END)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._readers.shutdown(wait=False, cancel_futures=True)
+        self._thread.join(END)
+        if not self._thread.is_alive():
+            self._loop.close()
+
+    async def _end(self) -> None:
+        if self._listener is not None:
+            self._listener.close()
+        closing = [socket.close(code=WSCloseCode.GOING_AWAY) for socket in list(self._sockets)]
+        with contextlib.suppress(Exception):
+            await asyncio.wait_for(asyncio.gather(*closing, return_exceptions=True), END / 3.0)
+        await self._server.shutdown(END / 3.0)
+        rest = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in rest:
+            task.cancel()
+        if rest:
+            await asyncio.wait(rest, timeout=END / 3.0)
+
+
+def _put_all(pages: list[Page], key: str, message: bytes | str) -> None:
+    for page in pages:
+        page.put(key, message)
+
+
+class _Connection(web.RequestHandler):
+    """A connection, which is counted: in `all` as long as it lives."""
+
+    __slots__ = ("all",)
+    all: set[Any]
+
+    def connection_lost(self, exc: BaseException | None) -> None:
+        """Count it no longer."""
+        self.all.discard(self)
+        super().connection_lost(exc)
+
+
+class _Refusal(asyncio.Protocol):
+    """A connection beyond the largest number, which is closed."""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        transport.close()

@@ -1,7 +1,9 @@
-"""`libgz demo` in a terminal: it shows the robot in a browser until Ctrl-C."""
+"""`libgz demo` in a terminal: it opens its page, waits for it, and drives until Ctrl-C."""
 
+import asyncio
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -9,21 +11,41 @@ import time
 
 import pytest
 
-pytest.importorskip("aiohttp")
+aiohttp = pytest.importorskip("aiohttp")
 
 
-def test_in_a_terminal_the_demo_prints_an_address_first_and_serves_until_ctrl_c():
+def read_until(terminal, said, word):
+    end = time.monotonic() + 120.0
+    while word not in said:
+        assert time.monotonic() < end, said
+        said += os.read(terminal, 4096)
+    return said
+
+
+async def open_page(address):
+    """Connect as a page does."""
+    async with aiohttp.ClientSession() as session, session.ws_connect(address) as socket:
+        await socket.receive(timeout=30.0)
+
+
+@pytest.mark.parametrize("seconds", [[], ["--seconds", "2"]])
+def test_in_a_terminal_the_demo_opens_its_page_waits_for_it_and_serves_until_ctrl_c(seconds, tmp_path):
+    seen = tmp_path / "seen"
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {seen}\n')
+    browser.chmod(0o755)
     ours, its = pty.openpty()
-    words = [sys.executable, "-m", "libgz", "demo", "--view-port", "18680", "--seconds", "2"]
-    with subprocess.Popen(words, stdin=its, stdout=its, stderr=its, start_new_session=True) as demo:
+    words = [sys.executable, "-m", "libgz", "demo", "--view-port", "18680", *seconds]
+    environment = {**os.environ, "DISPLAY": ":99", "BROWSER": str(browser)}
+    with subprocess.Popen(words, stdin=its, stdout=its, stderr=its, start_new_session=True, env=environment) as demo:
         os.close(its)
-        said, end = b"", time.monotonic() + 120.0
-        while b"until Ctrl-C" not in said:
-            assert time.monotonic() < end
-            said += os.read(ours, 4096)
-        lines = said.decode().splitlines()
-        assert lines[0].startswith("open http://127.0.0.1:18")
-        assert sum(line.strip()[:1].isdigit() for line in lines) >= 8  # the table
+        said = read_until(ours, b"", b"waits for the page")
+        url = re.search(r"open (http://127\.0\.0\.1:18\d+/)\?token=(\S+)", said.decode())
+        assert seen.read_text().strip() == f"{url[1]}?token={url[2]}"
+        asyncio.run(open_page(f"{url[1].replace('http', 'ws', 1)}{url[2]}/socket"))
+        said = read_until(ours, said, b"until Ctrl-C")
+        assert sum(line.strip()[:1].isdigit() for line in said.decode().splitlines()) >= 8  # the table
+        assert (b"it drives on" in said) == (not seconds)
         assert demo.poll() is None
         os.killpg(demo.pid, signal.SIGINT)
         assert demo.wait(30.0) == 0

@@ -30,7 +30,7 @@ def test_one_wheel_serves_every_python_and_contains_ode(wheel):
     assert {"libgz/ode/_step.so", "libgz/clib/gazebo.h", "libgz/worlds/pioneer2at.world"} <= set(names)
     pages = {"gazebo", "gz", "gzclient", "gzserver", "libgz"}
     assert {name.rpartition("/")[2] for name in names if "/man1/" in name} == {"", *(f"{page}.1" for page in pages)}
-    assert wheel.stat().st_size < 3e6
+    assert wheel.stat().st_size < 4e6  # of which the page takes 0.5e6
 
 
 @needs_namespaces

@@ -116,7 +116,7 @@ def _physics(values: Mapping[str, Any]) -> str:
     return f"the physics step of {len(values['self'].bodies)} bodies"
 
 
-names(Event.Signal, _callback)
+names(Event.call, _callback)
 names(Callback.__call__, _function)
 for _part in (Engine.advance, Engine.collide, Engine.solve):
     names(_part, _physics)

@@ -106,7 +106,7 @@ export class Dialogs {
       [element('p', { class: 'hint', text: 'A model is put on free ground near the middle of the view. Files can be dropped on the view.' })],
       'insert-dialog',
     );
-    this.catalogue ??= models((await this.workplace.ask('catalogue')) ?? []);
+    this.catalogue ??= models((await this.workplace.ask('catalogue', 'full')) ?? []);
     const all = this.catalogue;
     const draw = () => {
       const wanted = search.value.trim().toLowerCase();

@@ -8,7 +8,7 @@ import { isOffered, keyName, labelOf } from 'libgz/actions.js';
 import { element, fill, setText, show } from 'libgz/dom.js';
 import { icon } from 'libgz/icons.js';
 
-/** @typedef {{ name: string, title: string, group: string, picture: string }} Model */
+/** @typedef {{ name: string, title: string, group: string, about: string, picture: string }} Model */
 
 const LARGEST = 32 << 20; // [bytes] of a file that is dropped
 const DESCRIPTIONS = ['sdf', 'urdf', 'world', 'xml', 'xacro'];
@@ -125,7 +125,7 @@ export class Dialogs {
               class: 'card',
               role: 'option',
               'aria-selected': 'false',
-              title: one.name,
+              title: one.about || one.name,
               'aria-label': one.title,
               on: {
                 click: () => {
@@ -349,9 +349,9 @@ export class Dialogs {
  */
 function models(list) {
   return list.map((entry) => {
-    const { name, title, group, picture } = typeof entry === 'string' ? { name: entry } : /** @type {any} */ (entry);
+    const { name, title, group, about, picture } = typeof entry === 'string' ? { name: entry } : /** @type {any} */ (entry);
     const text = String(name);
-    return { name: text, title: String(title ?? text.replace(/^model:\/\//, '')), group: String(group ?? ''), picture: String(picture ?? '') };
+    return { name: text, title: String(title ?? text.replace(/^model:\/\//, '')), group: String(group ?? ''), about: String(about ?? ''), picture: String(picture ?? '') };
   });
 }
 

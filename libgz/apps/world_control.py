@@ -300,9 +300,7 @@ class WorldControl:
             legacy = list(entries())
             if argument != "full":
                 return [one.name for one in legacy]
-            return [
-                {"name": one.name, "title": one.name, "group": "built-in", "about": one.summary} for one in legacy
-            ]
+            return [{"name": one.name, "title": one.name, "group": "built-in", "about": one.summary} for one in legacy]
         roots = {root: sorted(path.parent for path in root.glob("*/model.config")) for root in model_directories()}
         found = {f"model://{folder.name}": folder for folders in roots.values() for folder in reversed(folders)}
         names = [*_SIMPLE, *sorted(found)]

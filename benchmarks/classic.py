@@ -332,7 +332,11 @@ def main() -> None:
         for name, _ in scenes(both["libgz"].folder):
             if options.scene and not any(word in name for word in options.scene):
                 continue
-            rounds = [{side: one.microseconds(name) for side, one in both.items()} for _ in range(options.rounds)]
+            try:
+                rounds = [{side: one.microseconds(name) for side, one in both.items()} for _ in range(options.rounds)]
+            except subprocess.CalledProcessError as error:  # Gazebo crashes on some
+                print(f"{name:<30}{error}", flush=True)
+                continue
             columns = "".join(f"{statistics.median(one[side] for one in rounds):12.1f}" for side in both)
             ratios = [one["libgz"] / one["gazebo"] for one in rounds] if len(both) > 1 else []
             ratio = f"{statistics.median(ratios):10.2f}   {text_of(ratios)}" if ratios else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
 from typing import Any
 
@@ -23,7 +23,7 @@ from libgz.base.geometry import (
     GzVectorSub,
     rotate,
 )
-from libgz.base.law import Number, constant, largest, law, least, usually
+from libgz.base.law import constant, law, usually
 from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
@@ -76,7 +76,7 @@ _numbers_of_vector = attrgetter(*_VECTOR)
 _numbers_of_axis = attrgetter(*(f"direction.{name}" for name in _VECTOR), *NUMBERS)
 _description = attrgetter(
     *(f"plan.{name}" for name in ("kind", "implicit", "parameters", "pitch", "ratio", "feedback")),
-    *("acts", "_engine_springs", "_step_time", "_settings", "_stop_turns", "_spring_stops"),
+    *("acts", "_engine_springs", "_step_time", "_set", "_stop_turns", "_spring_stops"),
     *(
         f"{frame}.{part}.{name}"
         for frame in ("_in_child", "_in_parent")
@@ -84,15 +84,6 @@ _description = attrgetter(
         for name in names
     ),
 )
-
-
-class _Setting:
-    """A parameter of ODE as a user set it, in its unit."""
-
-    value = Number()
-
-    def __init__(self, value: float = 0.0) -> None:
-        self.value = value
 
 
 class SdfJoint:
@@ -137,7 +128,7 @@ class SdfJoint:
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
         self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
         self._engine_springs = False  # whether the engine applies its springs
-        self._set: dict[tuple[str, int], _Setting] = {}  # ODE's parameters as users set them, by key and axis
+        self._set: dict[tuple[str, int], float] = {}  # ODE's parameters as users set them, by key and axis
         self._stop_turns: dict[int, float] = {}  # axis -> turns [rad] that its stops were set for
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
         self._step_time = engine.step_time  # [s] that `_refresh` has used
@@ -306,7 +297,7 @@ class SdfJoint:
             axis.direction = GzVector(*numbers[:3])
             for key, number in zip(NUMBERS, numbers[3:], strict=True):
                 setattr(axis, key, number)
-        self._load_tables(*tables)
+        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
         present = type(self._mechanism).__name__ if self._mechanism is not None else None
         if (present, [place_of(self.parent), place_of(self.child)]) != (name, ends):
             self._rejoin(name is not None, Links(*map(find, ends)))
@@ -315,13 +306,7 @@ class SdfJoint:
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
         self.acts, self._engine_springs, self._step_time = flags[:3]
-        self._load_tables(*tables)
-
-    def _load_tables(
-        self, settings: Mapping[Any, float], stop_turns: Mapping[int, float], spring_stops: Mapping[int, bool]
-    ) -> None:
-        self._set = {tuple(place): _Setting(value) for place, value in settings.items()}
-        self._stop_turns, self._spring_stops = dict(stop_turns), dict(spring_stops)
+        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
         """Release what it holds, and join other links as they stand, if it `holds` links at all."""
@@ -579,7 +564,7 @@ class SdfJoint:
 
     def _set_parameters(self) -> None:
         """Stops, friction, ODE's parameters of the file, and what users have set."""
-        users = self._settings
+        users = dict(self._set)
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
             if axis.friction > 0.0 and self._number("vel", index) is not None:
@@ -666,41 +651,15 @@ class SdfJoint:
             ode_parameter = self._known_number(key, index)
             least, most = RANGES.get(key, (-math.inf, math.inf))
             number = min(max(number, least), most)
-            self._setting(key, index).value = number
+            self._set[key, index] = number
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
-
-    @law
-    def run_motor(self, velocity: float, effort: float, index: int = 0) -> None:
-        """Set velocity [rad/s or m/s] and largest effort [N m or N] of an axis' motor, as `set_param` does.
-
-        Raises:
-            ParameterError: this kind of joint has no such motor, or a value is NaN.
-        """
-        joint = self._live_joint
-        for key, value in (("fmax", effort), ("vel", velocity)):
-            if not usually(value == value):
-                raise ParameterError(f"joint {self.name!r}: {key} is NaN")
-            parameter = self._known_number(key, index)
-            bounded = least(largest(value, RANGES[key][0]), RANGES[key][1])
-            self._setting(key, index).value = bounded
-            if joint is not None:
-                joint.SetParam(parameter, bounded)
 
     @property
     @constant
     def _live_joint(self) -> Joint | None:
         self.release_deleted()
         return self.joint
-
-    @constant
-    def _setting(self, key: str, index: int) -> _Setting:
-        """Where a parameter is noted."""
-        return self._set.setdefault((key, index), _Setting())
-
-    @property
-    def _settings(self) -> dict[tuple[str, int], float]:
-        return {place: setting.value for place, setting in self._set.items()}
 
     # Stops -----------------------------------------------------------------------------------------------------------
 
@@ -825,7 +784,7 @@ class SdfJoint:
         total = spring + abs(axis.damping)
         acts = self._spring_stops.get(index)  # and so most numbers are what they were in the last step
         for key, value in (("stop_erp", spring / total), ("stop_cfm", 1.0 / total)):
-            if not acts or self._settings.get((key, index)) != value:
+            if not acts or self._set.get((key, index)) != value:
                 self.set_param(key, value, index)
         if not (acts and axis.stiffness and self._has_ode_stops(index, target)):
             self._set_ode_stops(index, target, target)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import MutableSequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
@@ -154,15 +155,7 @@ class History:
         Raises:
             GazeboError: the world cannot be brought back; it stays as it is.
         """
-        if not self.done:
-            return None
-        moment = self.done[-1]
-        before = Moment.of(world, moment.label)
-        _exchange(world, before, moment)
-        self.done.pop()
-        self.undone.append(before)
-        self._bound()
-        return moment.label
+        return self._go(world, self.done, self.undone)
 
     def redo(self, world: World) -> str | None:
         """Do the change again that was undone last; what it was, or None if there is none.
@@ -170,13 +163,17 @@ class History:
         Raises:
             GazeboError: the world cannot be brought there; it stays as it is.
         """
-        if not self.undone:
+        return self._go(world, self.undone, self.done)
+
+    def _go(self, world: World, moments: MutableSequence[Moment], others: MutableSequence[Moment]) -> str | None:
+        """Go to the last of some moments; the present one joins the others."""
+        if not moments:
             return None
-        moment = self.undone[-1]
+        moment = moments[-1]
         before = Moment.of(world, moment.label)
         _exchange(world, before, moment)
-        self.undone.pop()
-        self.done.append(before)
+        moments.pop()
+        others.append(before)
         self._bound()
         return moment.label
 

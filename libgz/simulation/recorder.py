@@ -22,7 +22,7 @@ from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.base.law import LeftToPython, Number, Operation, Term, is_constant, is_law, wrong
 from libgz.base.records import LawRecord, OperationRecord
 from libgz.ode.lib import ode
-from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
+from libgz.ode.types import dParamVel, dParamVel2
 from libgz.physics.body import Body, point_velocity
 from libgz.physics.check import LARGEST
 from libgz.physics.joint import AxisJoint, HingeJoint, Joint
@@ -34,7 +34,6 @@ __all__ = ["Recorder"]
 
 _BLOCK = 64  # doubles that are made at once
 _STATES = {Body: 16, Joint: 4}  # numbers of a row of the tables
-_MOTORS = (dParamVel, dParamVel2, dParamFMax, dParamFMax2)
 _TYPES = "dfiIHB"  # of numbers in interfaces, as numpy's letters
 _PLAIN = (bool, int, float, str, bytes, frozenset, type, types.ModuleType, GzVector, GzQuatern, GzPose)
 
@@ -539,8 +538,8 @@ def _joint_number(column: int) -> Callable[..., Term]:
 
 
 def _set_param(recorder: Recorder, joint: Joint, parameter: int, value: Any) -> None:
-    if parameter not in _MOTORS:
-        raise wrong("sets another parameter than those of motors, dParamVel and dParamFMax")
+    if parameter not in (dParamVel, dParamVel2):
+        raise wrong("sets another parameter than dParamVel and dParamVel2")
     source, handle = recorder.limited(value, LARGEST), recorder.handle(joint, Operation.JOINT)
     recorder.add(Operation.SET, one=source, two=joint.setter, type=int(parameter), result=handle)
 

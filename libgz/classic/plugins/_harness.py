@@ -17,7 +17,6 @@ from libgz.sdf.reader import SdfFile
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
-    from libgz.simulation.event import Connection
 
 __all__ = ["HarnessPlugin"]
 
@@ -41,7 +40,7 @@ class HarnessPlugin(ModelPlugin):
         detach: the name of the joint that is removed. Names that the harness does not have mean its first joint.
     """
 
-    STATE = ("velocity", "target", "winch", "pos_pid", "vel_pid", "before")
+    STATE = ("velocity", "target", "winch", "attached", "pos_pid", "vel_pid", "before")
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Make the joints, and subscribe.
@@ -69,6 +68,7 @@ class HarnessPlugin(ModelPlugin):
             self.node.Subscribe(f"{topic}/velocity", self.OnVelocity),
             self.node.Subscribe(f"{topic}/detach", self.OnDetach),
         ]
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def _known_joint(self, holder: Element, tag: str) -> str:
         """The joint that a child names; an empty string if there is none."""
@@ -82,9 +82,9 @@ class HarnessPlugin(ModelPlugin):
 
     def _begin(self) -> None:
         self.winch, self.velocity, self.target, self.before = self.named_winch, 0.0, 0.0, 0.0
+        self.attached = True
         for pid in (self.pos_pid, self.vel_pid):
             pid.Reset()
-        self.connection: Connection | None = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:
         """Hold the model again where it started."""
@@ -98,7 +98,7 @@ class HarnessPlugin(ModelPlugin):
         try:
             velocity = float(message.data)
         except ValueError:
-            log.error("HarnessPlugin: the velocity %r is no number", message.data)
+            log.error("HarnessPlugin: the velocity %.200r is no number", message.data)
             return
         self.SetWinchVelocity(velocity)
 
@@ -126,13 +126,15 @@ class HarnessPlugin(ModelPlugin):
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the winch's force."""
+        if not self.attached:
+            return
         now = info.simTime.Double()
         if self.before == 0.0:
             self.before = now
             return
         joint = self.model.GetJoint(self.winch) if self.winch else None
         if joint is None:
-            self.connection = None
+            self.attached = False
             if self.loose:
                 self.model.RemoveJoint(self.loose)
             return

@@ -52,7 +52,8 @@ class Wheel:
         """Set the speed on the ground [m/s]: for the next step, or with a motor until the next call."""
         rate = speed / self.radius
         if self.torque > 0.0:
-            self.joint.core.run_motor(rate, self.torque)
+            self.joint.SetParam("fmax", 0, self.torque)
+            self.joint.SetParam("vel", 0, rate)
         else:
             self.joint.core.set_velocity(rate)
 

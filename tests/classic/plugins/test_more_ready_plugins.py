@@ -256,6 +256,14 @@ def test_a_harness_holds_lowers_and_detaches(run):
     core.run(1.0)
     assert robot.WorldPose().Pos().Z() == pytest.approx(5.0, abs=0.01)
     assert lowering != loose
+    held = core.get_state()
+    again = send("~/robot/harness/detach", msgs.GzString(data="true"))
+    core.run(0.5)
+    assert robot.WorldPose().Pos().Z() < 4.0
+    core.set_state(held)
+    core.run(1.0)
+    assert world.ModelByName("robot").WorldPose().Pos().Z() == pytest.approx(5.0, abs=0.01)  # its winch acts again
+    assert again is not None
 
 
 # Places

@@ -65,7 +65,7 @@ class LeftToPython(Exception):
 
 
 class Operation(IntEnum):
-    """Conditions, what is read, arithmetic, and what has effects; updates.c has the same numbers."""
+    """Conditions, what is read, arithmetic, and what has effects; laws.c has the same numbers."""
 
     REQUIRE = 0
     EXPECT = 1

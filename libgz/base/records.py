@@ -1,4 +1,4 @@
-"""Records: structs that Python and native code share, by which updates.c does what models do in each step.
+"""Records: structs that Python and native code share, by which native code does what models do in each step.
 
 Parts of models, such as an odometry or a rate, are subclasses of them, so that both work on the same numbers. Addresses
 are plain integers: who makes a struct keeps alive what it points to.
@@ -68,7 +68,7 @@ def numbers(count: int) -> Any:
 
 
 class TableRecord(ctypes.Structure):
-    """`tables` in updates.c: where states are."""
+    """`tables` in updates.h: where states are."""
 
     _fields_ = [
         ("context", c_void_p),
@@ -106,7 +106,7 @@ class SpanRecord(ctypes.Structure):
 
 
 class LinkRecord(ctypes.Structure):
-    """`link_record` in updates.c: the memory of an interface, and what its lock needs."""
+    """`link_record` in updates.h: the memory of an interface, and what its lock needs."""
 
     _fields_ = [
         ("memory", c_void_p),
@@ -149,7 +149,7 @@ class RateRecord(ctypes.Structure):
 
 
 class OperationRecord(ctypes.Structure):
-    """`operation` in updates.c: what it is, its operands, and its result."""
+    """`operation` in updates.h: what it is, its operands, and its result."""
 
     _fields_ = [
         ("code", c_int32),
@@ -207,7 +207,7 @@ class BeginRecord(ctypes.Structure):
 
 
 class PublishRecord(ctypes.Structure):
-    """`publishing` in updates.c: states for other processes."""
+    """`publishing` in updates.h: states for other processes."""
 
     _fields_ = [
         ("publication", c_void_p),
@@ -254,9 +254,9 @@ def check_sizes(library: ctypes.CDLL) -> None:
     """Check that the structs are those of the native code.
 
     Raises:
-        LibraryError: it was built from another version of updates.c.
+        LibraryError: it was built from another version of updates.h.
     """
     library.gz_updates_sizes.restype = ctypes.POINTER(c_int64)
     sizes = [ctypes.sizeof(mirror) for mirror in _MIRRORS]
     if library.gz_updates_sizes()[: len(sizes) + 1] != [*sizes, 0]:
-        raise LibraryError("the native step was built from another version of updates.c; install libgz again")
+        raise LibraryError("the native step was built from another version of updates.h; install libgz again")

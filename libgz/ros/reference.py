@@ -56,7 +56,7 @@ def service_table() -> str:
     return ", ".join(f"`{name}` ({kind.removeprefix('gazebo_msgs/')})" for name, kind in SERVICES.items())
 
 
-def _replaced(text: str, name: str, table: str) -> str:
+def _with_table(text: str, name: str, table: str) -> str:
     begin, end = BEGIN.format(name), END.format(name)
     before, _, rest = text.partition(begin)
     _, _, after = rest.partition(end)
@@ -65,7 +65,7 @@ def _replaced(text: str, name: str, table: str) -> str:
 
 def page(text: str) -> str:
     """A page with its tables as they should be."""
-    return _replaced(_replaced(text, "plugins", plugin_table()), "services", service_table())
+    return _with_table(_with_table(text, "plugins", plugin_table()), "services", service_table())
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
 #include "bridge.hh"
 
 namespace libgz {
-/* `tables` of updates.c. */
+/* `tables` of updates.h. */
 struct Tables
 {
   char *context;

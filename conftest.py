@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the workers share the cores
+os.environ["MESA_SHADER_CACHE_DISABLE"] = "true"  # Mesa would leave files in the user's cache
 
 from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.base.geometry import GzColor
+from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.base.law import law, usually
 from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial, FiducialData
 from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser, LaserData
@@ -82,6 +82,11 @@ class SickLMS200(Model):
         self.laser, self.fiducial = Laser(), Fiducial()
         self._build()
         self._aim()
+
+    @property
+    def beam_origin(self) -> GzPose:
+        """Where the beams begin, in the body frame."""
+        return GzPose(GzVector(0.0, 0.0, EYE_HEIGHT), GzQuatern(1.0, 0.0, 0.0, 0.0))
 
     def _build(self) -> None:
         body = add_body(self)

@@ -20,6 +20,7 @@ from libgz.base.errors import GazeboError, Interrupted, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",
+    "MACRO_ARGUMENT",
     "NO_READER",
     "STRICT",
     "STRICT_HELP",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from libgz._version import __version__
 from libgz.apps.console import (
+    MACRO_ARGUMENT,
     STRICT,
     STRICT_HELP,
     USAGE_ERROR,
@@ -27,6 +28,7 @@ from libgz.apps.console import (
 )
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
+from libgz.apps.ros_option import add_ros_options, ros_wanted, start_ros
 from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.untrusted import add_untrusted_option, confined
@@ -166,6 +168,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_untrusted_option(parser)
     parser.add_macro_arguments()
     add_rewind_option(parser)
+    add_ros_options(parser)
     add_view_options(parser, optional=True)
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
     return parser
@@ -265,7 +268,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from libgz.apps.gzserver import main as run_classic  # it loads all of classic
 
         return run_classic([*words, "--view"])
-    options = make_parser().parse_args(words)
+    parser = make_parser()
+    names = [word for word in words if ":=" in word and MACRO_ARGUMENT.fullmatch(word) is None]
+    options = parser.parse_args([word for word in words if word not in names])
+    options.words = ["gazebo", *words]
+    if names and not ros_wanted(options):
+        parser.error(f"{names[0]!r} is a name for ROS, which needs --ros1")
     try:
         set_up_messages(options.level, options.logfile)
     except ParameterError as error:
@@ -298,7 +306,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     run = Run(options)
-    with Watchdog(run.stop) as watchdog:
+    with Watchdog(run.stop) as watchdog, start_ros(options, options.words) as ros:
         watchdog.world = world = World(
             server_id,
             options.force,
@@ -313,6 +321,8 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path, options.arguments)
             world.starts_paused = world.starts_paused or options.pause
+            if ros is not None:
+                ros.attach(world)
             world.Initialize()
             if options.record:
                 from libgz.apps.record import new_recorder  # it needs OpenGL, which other runs may do without

@@ -175,8 +175,8 @@ class Server:
                 core.starts_paused = True
             if core.sdf is not None:
                 self._choose_profile(attach(core).world)
-                if self._ros is not None:
-                    self._ros.attach(core)
+            if self._ros is not None:
+                self._ros.attach(core)
             core.Initialize()
         except BaseException:
             self._watchdog.close()

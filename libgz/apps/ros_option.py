@@ -28,8 +28,13 @@ def ros_wanted(options: argparse.Namespace) -> bool:
     """Whether the options, or else the environment, ask for ROS; False for a command without these options."""
     wanted = getattr(options, "ros1", False)
     if wanted is None:
-        wanted = os.environ.get("ROS_MASTER_URI") and not options.watch_only
+        wanted = os.environ.get("ROS_MASTER_URI") and not _watch_only(options)
     return bool(wanted)
+
+
+def _watch_only(options: argparse.Namespace) -> bool:
+    """Whether the server is one that others only watch; not all commands have that option."""
+    return getattr(options, "watch_only", False)
 
 
 def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractContextManager[Ros1 | None]:
@@ -44,7 +49,7 @@ def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractCont
     """
     if not ros_wanted(options):
         return nullcontext()
-    if options.watch_only:
+    if _watch_only(options):
         raise ParameterError("--watch-only and --ros1 exclude each other: nodes of ROS command robots")
     from libgz.ros.server import Ros1
 

@@ -45,7 +45,7 @@ class WorldLock:
 
     Attributes:
         waiting: threads that wait for it, by their numbers, and since when [s]; a step lets them pass first.
-        wanted: not 0 if one has begun to wait since it was last set to 0; for native code.
+        wanted: not 0 if one has begun to wait, or interrupted, since it was last set to 0; for native code.
         report: called once by a thread that has waited for 5 s, with the number of the thread that holds the lock.
         owned: whether the calling thread holds it.
         release: end what `try_acquire` or `acquire` began.
@@ -87,6 +87,10 @@ class WorldLock:
         first, end = dict(self.waiting), time.monotonic() + _YIELD
         while time.monotonic() < end and any(self.waiting.get(thread) == since for thread, since in first.items()):
             time.sleep(2e-5)
+
+    def interrupt(self) -> None:
+        """Let native code end its steps after the present one: something else has to be done between them."""
+        self.wanted.value = 1
 
     def pass_on(self) -> None:
         """Let those that wait now hold the lock, which this thread holds, and take it again."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import logging
-import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.errors import GazeboError, NotFoundError
+from libgz.base.errors import NotFoundError
 from libgz.classic.common import Color
-from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.physics.base import Base, Entity
 from libgz.classic.physics.link import Link
 from libgz.ros.packages import with_paths
 from libgz.ros.plugin import set_pose, set_twist
-from libgz.ros.session import Later, Session, finite, set_stamp
+from libgz.ros.services import INERTIAL, RefusedError, Services, pose_of, vector
+from libgz.ros.session import Later, Session, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
@@ -23,11 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SERVICES", "WorldApi"]
 
-log = logging.getLogger("libgz.ros")
-
-INERTIAL = ("", "world", "map", "/map")  # names of the world's frame
 SPAWN_PATIENCE, DELETE_PATIENCE = 10.0, 60.0  # [s]
-MOST_JOBS = 1000
 
 # Services of /gazebo -> their types.
 SERVICES = {
@@ -61,84 +54,43 @@ SERVICES = {
 }
 
 
-class _Refused(Exception):
-    """A request that cannot be granted; its text is the status message."""
-
-
-class _Job:
-    """A wrench or effort that is applied for a time.
-
-    Args:
-        name: of its link or joint.
-        apply: applies it once.
-        begin, duration: when [s]; a negative duration lasts until it is cleared.
-    """
-
-    def __init__(self, name: str, apply: Callable[[], object], begin: float, duration: float) -> None:
-        self.name, self.apply, self.begin = name, apply, begin
-        self.end = math.inf if duration < 0.0 else begin + duration
-
-
-class WorldApi:
-    """Serves the services of /gazebo, and its topics set_model_state and set_link_state.
-
-    Attributes:
-        jobs: the wrenches and efforts that are applied.
-    """
+class WorldApi(Services):
+    """Serves the services of /gazebo for a world of SDF, and its topics set_model_state and set_link_state."""
 
     def __init__(self, session: Session, world: World) -> None:
-        self._session, self._world = session, world
-        self.jobs: list[_Job] = []
+        self._world = world
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
-        self._services = [session.serve(f"~{name}", kind, self._handler(name, kind)) for name, kind in SERVICES.items()]
+        super().__init__(session, world.core, SERVICES)
         self._topics = [
             session.subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10),
             session.subscribe("~set_link_state", "gazebo_msgs/LinkState", self._on_link_state, 10),
         ]
 
-    def _handler(self, name: str, kind: str) -> Callable[[Any], Message | Later]:
-        """What answers a service: its method fills the response; a refusal is a response, too."""
-        method, response = getattr(self, f"_{name}"), service_type(kind).response
-
-        def handle(request: Any) -> Message | Later:
-            answer = response()
-            if not finite(request):
-                return _refuse(answer, f"{name}: the request has a number that is not finite")
-            try:
-                later = method(request, answer)
-            except _Refused as refusal:
-                return _refuse(answer, str(refusal))
-            except GazeboError as error:
-                return _refuse(answer, f"{name}: {error}")
-            return later if isinstance(later, Later) else answer
-
-        return handle
-
     # Models ------------------------------------------------------------------------------------------------------
 
     def _spawn_urdf_model(self, request: Any, answer: Any) -> Later:
         if root_tag(request.model_xml) != "robot":
-            raise _Refused("SpawnModel: Failure - entity format is invalid.")
+            raise RefusedError("SpawnModel: Failure - entity format is invalid.")
         try:
             request.model_xml = with_paths(request.model_xml)
         except NotFoundError as error:
-            raise _Refused(f"urdf reference package name does not exist: {error}") from None
+            raise RefusedError(f"urdf reference package name does not exist: {error}") from None
         return self._spawn_sdf_model(request, answer)
 
     def _spawn_sdf_model(self, request: Any, answer: Any) -> Later:
         world, name = self._world, request.model_name
         if root_tag(request.model_xml) not in ("robot", "sdf", "gazebo", "model", "light"):
-            raise _Refused(
+            raise RefusedError(
                 "GazeboRosApiPlugin SpawnModel Failure: input model_xml not SDF or URDF, or cannot be converted to"
                 " Gazebo compatible format."
             )
         missing = "SpawnModel: reference reference_frame not found, did you forget to scope the link by model name?"
         frame = self._frame(request.reference_frame, missing)
-        pose = _pose(request.initial_pose)
+        pose = pose_of(request.initial_pose)
         if frame is not None:
             pose = pose + frame.WorldPose()
         if world.BaseByName(name) is not None:
-            raise _Refused("SpawnModel: Failure - entity already exists.")
+            raise RefusedError("SpawnModel: Failure - entity already exists.")
         document = prepare_model(request.model_xml, name, pose, request.robot_namespace)
         errors = len(world.core.problems.errors)
         world.InsertModelSDF(document)
@@ -148,7 +100,7 @@ class WorldApi:
                 answer.success, answer.status_message = True, "SpawnModel: Successfully spawned entity"
                 return answer  # type: ignore[no-any-return]
             if len(world.core.problems.errors) > errors:
-                return _refuse(answer, f"SpawnModel: {world.core.problems.errors[-1]}")
+                return self.refuse(answer, f"SpawnModel: {world.core.problems.errors[-1]}")
             return None
 
         overdue = "SpawnModel: Entity pushed to spawn queue, but spawn service timed out waiting for entity to appear"
@@ -161,11 +113,11 @@ class WorldApi:
         world, name = self._world, request.model_name
         model = world.ModelByName(name)
         if model is None:
-            raise _Refused("DeleteModel: model does not exist")
+            raise RefusedError("DeleteModel: model does not exist")
         for link in model.GetLinks():
-            self._clear(link.GetScopedName())
+            self.clear(link.GetScopedName())
         for joint in model.GetJoints():
-            self._clear(joint.GetName())
+            self.clear(joint.GetName())
         world.RemoveModel(model)
 
         def poll() -> Message | None:
@@ -182,7 +134,7 @@ class WorldApi:
         world, name, relative = self._world, request.model_name, request.relative_entity_name
         model = world.ModelByName(name)
         if model is None:
-            raise _Refused("GetModelState: model does not exist")
+            raise RefusedError("GetModelState: model does not exist")
         self._asked[name] = answer.header.seq = self._asked.get(name, 0) + 1
         set_stamp(answer.header.stamp, world.core.GetSimTime())
         answer.header.frame_id = relative
@@ -195,7 +147,7 @@ class WorldApi:
     def _get_model_properties(self, request: Any, answer: Any) -> None:
         model = self._world.ModelByName(request.model_name)
         if model is None:
-            raise _Refused("GetModelProperties: model does not exist")
+            raise RefusedError("GetModelProperties: model does not exist")
         parent = model.GetParentModel()
         answer.parent_model_name = parent.GetName() if parent is not None and parent is not model else ""
         answer.body_names = [link.GetName() for link in model.GetLinks()]
@@ -209,9 +161,9 @@ class WorldApi:
         state = request.model_state
         model = self._world.ModelByName(state.model_name)
         if model is None:
-            raise _Refused("SetModelState: model does not exist")
+            raise RefusedError("SetModelState: model does not exist")
         frame = self._frame(state.reference_frame, "SetModelState: specified reference frame entity does not exist")
-        pose, linear, angular = _pose(state.pose), _vector(state.twist.linear), _vector(state.twist.angular)
+        pose, linear, angular = pose_of(state.pose), vector(state.twist.linear), vector(state.twist.angular)
         if frame is not None:
             place = frame.WorldPose()
             pose = pose + place
@@ -224,9 +176,9 @@ class WorldApi:
     def _set_model_configuration(self, request: Any, answer: Any) -> None:
         model = self._world.ModelByName(request.model_name)
         if model is None:
-            raise _Refused("SetModelConfiguration: model does not exist")
+            raise RefusedError("SetModelConfiguration: model does not exist")
         if len(request.joint_names) != len(request.joint_positions):
-            raise _Refused("SetModelConfiguration: joint name and position list have different lengths")
+            raise RefusedError("SetModelConfiguration: joint name and position list have different lengths")
         known = [model.GetJoint(name) is not None for name in request.joint_names]
         positions = map(float, request.joint_positions)
         model.SetJointPositions(
@@ -235,24 +187,17 @@ class WorldApi:
         answer.success, answer.status_message = True, "SetModelConfiguration: success"
 
     def _on_model_state(self, state: Any) -> None:
-        self._set_by_topic("set_model_state", state)
+        self.set_by_topic("set_model_state", state)
 
     def _on_link_state(self, state: Any) -> None:
-        self._set_by_topic("set_link_state", state)
-
-    def _set_by_topic(self, name: str, state: Any) -> None:
-        kind = service_type(SERVICES[name])
-        request = kind.request(**{name.removeprefix("set_"): state})
-        answer: Any = self._handler(name, SERVICES[name])(request)
-        if not answer.success:
-            log.error("topic %s: %s", name, answer.status_message)
+        self.set_by_topic("set_link_state", state)
 
     # Links -------------------------------------------------------------------------------------------------------
 
     def _link(self, name: str, missing: str) -> Link:
         found = self._world.EntityByName(name) if name else None
         if not isinstance(found, Link):
-            raise _Refused(missing)
+            raise RefusedError(missing)
         return found
 
     def _get_link_properties(self, request: Any, answer: Any) -> None:
@@ -272,7 +217,7 @@ class WorldApi:
             request.link_name, "SetLinkProperties: link not found, did you forget to scope the link by model name?"
         )
         inertial = link.GetInertial()
-        inertial.SetCoG(_vector(request.com.position))
+        inertial.SetCoG(vector(request.com.position))
         inertial.SetInertiaMatrix(request.ixx, request.iyy, request.izz, request.ixy, request.ixz, request.iyz)
         inertial.SetMass(request.mass)
         link.SetInertial(inertial)
@@ -291,7 +236,7 @@ class WorldApi:
         state = request.link_state
         link = self._link(state.link_name, "SetLinkState: link does not exist")
         frame = self._frame(state.reference_frame, "SetLinkState: failed")
-        pose, linear, angular = _pose(state.pose), _vector(state.twist.linear), _vector(state.twist.angular)
+        pose, linear, angular = pose_of(state.pose), vector(state.twist.linear), vector(state.twist.angular)
         if frame is not None:
             pose = pose + frame.WorldPose()
             linear, angular = linear - frame.WorldLinearVel(), angular - frame.WorldAngularVel()
@@ -302,8 +247,8 @@ class WorldApi:
 
     def _apply_body_wrench(self, request: Any, answer: Any) -> None:
         link = self._link(request.body_name, "ApplyBodyWrench: body does not exist")
-        force, torque = _vector(request.wrench.force), _vector(request.wrench.torque)
-        torque = torque + _vector(request.reference_point).Cross(force)
+        force, torque = vector(request.wrench.force), vector(request.wrench.torque)
+        torque = torque + vector(request.reference_point).Cross(force)
         frame = self._frame(request.reference_frame, "ApplyBodyWrench: reference_frame not found")
         if frame is not None:
             way = frame.WorldPose() - link.WorldPose()
@@ -314,11 +259,11 @@ class WorldApi:
             link.SetForce(force)
             link.SetTorque(torque)
 
-        self._add_job(link.GetScopedName(), apply, request)
+        self.add_job(link.GetScopedName(), apply, request)
         answer.success = True
 
     def _clear_body_wrenches(self, request: Any, _answer: Any) -> None:
-        self._clear(request.body_name)
+        self.clear(request.body_name)
 
     # Joints ------------------------------------------------------------------------------------------------------
 
@@ -327,7 +272,7 @@ class WorldApi:
             joint: Joint | None = model.GetJoint(name)
             if joint is not None:
                 return joint
-        raise _Refused(missing)
+        raise RefusedError(missing)
 
     def _get_joint_properties(self, request: Any, answer: Any) -> None:
         joint = self._joint(request.joint_name, "GetJointProperties: joint not found")
@@ -350,32 +295,11 @@ class WorldApi:
     def _apply_joint_effort(self, request: Any, answer: Any) -> None:
         joint = self._joint(request.joint_name, "ApplyJointEffort: joint not found")
         effort = request.effort
-        self._add_job(joint.GetName(), lambda: joint.SetForce(0, effort), request)
+        self.add_job(joint.GetName(), lambda: joint.SetForce(0, effort), request)
         answer.success, answer.status_message = True, "ApplyJointEffort: effort set"
 
     def _clear_joint_forces(self, request: Any, _answer: Any) -> None:
-        self._clear(request.joint_name)
-
-    def _add_job(self, name: str, apply: Callable[[], object], request: Any) -> None:
-        if len(self.jobs) >= MOST_JOBS:
-            raise _Refused(f"there are {MOST_JOBS} wrenches and efforts already; clear some")
-        begin = max(request.start_time.seconds, self._world.core.GetSimTime())
-        self.jobs.append(_Job(name, apply, begin, request.duration.seconds))
-
-    def _clear(self, name: str) -> None:
-        self.jobs = [job for job in self.jobs if job.name != name]
-
-    def apply(self, now: float) -> None:
-        """Apply the wrenches and efforts of sim time `now` [s], and forget those that are over."""
-        self.jobs = [job for job in self.jobs if now <= job.end]
-        for job in list(self.jobs):
-            if job.begin > now:
-                continue
-            try:
-                job.apply()
-            except GazeboError as error:  # its link or joint is gone
-                log.warning("the effort on %s ends: %s", job.name, error)
-                self.jobs.remove(job)
+        self.clear(request.joint_name)
 
     # World -------------------------------------------------------------------------------------------------------
 
@@ -398,7 +322,7 @@ class WorldApi:
 
     def _set_physics_properties(self, request: Any, answer: Any) -> None:
         engine, config = self._world.Physics(), request.ode_config
-        self._world.SetGravity(_vector(request.gravity))
+        self._world.SetGravity(vector(request.gravity))
         engine.SetMaxStepSize(request.time_step)
         engine.SetRealTimeUpdateRate(request.max_update_rate)
         engine.SetAutoDisableFlag(bool(config.auto_disable_bodies))
@@ -424,7 +348,7 @@ class WorldApi:
     def _light(self, name: str, missing: str) -> Any:
         light = self._world.LightByName(name)
         if light is None:
-            raise _Refused(missing)
+            raise RefusedError(missing)
         return light
 
     def _delete_light(self, request: Any, answer: Any) -> Later:
@@ -456,10 +380,10 @@ class WorldApi:
         for part, give in ((request.diffuse, light.SetDiffuseColor), (request.specular, light.SetSpecularColor)):
             give(Color(part.r, part.g, part.b, part.a))
         light.SetAttenuation(request.attenuation_constant, request.attenuation_linear, request.attenuation_quadratic)
-        direction = _vector(request.direction)
+        direction = vector(request.direction)
         if direction.Length() > 0.0:
             light.SetDirection(direction)
-        light.SetWorldPose(_pose(request.pose))
+        light.SetWorldPose(pose_of(request.pose))
         answer.success = True
 
     # Frames ------------------------------------------------------------------------------------------------------
@@ -470,7 +394,7 @@ class WorldApi:
         if isinstance(found, Entity):
             return found
         if name not in INERTIAL:
-            raise _Refused(missing)
+            raise RefusedError(missing)
         return None
 
 
@@ -486,26 +410,6 @@ _PHYSICS = {
     "max_contacts": "max_contacts",
 }
 _WHOLE = ("sor_pgs_precon_iters", "sor_pgs_iters", "max_contacts")
-
-
-def _refuse(answer: Any, text: str) -> Message:
-    log.error("%s", text)
-    if hasattr(answer, "success"):
-        answer.success, answer.status_message = False, text
-    return answer  # type: ignore[no-any-return]
-
-
-def _vector(value: Any) -> Vector3d:
-    return Vector3d(value.x, value.y, value.z)
-
-
-def _pose(value: Any) -> Pose3d:
-    """A pose; a quaternion of zeros is no rotation."""
-    turn = value.orientation
-    numbers = turn.w, turn.x, turn.y, turn.z
-    rotation = Quaterniond(*numbers) if any(numbers) else Quaterniond(1.0, 0.0, 0.0, 0.0)
-    rotation.Normalize()
-    return Pose3d(_vector(value.position), rotation)
 
 
 def _fill_state(target: Any, entity: Any, frame: Any) -> None:

@@ -60,13 +60,13 @@ class Publisher:
         """A subscriber came."""
         self.readers = (*self.readers, reader)
         self.listened = True
-        self.node.changed.append(self)
+        self.node.note_change(self)
 
     def disconnected(self, reader: Reader) -> None:
         """A subscriber went."""
         self.readers = tuple(one for one in self.readers if one is not reader)
         self.listened = self.latch or bool(self.readers)
-        self.node.changed.append(self)
+        self.node.note_change(self)
 
 
 class Subscriber:
@@ -100,6 +100,7 @@ class Node:
 
     Args:
         names: its name, remappings and addresses.
+        notify: called, in the wire's thread, when subscribers have come or gone.
 
     Attributes:
         registered: how often all was registered with a master.
@@ -107,8 +108,9 @@ class Node:
         changed: publishers whose subscribers came or went.
     """
 
-    def __init__(self, names: NodeNames) -> None:
+    def __init__(self, names: NodeNames, notify: Callable[[], object] = lambda: None) -> None:
         self.names, self.name, self.master = names, names.name, names.master
+        self._notify = notify
         self.registered = 0
         self.waiting: deque[Reader] = deque()
         self.changed: deque[Publisher] = deque()
@@ -250,6 +252,11 @@ class Node:
         if isinstance(one, Subscriber):
             return self._subscribers, one.topic, "unregisterSubscriber", (self.uri,)
         return self._services, one.name, "unregisterService", (self._service_uri,)
+
+    def note_change(self, publisher: Publisher) -> None:
+        """The subscribers of a topic have come or gone."""
+        self.changed.append(publisher)
+        self._notify()
 
     def flush(self) -> None:
         """See that what waits is sent, in the loop's thread."""

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from libgz.ros.api import SERVICES
+from libgz.ros.legacy.api import SERVICES as LEGACY_SERVICES
+from libgz.ros.legacy.kinds import KINDS
 from libgz.ros.plugin import Parameter, RosPlugin
 from libgz.ros.server import PLUGINS, STAND_INS
 from libgz.simulation.plugins import load_plugin
 
-__all__ = ["page", "plugin_table", "service_table"]
+__all__ = ["device_table", "legacy_service_table", "page", "plugin_table", "service_table"]
 
 BEGIN, END = "<!-- {}: made by python -m libgz.ros.reference -->", "<!-- end of {} -->"
 
@@ -56,6 +58,23 @@ def service_table() -> str:
     return ", ".join(f"`{name}` ({kind.removeprefix('gazebo_msgs/')})" for name, kind in SERVICES.items())
 
 
+def device_table() -> str:
+    """A table of what the interfaces of legacy models are, in Markdown; topics lie below ``/<id>/``."""
+    rows = ["| interface | publishes | takes |", "|---|---|---|"]
+    for name, kind in sorted(KINDS.items()):
+        given = [f"`{one.topic}` {one.kind}" for one in kind.streams]
+        taken = [f"`{one.topic}` {one.kind}" for one in kind.orders]
+        taken += ["action `gripper_cmd` control_msgs/GripperCommand"] if kind.grips else []
+        taken += [f"service `{one.name}` std_srvs/Empty" for one in kind.switches]
+        rows.append(f"| {name}: {kind.about} | {'<br>'.join(given)} | {'<br>'.join(taken)} |")
+    return "\n".join(rows)
+
+
+def legacy_service_table() -> str:
+    """A list of the services of /gazebo for legacy worlds, in Markdown."""
+    return ", ".join(f"`{name}`" for name in LEGACY_SERVICES)
+
+
 def _with_table(text: str, name: str, table: str) -> str:
     begin, end = BEGIN.format(name), END.format(name)
     before, _, rest = text.partition(begin)
@@ -65,7 +84,15 @@ def _with_table(text: str, name: str, table: str) -> str:
 
 def page(text: str) -> str:
     """A page with its tables as they should be."""
-    return _with_table(_with_table(text, "plugins", plugin_table()), "services", service_table())
+    tables = {
+        "plugins": plugin_table(),
+        "services": service_table(),
+        "devices": device_table(),
+        "legacy services": legacy_service_table(),
+    }
+    for name, table in tables.items():
+        text = _with_table(text, name, table)
+    return text
 
 
 if __name__ == "__main__":

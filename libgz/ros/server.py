@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from libgz.classic.ros_names import Provider, providers
+from libgz.front import World
 from libgz.ros.names import read_names
 from libgz.ros.session import Session
 from libgz.ros.world import RosWorld
-from libgz.simulation.world import World
 
 __all__ = ["PLUGINS", "STAND_INS", "Ros1"]
 

@@ -6,7 +6,7 @@ import logging
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
 
@@ -19,6 +19,7 @@ from libgz.ros.node import Node, Publisher
 from libgz.ros.packing import codec
 from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
 from libgz.simulation.event import AtEnd, Callback, unowned
+from libgz.transport.tally import Tally
 
 __all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite", "session", "set_stamp"]
 
@@ -86,6 +87,11 @@ class Publication:
         """Whether there are subscribers: without any, no message needs to be made."""
         return self._publisher.listened
 
+    @property
+    def subscribed(self) -> bool:
+        """Whether there are subscribers now; a topic that keeps its last message is `listened` to without any."""
+        return bool(self._publisher.readers)
+
     def publish(self, message: Any) -> None:
         """Send a message. Its bytes are made now; they leave after the step, in another thread."""
         if self._stamped:
@@ -96,7 +102,7 @@ class Publication:
 
 
 class Subscription:
-    """A topic that is subscribed to, as long as this is kept, or until its plugin ends.
+    """A topic that is subscribed to until this, or its plugin, ends.
 
     Messages are delivered between steps, in the thread of the world; of those that come faster, the oldest are dropped.
     """
@@ -113,11 +119,16 @@ class Subscription:
         subscriber = node.subscribe(topic, kind, received)
         self._end = AtEnd(lambda: node.unsubscribe(subscriber, received))
 
+    def end(self) -> None:
+        """Unsubscribe; can be called twice."""
+        self._end.disconnect()
+
     def _received(self, body: bytes) -> None:
         self._waiting.append(self._codec.unpack(body))
         if not self._listed:
             self._listed = True
             self._session.waiting.append(self)
+            self._session.interrupt()
 
     def deliver(self) -> None:
         """Call the callback for all that waits."""
@@ -127,7 +138,7 @@ class Subscription:
 
 
 class Service:
-    """A service that is served, as long as this is kept, or until its plugin ends.
+    """A service that is served until this, or its plugin, ends.
 
     Requests are answered between steps, in the thread of the world.
     """
@@ -140,10 +151,15 @@ class Service:
         server = node.serve(name, kind, self._received)
         self._end = AtEnd(lambda: node.stop_serving(server))
 
+    def end(self) -> None:
+        """Serve it no longer; can be called twice."""
+        self._end.disconnect()
+
     def _received(self, body: bytes, answer: Callable[[bool, bytes], None]) -> bool:
         if len(self._session.requests) >= MOST_REQUESTS:
             return False
         self._session.requests.append((self, body, answer))
+        self._session.interrupt()
         return True
 
     def handle(self, body: bytes, answer: Callable[[bool, bytes], None]) -> None:
@@ -180,16 +196,19 @@ class Session(Closing):
 
     Attributes:
         node: the node of ROS 1.
+        interrupts: called, in the wire's thread, when something has come that waits for the end of a step.
     """
 
     def __init__(self, names: NodeNames) -> None:
         self.names = names
-        self.node = Node(names)
+        self.interrupts: list[Callable[[], object]] = []
+        self.node = Node(names, self.interrupt)
         self.waiting: deque[Subscription] = deque()
         self.requests: deque[tuple[Service, bytes, Callable[[bool, bytes], None]]] = deque()
         self.later: list[tuple[Service, Later, Callable[[bool, bytes], None]]] = []
         self.watchers: WeakKeyDictionary[Publisher, WeakSet[Publication]] = WeakKeyDictionary()
         self._transforms: Publication | None = None
+        self._refusals = Tally(100)
         self.node.start()
         _sessions.append(self)
 
@@ -216,8 +235,9 @@ class Session(Closing):
         return self.node.search_parameter(name, self.resolve("x", space).rpartition("/")[0])
 
     def log_refusal(self, name: str, why: str) -> None:
-        """Log that a message of a topic is not obeyed."""
-        log.error("topic %s: %s", name, why)
+        """Log that a message of a topic is not obeyed; of many, at growing counts only."""
+        if self._refusals.due((name, why)):
+            log.error("topic %s: %s%s", name, why, self._refusals.times((name, why)))
 
     def frame(self, name: str, space: str = "") -> str:
         """A frame of TF with the prefix that the parameter tf_prefix gives for a namespace."""
@@ -257,8 +277,16 @@ class Session(Closing):
         """Serve a service; `handler` gets the requests between steps, and returns responses."""
         return Service(self, self.resolve(name, space), service_type(kind), handler)
 
+    @property
+    def transforms(self) -> Publication:
+        """The topic /tf."""
+        if self._transforms is None:
+            with unowned():
+                self._transforms = self.publish("/tf", "tf2_msgs/TFMessage", 100)
+        return self._transforms
+
     def send_transform(
-        self, now: Stamp, parent: str, child: str, place: Sequence[float], turn: Sequence[float]
+        self, now: Stamp, parent: str, child: str, place: Iterable[float], turn: Iterable[float]
     ) -> None:
         """Publish one transform on /tf.
 
@@ -268,19 +296,27 @@ class Session(Closing):
             place: the child's origin in the parent [m].
             turn: the child's rotation, x, y, z, w.
         """
-        if self._transforms is None:
-            with unowned():
-                self._transforms = self.publish("/tf", "tf2_msgs/TFMessage", 100)
-        if not self._transforms.listened:
+        transforms = self.transforms
+        if not transforms.listened:
             return
         one = message_type("geometry_msgs/TransformStamped")()
         one.header.stamp, one.header.frame_id, one.child_frame_id = now, parent, child
         part, rotation = one.transform.translation, one.transform.rotation
         part.x, part.y, part.z = place
         rotation.x, rotation.y, rotation.z, rotation.w = turn
-        self._transforms.publish(self._transforms.kind(transforms=[one]))
+        transforms.publish(transforms.kind(transforms=[one]))
 
     # Between steps -----------------------------------------------------------------------------------------------
+
+    def interrupt(self) -> None:
+        """Something has come: let the steps that are made without this session end soon."""
+        for interrupt in tuple(self.interrupts):
+            interrupt()
+
+    @property
+    def pending(self) -> bool:
+        """Whether something waits for the end of a step."""
+        return bool(self.node.changed or self.waiting or self.requests or self.later)
 
     def deliver(self) -> None:
         """Deliver what came, and send what waits; in the thread of the world."""

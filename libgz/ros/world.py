@@ -2,46 +2,50 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import NDArray
+import functools
+import math
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.server import attach
 from libgz.ros.api import WorldApi
+from libgz.ros.legacy.api import LegacyApi, list_links, list_models
+from libgz.ros.legacy.device import Devices
 from libgz.ros.plugin import Ticks
-from libgz.ros.session import Publication, Session, set_stamp
+from libgz.ros.services import Services
+from libgz.ros.session import Session, set_stamp
+from libgz.ros.states import Listed, States
 from libgz.ros.types import message_type
 from libgz.simulation.companion import Stateless
 from libgz.simulation.event import unowned
 
 if TYPE_CHECKING:
-    from libgz.physics.body import Body
+    from libgz.front import World
     from libgz.simulation.entity import Entity
-    from libgz.simulation.world import World
 
 __all__ = ["RosWorld"]
 
 
 class RosWorld(Stateless):
-    """Publishes /clock and the states of models and links, serves, and delivers messages between steps.
+    """Publishes /clock, the states of models and links, and the devices of legacy models; serves; delivers messages.
+
+    While nobody listens and nothing has come, steps are made without it.
 
     Args:
         session: of this process.
-        core: the engine's world, of SDF.
+        core: the engine's world.
     """
 
     def __init__(self, session: Session, core: World) -> None:
         self._session, self._core = session, core
-        self._closed = False
         with unowned():
             self._clock = session.publish("/clock", "rosgraph_msgs/Clock", 10)
         self._ticks = Ticks(0.0)
         self._time = message_type("rosgraph_msgs/Clock")()
-        self._models: _States | None = None
-        self._links: _States | None = None
-        self._api: WorldApi | None = None
+        self._states: list[States] = []
+        self._services: Services | None = None
+        self._devices = Devices(session, core)
         core.companions.append(self)
+        session.interrupts.append(core.lock.interrupt)
 
     # Companion of the world --------------------------------------------------------------------------------------
 
@@ -52,13 +56,13 @@ class RosWorld(Stateless):
         self._ticks = Ticks(float(frequency) if isinstance(frequency, int | float) else 0.0)
         if session.parameter("~enable_ros_network", True) is False:
             return
-        world = attach(self._core).world
+        era = _Classic(self._core) if self._core.sdf is not None else _Legacy(self._core)
         with unowned():
-            names = [("model", "gazebo_msgs/ModelStates"), ("link", "gazebo_msgs/LinkStates")]
-            models, links = (session.publish(f"~{name}_states", kind, 10) for name, kind in names)
-            self._models = _States(self._core, models, links=False)
-            self._links = _States(self._core, links, links=True)
-            self._api = WorldApi(session, world)
+            self._states = [
+                States(self._core, session.publish("~model_states", "gazebo_msgs/ModelStates", 10), era.models),
+                States(self._core, session.publish("~link_states", "gazebo_msgs/LinkStates", 10), era.links),
+            ]
+            self._services = era.serve(session)
 
     def model_added(self, model: Entity) -> None:
         """The list of models has changed."""
@@ -69,9 +73,16 @@ class RosWorld(Stateless):
         self._forget()
 
     def _forget(self) -> None:
-        for states in (self._models, self._links):
-            if states is not None:
-                states.bodies = None
+        self._devices.stale = True
+        for states in self._states:
+            states.forget()
+
+    def idle_until(self) -> float:
+        """-inf while somebody listens or something waits; else without end: what comes interrupts the steps."""
+        states = any(states.publication.listened for states in self._states)
+        jobs = self._services is not None and self._services.jobs
+        busy = self._session.pending or self._clock.listened or states or jobs or self._devices.busy
+        return -math.inf if busy else math.inf
 
     def update(self) -> None:
         """Publish the clock and the states; apply wrenches and efforts."""
@@ -79,74 +90,75 @@ class RosWorld(Stateless):
         if self._clock.listened and self._ticks.due(now):
             set_stamp(self._time.clock, now)
             self._clock.publish(self._time)
-        if self._models is not None and self._models.publication.listened:
-            self._models.send()
-        if self._links is not None and self._links.publication.listened:
-            self._links.send()
-        if self._api is not None and self._api.jobs:
-            self._api.apply(now)
+        for states in self._states:
+            if states.publication.listened:
+                states.send()
+        if self._services is not None and self._services.jobs:
+            self._services.apply(now)
 
     def step(self, paused: bool) -> None:
         """Deliver what came during the step, and send what it made."""
+        self._devices.step()
         self._session.deliver()
 
     def reset(self) -> None:
         """Forget wrenches and efforts."""
-        if self._api is not None:
-            self._api.jobs.clear()
+        if self._services is not None:
+            self._services.jobs.clear()
 
     def close(self) -> None:
         """The world ends: so do its topics and services."""
-        self._closed = True
         self._session.node.flush()
-        self._models = self._links = self._api = None
+        if self._core.lock.interrupt in self._session.interrupts:
+            self._session.interrupts.remove(self._core.lock.interrupt)
+        self._states, self._services = [], None
 
 
-class _States:
-    """Publishes poses and velocities of all models, or of all links, from the tables of the engine.
+class _Classic:
+    """What ROS sees of a world of SDF."""
 
-    Attributes:
-        bodies: the bodies; None when the list of models has changed.
-    """
+    def __init__(self, core: World) -> None:
+        self._world = attach(core).world
 
-    def __init__(self, core: World, publication: Publication, links: bool) -> None:
-        self.publication = publication
-        self._core, self._links = core, links
-        self._message = publication.kind()
-        self.bodies: list[Body] | None = None
+    def models(self) -> Listed:
+        """The models; their frames are not those of their first links."""
+        found = [model for model in self._world.Models() if model.GetLinks()]
+        return Listed(
+            [model.GetName() for model in found],
+            [model.GetLinks()[0].body for model in found],
+            [functools.partial(_row_of_pose, model) for model in found],
+        )
 
-    def _list(self) -> list[Body]:
-        """List the bodies, and their names in the message."""
-        world = attach(self._core).world
-        names, bodies = [], []
-        for model in world.Models():
-            links = model.GetLinks()
-            for link in links if self._links else links[:1]:
-                names.append(link.GetScopedName() if self._links else model.GetName())
-                bodies.append(link.body)
-        self._message.name = names
-        self._rows = np.array([body.row for body in bodies], np.int64)
-        self._fixed = [(index, body) for index, body in enumerate(bodies) if body.row < 0]
-        self._offsets = None
-        if not self._links:  # the frame of a model is not that of its first link
-            self._offsets = [model for model in world.Models() if model.GetLinks()]
-        return bodies
+    def links(self) -> Listed:
+        """The links."""
+        found = [link for model in self._world.Models() for link in model.GetLinks()]
+        return Listed([link.GetScopedName() for link in found], [link.body for link in found], [])
 
-    def send(self) -> None:
-        """Publish."""
-        if self.bodies is None:
-            self.bodies = self._list()
-        states = self._core.engine.states[self._rows]
-        poses: NDArray[np.float64] = np.empty((len(states), 7))
-        twists: NDArray[np.float64] = np.empty((len(states), 6))
-        poses[:, :3], poses[:, 3:6], poses[:, 6] = states[:, :3], states[:, 4:7], states[:, 3]
-        twists[:, 3:] = states[:, 13:16]
-        twists[:, :3] = states[:, 10:13] + np.cross(states[:, 13:16], states[:, :3] - states[:, 7:10])
-        for index, body in self._fixed:
-            x, y, z, qu, qx, qy, qz = body.frame()
-            poses[index], twists[index] = (x, y, z, qx, qy, qz, qu), 0.0
-        for index, model in enumerate(self._offsets or ()):
-            pose = model.pose()
-            poses[index] = (*pose.pos, pose.rot.x, pose.rot.y, pose.rot.z, pose.rot.u)
-        self._message.pose, self._message.twist = poses, twists
-        self.publication.publish(self._message)
+    def serve(self, session: Session) -> Services:
+        """Serve its services."""
+        return WorldApi(session, self._world)
+
+
+class _Legacy:
+    """What ROS sees of a legacy world."""
+
+    def __init__(self, core: World) -> None:
+        self._core = core
+
+    def models(self) -> Listed:
+        """The models."""
+        return list_models(self._core)
+
+    def links(self) -> Listed:
+        """The bodies."""
+        return list_links(self._core)
+
+    def serve(self, session: Session) -> Services:
+        """Serve its services."""
+        return LegacyApi(session, self._core)
+
+
+def _row_of_pose(model: Any) -> tuple[float, ...]:
+    pose = model.pose()
+    u, x, y, z = pose.rot
+    return (*pose.pos, x, y, z, u)

@@ -6,65 +6,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from ros_peers import Service, Talker, open_topic, read_block, wait_for
+from ros_node import Node
+from ros_peers import Talker, wait_for
 
 from libgz import World
-from libgz.ros.api import SERVICES
 from libgz.ros.packing import codec
 from libgz.ros.reference import page
-from libgz.ros.types import message_type, service_type
-
-
-class Node:
-    """The tests' node beside a world."""
-
-    def __init__(self, master, core, ros):
-        self.master, self.core, self.ros = master, core, ros
-
-    def topic(self, name, kind):
-        """A function that steps the world until a message of a topic has come, and returns it."""
-        wait_for(lambda: self.master.publishers.get(name), self.core.Step)
-        sock, header = open_topic(self.master, name)
-        assert header.get("type") == kind, header
-        sock.settimeout(0.001)
-        pack, data = codec(message_type(kind)), bytearray()
-
-        def read():
-            nonlocal data
-
-            def whole():
-                try:
-                    data.extend(sock.recv(1 << 16))
-                except TimeoutError:
-                    self.core.Step()
-                return len(data) >= 4 and len(data) >= 4 + struct.unpack_from("<I", data)[0]
-
-            wait_for(whole)
-            (size,) = struct.unpack_from("<I", data)
-            body, data = bytes(data[4 : 4 + size]), data[4 + size :]
-            return pack.unpack(body)
-
-        return read
-
-    def call(self, name, **values):
-        """Call a service of /gazebo."""
-        kind = service_type(SERVICES[name])
-        wait_for(lambda: f"/gazebo/{name}" in self.master.services)
-        client = Service(self.master, f"/gazebo/{name}", md5sum=kind.md5)
-        client.send(codec(kind.request).pack(kind.request(**values)))
-        client.socket.settimeout(0.001)
-
-        def first():
-            try:
-                return client.socket.recv(1)
-            except TimeoutError:
-                return b""
-
-        good = wait_for(first, self.core.Step)
-        client.socket.settimeout(10.0)
-        body = read_block(client.socket)
-        assert good == b"\1", body
-        return codec(kind.response).unpack(body)
+from libgz.ros.types import message_type
 
 
 class Recorder:

@@ -67,6 +67,16 @@ class ActionServer:
         self._goals = session.subscribe(f"{name}/goal", f"{kind}ActionGoal", self._on_goal, 10)
         self._cancels = session.subscribe(f"{name}/cancel", "actionlib_msgs/GoalID", self._on_cancel, 10)
 
+    @property
+    def watched(self) -> bool:
+        """Whether a client follows the status."""
+        return self._states.subscribed
+
+    def end(self) -> None:
+        """Serve it no longer."""
+        self._goals.end()
+        self._cancels.end()
+
     def _on_goal(self, message: Any) -> None:
         identity = message.goal_id
         if not identity.id:

@@ -11,17 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lxml import etree
 
+from libgz.apps.dropped_mesh import keep_mesh
 from libgz.apps.editing import Editing, in_parent, pose_of
+from libgz.apps.stock import SHAPES, Stock, sdf_shape
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
-from libgz.base.files import is_file, read_limited, xml_parser
+from libgz.base.files import is_file
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
 from libgz.rendering.image import depth_text, jpeg_text
-from libgz.sdf.paths import find_model, model_directories
+from libgz.sdf.paths import find_model
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
 
@@ -32,10 +33,9 @@ __all__ = ["WorldControl"]
 
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
-MOST_LISTED = 2000  # models of the catalogue, with their titles
 MOST_PROBLEMS, LONGEST_PROBLEM = 200, 4000  # of one answer; characters of each
 # Requests that only read.
-READING = ("abilities", "catalogue", "describe", "inventory", "contacts", "readings", "problems")
+READING = ("abilities", "catalogue", "portrait", "describe", "inventory", "contacts", "readings", "problems")
 KEYS = "~/keyboard/keypress"
 LONGEST_LABEL = 80  # characters of what was inserted, in the history
 
@@ -67,6 +67,8 @@ class WorldControl:
             "delete": self._delete,
             "insert": self._insert,
             "catalogue": self._catalogue,
+            "portrait": self._portrait,
+            "mesh": self._mesh,
             "write": self._write,
             "keep": self._keep,
             "describe": self._describe,
@@ -80,6 +82,7 @@ class WorldControl:
             "readings": self._readings,
             "problems": self._problems,
         }
+        self._stock = Stock(world)
         self._editing = Editing(world, self.replaced, self._insert_now)
         self._verbs |= self._editing.verbs
         self._watch_only = watch_only
@@ -238,7 +241,7 @@ class WorldControl:
         if self.world.sdf is not None:
             self._insert_sdf(content, pose)
         else:
-            text = str(content.get("text") or self._example(str(content.get("model", "")), before))
+            text = str(content.get("text") or self._stock.text(str(content.get("model", ""))))
             added = self.world.InsertModel(text, "<inserted>")
             top = [model for model in added if model.parentBody is None]
             if pose is not None:
@@ -266,8 +269,8 @@ class WorldControl:
         world, text, uri = self.world, str(content.get("text", "")), str(content.get("model", ""))
         if text:
             file = SdfFile.from_string(text, "<inserted>")
-        elif uri in _SIMPLE:
-            file = SdfFile.from_string(_simple(uri, _SIMPLE[uri]))
+        elif uri in SHAPES:
+            file = SdfFile.from_string(f"<sdf version='1.6'>{sdf_shape(uri)}</sdf>")
         else:
             file = SdfFile.load(find_model(uri))
         file.diagnostics.raise_errors()
@@ -285,28 +288,21 @@ class WorldControl:
         world.extension(SdfWorld).insert(file)
         self._editing.finish()
 
-    def _example(self, name: str, taken: set[str]) -> str:
-        from libgz.reference.catalogue import entry
-
-        found = entry(name)
-        number = next(i for i in range(1, len(taken) + 2) if f"{name.lower()}{i}" not in taken)
-        return f"<model:{found.name}>\n  <id>{name.lower()}{number}</id>\n</model:{found.name}>"
-
     def _catalogue(self, argument: str, _content: dict[str, Any]) -> list[Any]:
         """What `insert` knows by name; with the argument `full`, each with its title and where it is from."""
-        if self.world.sdf is None:
-            from libgz.reference.catalogue import entries
+        return [vars(item) for item in self._stock.items()] if argument == "full" else self._stock.names()
 
-            legacy = list(entries())
-            if argument != "full":
-                return [one.name for one in legacy]
-            return [{"name": one.name, "title": one.name, "group": "built-in", "about": one.summary} for one in legacy]
-        roots = {root: sorted(path.parent for path in root.glob("*/model.config")) for root in model_directories()}
-        found = {f"model://{folder.name}": folder for folders in roots.values() for folder in reversed(folders)}
-        names = [*_SIMPLE, *sorted(found)]
-        if argument != "full":
-            return names
-        return [_entry(name, found.get(name)) for name in names[:MOST_LISTED]]
+    def _portrait(self, _argument: str, content: dict[str, Any]) -> dict[str, str]:
+        """The text of a model of the catalogue, of which a viewer makes an image."""
+        return {"text": self._stock.text(str(content.get("model", "")))}
+
+    def _mesh(self, _argument: str, content: dict[str, Any]) -> list[str]:
+        """Insert a model of a mesh file that comes with the request; the names of what came."""
+        made = keep_mesh(str(content.get("file", "")), content.get("data"))
+        text = made.sdf() if self.world.sdf is not None else made.legacy(self._stock.free(made.name))
+        return self._insert(
+            "-", {"model": made.name, "text": text, **{k: v for k, v in content.items() if k == "pose"}}
+        )
 
     # Knowledge -------------------------------------------------------------------------------------------------------
 
@@ -432,30 +428,6 @@ class WorldControl:
 
 
 _PLACE = re.compile(r"(?P<file>[^\s:][^:\n]{0,4000}):(?P<line>\d{1,9}): ")
-
-
-def _entry(name: str, folder: Path | None) -> dict[str, str]:
-    """An entry of the catalogue: the title is that of the model's `model.config`."""
-    if folder is None:
-        return {"name": name, "title": name, "group": "shapes"}
-    title = folder.name
-    with contextlib.suppress(OSError, etree.XMLSyntaxError):
-        config = etree.fromstring(read_limited(folder / "model.config"), xml_parser())
-        title = (config.findtext("name") or "").strip()[:LONGEST_LABEL] or title
-    return {"name": name, "title": title, "group": str(folder.parent)}
-
-
-_SIMPLE = {
-    "box": "<box><size>1 1 1</size></box>",
-    "sphere": "<sphere><radius>0.5</radius></sphere>",
-    "cylinder": "<cylinder><radius>0.5</radius><length>1</length></cylinder>",
-}
-
-
-def _simple(name: str, shape: str) -> str:
-    parts = "".join(f"<{part} name='{part}'><geometry>{shape}</geometry></{part}>" for part in ("collision", "visual"))
-    link = f"<link name='link'><pose>0 0 0.5 0 0 0</pose>{parts}</link>"
-    return f"<sdf version='1.6'><model name='{name}'>{link}</model></sdf>"
 
 
 def _number(text: str, what: str) -> float:

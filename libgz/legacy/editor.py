@@ -21,7 +21,7 @@ from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.number import atof
 
-__all__ = ["LegacyEditor"]
+__all__ = ["LegacyEditor", "copied_text"]
 
 SETTINGS = b"<param:Global xmlns:param='http://playerstage.sourceforge.net/gazebo/xmlschema/#param'></param:Global>"
 PLACE = ("xyz", "rpy")
@@ -125,16 +125,7 @@ class LegacyEditor:
     def copy_text(self, entity: Entity) -> str:
         """The text of a model, and of those in it, with ids that no model of the world has."""
         model = _model(entity)
-        node = _node(model)
-        copy = WorldFile.of(node).changed()
-        twin = copy.models[_index(model)]
-        taken = {one.GetId() for one in self._world.entities}
-        for each in twin.walk():
-            if each.prefix == "model":
-                name = _free((each.GetString("id", each.GetName()) or "").strip(), taken)
-                taken.add(name)
-                each.put("id", name)
-        return copy.element_text(twin)
+        return copied_text(WorldFile.of(_node(model)), _index(model), {one.GetId() for one in self._world.entities})
 
     def _file(self) -> WorldFile:
         if self._era.file is None:
@@ -247,6 +238,24 @@ def _text(attribute: Attribute, value: Any) -> str:
 def _short(number: float) -> str:
     """A number as short as it can be written without loss."""
     return repr(number + 0.0).removesuffix(".0")
+
+
+def copied_text(file: WorldFile, index: int, taken: set[str]) -> str:
+    """The text of a worldfile's model, and of those in it, with ids that are not taken.
+
+    Args:
+        file: is not changed.
+        index: of the model among the file's.
+        taken: ids that are not free; those of the copy are added.
+    """
+    copy = file.changed()
+    twin = copy.models[index]
+    for each in twin.walk():
+        if each.prefix == "model":
+            name = _free((each.GetString("id", each.GetName()) or "").strip(), taken)
+            taken.add(name)
+            each.put("id", name)
+    return copy.element_text(twin)
 
 
 def _free(name: str, taken: set[str]) -> str:

@@ -14,6 +14,7 @@ from urllib.parse import parse_qs, urlsplit
 from aiohttp import web
 
 from libgz.view.assets import Asset, Assets
+from libgz.view.portraits import Portraits
 
 __all__ = ["Gate", "policy"]
 
@@ -27,6 +28,7 @@ KINDS = {
 SAFE_HEADERS = {"Server": "libgz", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 FOREVER = "public, max-age=31536000, immutable"
 WORTH_PACKING = 1024  # [byte]
+PORTRAITS = "/portraits/"  # before the name of a model
 # Nothing is loaded from anywhere but this port, whatever a world's file says, and no text of it is ever run.
 POLICY = (
     "default-src 'none'; script-src {scripts}; style-src {styles}; img-src 'self' data: blob:; "
@@ -50,14 +52,16 @@ class Gate:
     Args:
         host: address that is bound; of a loopback address, requests for other hosts' names are refused.
         assets: of the scene.
+        portraits: of the catalogue, for pages that may control.
         token: of the address that may control; None for a new one.
 
     Attributes:
         token: of the address that may control.
     """
 
-    def __init__(self, host: str, assets: Assets, token: str | None = None) -> None:
+    def __init__(self, host: str, assets: Assets, portraits: Portraits, token: str | None = None) -> None:
         self.host, self.token, self._assets = host, token or secrets.token_urlsafe(18), assets
+        self._portraits = portraits
         known = (path for path in sorted(CLIENT.rglob("*")) if path.suffix in KINDS and path.is_file())
         files = {path.relative_to(CLIENT).as_posix(): path for path in known}
         digest = hashlib.sha256()
@@ -129,7 +133,15 @@ class Gate:
             asset = self._assets.get(path[1:])
             if asset is not None:
                 return self._send(request, asset, {"Cache-Control": FOREVER})
+        if path.startswith(PORTRAITS) and self.may_control(request):
+            portrait = self._portraits.get(path.removeprefix(PORTRAITS))
+            if portrait is not None:
+                return self._send(request, portrait, {"Cache-Control": "private, max-age=600"})
         return _response(404, "there is nothing here")
+
+    def is_slow(self, request: web.BaseRequest) -> bool:
+        """Whether an answer may take so long that no other one should wait for it."""
+        return self.local_path(request).startswith(PORTRAITS)
 
     def _send(self, request: web.BaseRequest, asset: Asset, headers: dict[str, str], keep_as: str = "") -> web.Response:
         body, headers = asset.body, {**SAFE_HEADERS, **headers, "Content-Type": asset.kind}

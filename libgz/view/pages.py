@@ -18,7 +18,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError
 from libgz.view.gate import Gate
-from libgz.view.protocol import LARGEST_MESSAGE, read_message
+from libgz.view.protocol import LARGEST_MESSAGE, LARGEST_OF_WATCHERS, read_message
 
 __all__ = ["Page", "Pages"]
 
@@ -27,6 +27,7 @@ QUIET = logging.getLogger("libgz.view.port")
 QUIET.setLevel(logging.CRITICAL)
 
 MOST_CONNECTIONS = 200  # to the port
+MOST_DRAWING = 50  # requests for portraits that wait
 MOST_TRIES = 200  # ports
 MOST_WAITING = 400  # messages to a page that have not been sent
 LARGEST_WAITING = 64 << 20  # [byte] of them
@@ -131,7 +132,8 @@ class Pages(Closing):
         self._connections: set[Any] = set()
         self._silent: set[Any] = set()  # connections without a request
         self._count = 0
-        self._readers = ThreadPoolExecutor(2, "assets")
+        self._readers, self._drawers = ThreadPoolExecutor(2, "assets"), ThreadPoolExecutor(1, "portraits")
+        self._drawing = 0  # requests for portraits
         self._loop = asyncio.new_event_loop()
         self._server: web.Server
         self._listener: asyncio.Server | None = None
@@ -202,16 +204,26 @@ class Pages(Closing):
             return refusal
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return await self._talk(request)
-        return await self._loop.run_in_executor(self._readers, self.gate.answer, request)
+        if not self.gate.is_slow(request):
+            return await self._loop.run_in_executor(self._readers, self.gate.answer, request)
+        if self._drawing >= MOST_DRAWING:
+            return web.Response(status=503, text="too many portraits are asked for")
+        self._drawing += 1
+        try:
+            return await self._loop.run_in_executor(self._drawers, self.gate.answer, request)
+        finally:
+            self._drawing -= 1
 
     async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
         """Serve the socket of a page until it ends."""
         if self.gate.local_path(request) != "/socket":
             return web.Response(status=404, text="there is nothing here")
-        socket = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=LARGEST_MESSAGE, compress=False)
+        may_control = self.gate.may_control(request)
+        largest = LARGEST_MESSAGE if may_control else LARGEST_OF_WATCHERS
+        socket = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False)
         await socket.prepare(request)
         self._count += 1
-        page = Page(self._count, self.gate.may_control(request), self._loop)
+        page = Page(self._count, may_control, self._loop)
         self._pages[page.number] = page
         self._sockets.add(socket)
         sender = self._loop.create_task(page.send_all(socket, request.transport))
@@ -223,7 +235,8 @@ class Pages(Closing):
                     page.pending += 1
                     self._on_message(page, message)
                 await asyncio.sleep(page.pause())
-                while page.pending >= MOST_PENDING and not self._closed:
+                most = MOST_PENDING if raw.data is None or len(raw.data) < LARGEST_OF_WATCHERS else 1
+                while page.pending >= most and not self._closed:
                     await asyncio.sleep(0.02)
         finally:
             self._pages.pop(page.number, None)
@@ -240,7 +253,8 @@ class Pages(Closing):
         with contextlib.suppress(Exception):
             asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(2.0 * END)
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._readers.shutdown(wait=False, cancel_futures=True)
+        for threads in (self._readers, self._drawers):
+            threads.shutdown(wait=False, cancel_futures=True)
         self._thread.join(END)
         if not self._thread.is_alive():
             self._loop.close()

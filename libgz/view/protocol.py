@@ -33,12 +33,22 @@ import numpy as np
 
 from libgz.transport.observer import ObservedState
 
-__all__ = ["CHANNELS", "LARGEST_MESSAGE", "VERBS", "image_message", "read_message", "scene_message", "state_message"]
+__all__ = [
+    "CHANNELS",
+    "LARGEST_MESSAGE",
+    "LARGEST_OF_WATCHERS",
+    "VERBS",
+    "image_message",
+    "read_message",
+    "scene_message",
+    "state_message",
+]
 
 STATE, IMAGE, SCENE = 1, 2, 3
 CHANNELS = ("images", "ranges", "contacts", "fields", "console", "overlays")
 MOST_NAMES, LONGEST_NAME = 500, 300  # that a page can want of a channel
-LARGEST_MESSAGE = 4 << 20  # [byte] of a page: a mesh that is dropped into it, at most
+LARGEST_MESSAGE = 36 << 20  # [byte] of a page that may control: a mesh that is dropped into it
+LARGEST_OF_WATCHERS = 1 << 20  # [byte]
 LARGEST_NUMBER = 1e9  # of a message: metres, seconds
 DEEPEST = 8
 # What a page can ask of the server. Code, topics and files by name are not among it, whatever the server would answer.

@@ -23,6 +23,7 @@ from libgz.view.driving import Driver, Robot, robots_of
 from libgz.view.gate import Gate
 from libgz.view.pages import Page, Pages
 from libgz.view.parts import STEERED, interface_parts
+from libgz.view.portraits import Portraits
 from libgz.view.protocol import CHANNELS, VERBS, scene_message, state_message, wanted_names
 from libgz.view.source import Controls, Overlay, Source
 
@@ -36,9 +37,12 @@ LOG_PERIOD, RETRY = 0.25, 0.5  # [s]
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
 MOST_REQUESTS, MOST_OF_WATCHERS = 50, 10  # of all pages that have not been answered, when another one comes
+MOST_MESHES = 2  # the same, when a file of a user comes
 FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
 READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
-CAN_SHOW = frozenset({"interfaces", "publish", "contacts", "readings", "problems"})  # what pages offer because of it
+CAN_SHOW = frozenset(
+    {"interfaces", "publish", "contacts", "readings", "problems", "portrait"}
+)  # what pages offer because of it
 # What a text that a page inserts may not have: it would run code, expand macros, or hide one of both.
 CODE = re.compile(r"plugin|xacro|<!", re.IGNORECASE)
 ENDED = "The server has ended. Waiting for the next one ..."
@@ -104,7 +108,8 @@ class Viewer(Closing):
         self._ended = threading.Event()
         self.assets = Assets(source)
         self.controllers = Controllers()
-        self._gate = Gate(host, self.assets, token)
+        self._portraits = Portraits(self._portrait_text)
+        self._gate = Gate(host, self.assets, self._portraits, token)
         self._pages = Pages(
             self._gate,
             port,
@@ -146,6 +151,7 @@ class Viewer(Closing):
                 self.driver.choose(None)
         self._asking.shutdown(wait=False, cancel_futures=True)
         self._pages.close()
+        self._portraits.close()
 
     # The loop --------------------------------------------------------------------------------------------------------
 
@@ -343,6 +349,12 @@ class Viewer(Closing):
         with contextlib.suppress(RuntimeError):  # the viewer is closed
             self._asking.submit(work)
 
+    def _portrait_text(self, model: str) -> str | None:
+        """What a portrait of a model of the catalogue is made of; in the thread that makes it."""
+        if self.controls is None or "portrait" not in self._can:
+            return None
+        return str(self.controls.ask("portrait", model=model)["text"])
+
     def _obey(self, page: Page, message: dict[str, Any]) -> None:
         """A message of a page."""
         page.pending -= 1
@@ -401,6 +413,7 @@ class Viewer(Closing):
         """Send a request of a page to the server."""
         controls = self.controls
         most = MOST_REQUESTS if page is self.controllers.page else MOST_OF_WATCHERS
+        most = MOST_MESHES if verb == "mesh" else most
         with self._requests_lock:
             if controls is None or self._requests >= most:
                 raise GazeboError("the server has not answered the requests before; try again later")

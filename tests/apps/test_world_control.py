@@ -1,5 +1,6 @@
 """What viewers ask of a running world, in both eras."""
 
+import base64
 import json
 import logging
 
@@ -92,6 +93,63 @@ def test_models_of_the_catalogue_are_inserted(ask):
         ask("insert", model=wanted, pose=[place, -4.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     assert len(ask.world.models) == before + 2
     assert [round(model.GetPose().pos.x, 1) for model in ask.world.models[before:]] == [3.0, 6.0]
+
+
+def test_models_of_installed_worlds_are_inserted(ask):
+    names = [name for name in ask("catalogue") if "/" in name and "://" not in name]
+    if ask.world.sdf is not None:
+        assert not names
+        return
+    assert {"pioneer2at/robot1", "pioneer2at/crate", "shrimp/robot1"} <= set(names)
+    ask("pause", "on")
+    for name in names:
+        new = ask("insert", model=name, pose=[30.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        assert new
+        ask("delete", name=new[0])
+    assert ask("insert", model="pioneer2at/robot1") == ["robot2", "laser2"]
+
+
+CORNERS = {"o": "0 0 5", "x": "200 0 5", "y": "0 100 5", "z": "0 0 305"}  # of a tetrahedron [mm]
+FACETS = "".join(
+    f"facet normal 0 0 0\nouter loop\n{''.join(f'vertex {CORNERS[one]}{chr(10)}' for one in names)}endloop\nendfacet\n"
+    for names in ("oxy", "oyz", "ozx", "xzy")
+)
+STL = f"solid s\n{FACETS}endsolid s\n".encode()
+
+
+def test_a_dropped_mesh_becomes_a_model(ask, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    data = base64.b64encode(STL).decode()
+    ask("pause", "on")
+    for expected in ("mesh_my_part", "mesh_my_part_2"):
+        [new] = ask("mesh", file="../My part.STL", data=data, pose=[3.0, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        assert (tmp_path / ".gazebo/models" / expected / "model.config").is_file()
+        low, high = np.array([g.bounds() for b in ask.world.model(new).bodies for g in b.geoms], float).reshape(
+            -1, 2, 3
+        )[0]
+        assert np.allclose(high - low, [0.2, 0.1, 0.3], atol=1e-6)  # from millimetres
+        assert np.allclose(0.5 * (low + high), [3.0, 2.0, 0.15], atol=0.01)
+        assert ask.world.model(new).bodies[0].GetMass().mass == pytest.approx(0.6)
+    ask("undo")
+    with pytest.raises(GazeboError):
+        ask.world.model(new)
+    ask("redo")
+    assert ask.world.model(new)
+    if ask.world.sdf is not None:
+        assert "model://mesh_my_part" in ask("catalogue")
+    kept = sorted(one.name for one in (tmp_path / ".gazebo/models").iterdir())
+    assert kept == ["mesh_my_part", "mesh_my_part_2"]
+    for file, content in (
+        ("a.png", data),
+        ("a.stl", ""),
+        ("a.stl", "?"),
+        ("a.stl", None),
+        ("a.stl", "AAAA"),
+        ("a.obj", ""),
+    ):
+        with pytest.raises(GazeboError, match=r"mesh|empty"):
+            ask("mesh", file=file, data=content)
+    assert sorted(one.name for one in (tmp_path / ".gazebo/models").iterdir()) == kept
 
 
 def test_rewinding_and_saving(ask, tmp_path, monkeypatch):

@@ -2,10 +2,12 @@
 
 import asyncio
 import contextlib
+import io
 import json
 import re
 import socket
 import struct
+import sys
 import threading
 import time
 import urllib.error
@@ -14,13 +16,21 @@ import urllib.request
 import aiohttp
 import numpy as np
 import pytest
+from PIL import Image
 from view_sockets import Socket, running
 
 from libgz.base.errors import GazeboError, NotFoundError
 from libgz.transport.observer import ObservedState
-from libgz.view import pages
+from libgz.view import pages, portraits
 from libgz.view.protocol import read_message
 from libgz.view.viewer import Viewer
+
+TEXTS = {
+    "pioneer2at/robot1": "<model:Pioneer2AT><id>robot1</id></model:Pioneer2AT>",
+    "model://box": "<model name='box'><plugin name='p' filename='libnone.so'/><link name='l'><visual name='v'>"
+    "<geometry><box><size>1 1 1</size></box></geometry></visual></link></model>",
+    "TruthWidget": "<model:TruthWidget><id>truth1</id></model:TruthWidget>",
+}
 
 
 class Nothing:
@@ -39,13 +49,15 @@ class Nothing:
 class Counting:
     """Controls that count what is asked."""
 
-    abilities = frozenset({"pause", "publish", "reload", "insert", "catalogue", "write", "describe", "move"})
+    abilities = frozenset({"pause", "publish", "insert", "catalogue", "write", "describe", "move", "portrait"})
 
     def __init__(self):
         self.asked = []
 
     def ask(self, verb, argument="-", **content):
         self.asked.append((verb, argument, content))
+        if verb == "portrait":
+            return {"text": TEXTS.get(content["model"], "<model:Nothing/>")}
         return ["box"] if verb == "catalogue" else None
 
     def interface(self, kind, id):
@@ -94,6 +106,28 @@ def test_the_token_is_in_the_address_and_nowhere_else(viewer):
         assert token.encode() not in body
         assert headers["Cache-Control"] == "no-store"
         assert headers["Referrer-Policy"] == "no-referrer"
+
+
+def test_portraits_of_the_catalogue(viewer):
+    own = f"/{token_of(viewer)}/portraits/"
+    for name in ("pioneer2at%2Frobot1", "model%3A%2F%2Fbox"):
+        status, headers, body = get(viewer, own + name)
+        assert (status, headers["Content-Type"]) == (200, "image/jpeg")
+        image = np.asarray(Image.open(io.BytesIO(body)).convert("RGB"))
+        assert image.shape == (192, 256, 3)
+        assert image[60:130, 90:160].std() > 10.0  # something is in its middle
+        assert get(viewer, f"/portraits/{name}")[0] == 404
+    for name in ("TruthWidget", "unknown", ".."):  # nothing of them is seen
+        assert get(viewer, own + name)[0] == 404
+
+
+def test_a_process_of_portraits_that_dies_is_started_again(monkeypatch):
+    monkeypatch.setattr(portraits, "run_module", lambda _: [sys.executable, "-c", "input(); import os; os.abort()"])
+    with portraits.Portraits(lambda name: name) as made:
+        for i in range(portraits.MOST_FAILURES):
+            assert made.get(f"a {i}") is None
+        monkeypatch.setattr(portraits, "run_module", lambda _: pytest.fail("it was started once more"))
+        assert made.get("b") is None
 
 
 @pytest.mark.parametrize(

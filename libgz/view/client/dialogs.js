@@ -8,11 +8,11 @@ import { isOffered, keyName, labelOf } from 'libgz/actions.js';
 import { element, fill, setText, show } from 'libgz/dom.js';
 import { icon } from 'libgz/icons.js';
 
-/** @typedef {{ name: string, title: string, group: string, about: string, picture: string }} Model */
+/** @typedef {{ name: string, title: string, group: string, about: string }} Model */
 
-const LARGEST = 32 << 20; // [bytes] of a file that is dropped
+const LARGEST = 24 << 20; // [bytes] of a file that is dropped
 const DESCRIPTIONS = ['sdf', 'urdf', 'world', 'xml', 'xacro'];
-const MESHES = ['dae', 'stl', 'obj', 'glb', 'gltf'];
+const MESHES = ['dae', 'stl', 'obj', 'glb'];
 const DRIVING = [
   ['W A S D', 'Drive forward, left, back, right'],
   ['Arrows', 'Drive, if a robot is chosen; else move the camera, or step a paused world'],
@@ -110,7 +110,11 @@ export class Dialogs {
     const all = this.catalogue;
     const draw = () => {
       const wanted = search.value.trim().toLowerCase();
-      const shown = all.filter((one) => `${one.title} ${one.name} ${one.group}`.toLowerCase().includes(wanted));
+      const words = wanted.split(/\s+/);
+      const shown = all.filter((one) => {
+        const text = `${one.title} ${one.name} ${one.group} ${one.about}`.toLowerCase();
+        return words.every((word) => text.includes(word));
+      });
       /** @type {import('libgz/dom.js').Child[]} */
       const cards = [];
       let group = '';
@@ -134,7 +138,7 @@ export class Dialogs {
                 },
               },
             },
-            one.picture ? element('img', { src: one.picture, alt: '', loading: 'lazy' }) : element('span', { class: 'card-icon' }, icon('model')),
+            this.#portrait(one.name),
             element('span', { class: 'card-title', text: one.title }),
           ),
         );
@@ -160,6 +164,17 @@ export class Dialogs {
     });
     draw();
     search.focus();
+  }
+
+  /** The portrait of a model of the catalogue; an icon until it has come, and where there is none. @param {string} name */
+  #portrait(name) {
+    const frame = element('span', { class: 'card-portrait' }, icon('model'));
+    if (!this.workplace.store.abilities.has('portrait')) return frame;
+    const image = element('img', { src: `portraits/${encodeURIComponent(name)}`, alt: '', loading: 'lazy', width: 256, height: 192 });
+    image.addEventListener('load', () => frame.classList.add('shown'));
+    image.addEventListener('error', () => image.remove());
+    frame.append(image);
+    return frame;
   }
 
   /**
@@ -238,8 +253,13 @@ export class Dialogs {
       event.preventDefault();
       if (!fits(event)) return;
       const place = stage.place(event.clientX, event.clientY) ?? [0, 0, 0];
-      for (const file of event.dataTransfer.files) void this.#insertFile(file, place);
+      void this.#insertFiles([...event.dataTransfer.files], place);
     });
+  }
+
+  /** @param {File[]} files @param {ArrayLike<number>} place */
+  async #insertFiles(files, place) {
+    for (const file of files) await this.#insertFile(file, place);
   }
 
   /** @param {File} file @param {ArrayLike<number>} place */
@@ -349,9 +369,9 @@ export class Dialogs {
  */
 function models(list) {
   return list.map((entry) => {
-    const { name, title, group, about, picture } = typeof entry === 'string' ? { name: entry } : /** @type {any} */ (entry);
+    const { name, title, group, about } = typeof entry === 'string' ? { name: entry } : /** @type {any} */ (entry);
     const text = String(name);
-    return { name: text, title: String(title ?? text.replace(/^model:\/\//, '')), group: String(group ?? ''), about: String(about ?? ''), picture: String(picture ?? '') };
+    return { name: text, title: String(title ?? text.replace(/^model:\/\//, '')), group: String(group ?? ''), about: String(about ?? '') };
   });
 }
 

@@ -413,6 +413,7 @@ from libgz.simulation.batch import Batch as Batch
 from libgz.simulation.exchange import Exchange as Exchange
 from libgz.simulation.plan import Plan as Plan, handler as handler
 from libgz.simulation.rate import UpdateRate as UpdateRate
+from libgz.simulation.worlds import Worlds as Worlds
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE as GAZEBO_MAX_MODEL_TYPE,
     LIBGAZEBO_VERSION as LIBGAZEBO_VERSION,

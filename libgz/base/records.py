@@ -18,6 +18,7 @@ __all__ = [
     "BeginRecord",
     "CastRecord",
     "ClockRecord",
+    "JobRecord",
     "Kind",
     "LawRecord",
     "LinkRecord",
@@ -232,6 +233,21 @@ class UpdatesRecord(ctypes.Structure):
     _fields_ = [("tables", c_void_p), ("clock", c_void_p), ("rows", c_void_p), ("wanted", c_void_p)]
 
 
+class JobRecord(ctypes.Structure):
+    """`job` in crew.c: rows of a world that are done step after step, for so long [s] at most."""
+
+    _fields_ = [
+        ("updates", c_void_p),
+        ("count", c_int64),
+        ("steps", c_void_p),
+        ("seconds", c_double),
+        ("row", c_int64),
+        ("next", c_void_p),
+    ]
+
+    row: int
+
+
 class PaceRecord(ctypes.Structure):
     """Sim time at a speed: simulated seconds per second of real time since a start on the monotonic clock [s].
 
@@ -246,7 +262,7 @@ class PaceRecord(ctypes.Structure):
 
 _MIRRORS: tuple[Any, ...] = (
     *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, CastRecord, OperationRecord, LawRecord),
-    *(BeginRecord, PublishRecord, PostRecord, UpdatesRecord, SwitchRecord, TextRecord, PaceRecord),
+    *(BeginRecord, PublishRecord, PostRecord, UpdatesRecord, SwitchRecord, TextRecord, PaceRecord, JobRecord),
 )
 
 

@@ -2,12 +2,11 @@
  *
  * ODE's own queue is shared by all worlds of the process. Calls of a step that was abandoned stay in it for ever, and
  * every later step of any world walks past them: after 20,000 such steps, that of a single box takes 300 times as long.
- * This queue can be emptied. It does the calls in the order in which ODE's own does them without threads: the last one
- * that is ready comes first. The caller holds the lock of locking.c.
+ * So each world has a queue of its own, which can be emptied. It does the calls in the order in which ODE's own does them
+ * without threads: the last one that is ready comes first.
  */
 #include "calls.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 
 typedef struct call {
@@ -23,43 +22,47 @@ typedef struct call {
     size_t index;
 } call;
 
-char gz_calls;
-static call *all, *queue, *unused;
-static int64_t made;
-
-int64_t gz_calls_made(void) { return made; }
-
-static void set_aside(call *c)
+static void set_aside(call_queue *q, call *c)
 {
-    c->next = unused;
-    unused = c;
+    c->next = q->unused;
+    q->unused = c;
 }
 
-void gz_drop_calls(void)
+void gz_drop_calls(call_queue *q)
 {
     call *c;
-    queue = unused = NULL;
-    for (c = all; c; c = c->older)
-        set_aside(c);
+    q->queue = q->unused = NULL;
+    for (c = q->all; c; c = c->older)
+        set_aside(q, c);
 }
 
-static int make_call(void)
+void gz_free_calls(call_queue *q)
+{
+    while (q->all) {
+        call *c = q->all;
+        q->all = c->older;
+        free(c);
+    }
+    *q = (call_queue){0};
+}
+
+static int make_call(call_queue *q)
 {
     call *c = malloc(sizeof *c);
     if (!c)
         return 0;
-    c->older = all;
-    all = c;
-    made++;
-    set_aside(c);
+    c->older = q->all;
+    q->all = c;
+    q->made++;
+    set_aside(q, c);
     return 1;
 }
 
 static int reserve(void *owner, size_t count)
 {
-    (void)owner;
-    while ((size_t)made < count)
-        if (!make_call())
+    call_queue *q = owner;
+    while ((size_t)q->made < count)
+        if (!make_call(q))
             return 0;
     return 1;
 }
@@ -67,16 +70,16 @@ static int reserve(void *owner, size_t count)
 static void post(void *owner, int *failed, void **posted, size_t waits_for, void *then, void *wait,
                  call_function *function, void *argument, size_t index, const char *name)
 {
+    call_queue *q = owner;
     call *c;
-    (void)owner;
     (void)wait;
     (void)name;
-    if (!unused && !make_call())
+    if (!q->unused && !make_call(q))
         gz_abandon_step();
-    c = unused;
-    unused = c->next;
-    *c = (call){c->older, queue, then, waits_for, 0, 0, failed, function, argument, index};
-    queue = c;
+    c = q->unused;
+    q->unused = c->next;
+    *c = (call){c->older, q->queue, then, waits_for, 0, 0, failed, function, argument, index};
+    q->queue = c;
     if (posted)
         *posted = c;
 }
@@ -88,9 +91,9 @@ static void add_waits(void *owner, void *target, ptrdiff_t count)
 }
 
 /* The first one that waits for nothing; NULL without any. */
-static call *take(void)
+static call *take(call_queue *q)
 {
-    call **place = &queue, *c;
+    call **place = &q->queue, *c;
     while (*place && (*place)->waits_for)
         place = &(*place)->next;
     c = *place;
@@ -103,7 +106,7 @@ static call *take(void)
 }
 
 /* One thing less to wait for; a call that was started and waits for nothing more is over, also for the one after it. */
-static void release(call *c)
+static void release(call_queue *q, call *c)
 {
     while (c && !--c->waits_for && c->started) {
         call *then = c->then;
@@ -111,7 +114,7 @@ static void release(call *c)
             *c->result = c->failed;
         if (then)
             then->failed |= c->failed;
-        set_aside(c);
+        set_aside(q, c);
         c = then;
     }
 }
@@ -119,14 +122,13 @@ static void release(call *c)
 static void run(void *owner, int *done, void *wait, const void *timeout, const char *name)
 {
     call *c;
-    (void)owner;
     (void)wait;
     (void)timeout;
     (void)name;
-    while ((c = take())) {
+    while ((c = take(owner))) {
         if (!c->function(c->argument, c->index, c))
             c->failed = 1;
-        release(c);
+        release(owner, c);
     }
     if (done)
         *done = 1;

@@ -4,6 +4,7 @@
 #define LIBGZ_ODE_CALLS_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 typedef int call_function(void *argument, size_t index, void *call);
 
@@ -26,10 +27,16 @@ typedef struct {
 } call_functions;
 
 extern const call_functions gz_call_functions;
-extern char gz_calls; /* its address is the queue for ODE */
+
+/* The calls of a world; zeros at first. Its address is the owner for ODE. */
+typedef struct {
+    struct call *all, *queue, *unused;
+    int64_t made;
+} call_queue;
 
 /* Forget the calls of a step that was abandoned. */
-void gz_drop_calls(void);
+void gz_drop_calls(call_queue *q);
+void gz_free_calls(call_queue *q);
 
 /* locking.c: abandon the step in which this happens. */
 void gz_abandon_step(void);

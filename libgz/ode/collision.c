@@ -128,7 +128,7 @@ double gz_overlap(context *c, void *geom1, void *geom2)
     contact points[MOST_CONTACTS];
     double deepest = -1.0;
     int count, i;
-    enter_ode();
+    enter_ode(c);
     count = find_points(c, geom1, geom2, MAX_CONTACTS, points);
     for (i = 0; i < count; i++)
         deepest = larger(deepest, points[i].geom.depth);

@@ -143,23 +143,3 @@ void gz_set_contacts(context *c, const contact_record *records, int64_t count)
     for (i = 0; i < count; i++)
         c->pending[i].joint = NULL;
 }
-
-/* Free the memory of what is recorded in a step. */
-void gz_free_contacts(context *c)
-{
-    free(c->records);
-    free(c->pending);
-    free(c->touches);
-    free(c->overlaps);
-    free(c->points);
-    free(c->earlier);
-    c->points = NULL;
-    c->earlier = NULL;
-    c->point_count = c->point_capacity = c->earlier_count = c->earlier_capacity = 0;
-    c->overlaps = NULL;
-    c->overlap_count = c->overlap_capacity = 0;
-    c->records = NULL;
-    c->pending = NULL;
-    c->touches = NULL;
-    c->record_count = c->record_capacity = c->touch_count = c->touch_capacity = 0;
-}

@@ -107,6 +107,9 @@ class StepContext(ctypes.Structure):
         ("earlier", c_void_p),
         ("held_count", c_int64),
         ("held", c_void_p),
+        ("work", c_void_p),
+        ("alone", c_int64),
+        ("iterating", c_int64),
     ]
 
 

@@ -8,9 +8,6 @@
 #include "memory.h"
 #include "step.h"
 
-member *members;
-static int64_t member_capacity;
-
 enum { FAST_ROWS = 60, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
 enum { ALL_EXACT, ALL_QUICK, MIXED };
 
@@ -19,28 +16,29 @@ member alone(int64_t row, int fast)
     return (member){.root = row, .fast = fast, .next = -1, .first = -1, .last = -1, .touch = -1, .last_touch = -1};
 }
 
-int have_members(int64_t count)
+int have_members(const context *c)
 {
-    member *grown = enlarged(members, &member_capacity, count, sizeof *grown);
+    member *grown = enlarged(c->work->members, &c->work->member_capacity, c->body_count, sizeof *grown);
     if (grown)
-        members = grown;
+        c->work->members = grown;
     return grown != NULL;
 }
 
 /* Take two bodies, one of which may be the world (-1), for one island. */
 void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touching)
 {
+    member *members = c->work->members;
     if (one < 0 || !c->bodies[one])
         one = two;
     if (one < 0 || !c->bodies[one])
         return;
-    one = root_of(one);
+    one = root_of(members, one);
     members[one].rows += rows;
     members[one].touching |= touching;
     members[one].joined |= !touching;
     if (two < 0 || !c->bodies[two])
         return;
-    two = root_of(two);
+    two = root_of(members, two);
     if (two == one)
         return;
     members[two].root = one;
@@ -53,6 +51,7 @@ void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touchin
 /* Find the islands, and which of them are solved exactly. */
 static int sort_islands(context *c)
 {
+    member *members = c->work->members;
     int64_t i;
     int exact = 0, quick = 0;
     for (i = 0; i < c->body_count; i++) {
@@ -72,7 +71,7 @@ static int sort_islands(context *c)
         const member *root;
         if (!c->bodies[i])
             continue;
-        root = members + root_of(i);
+        root = members + root_of(members, i);
         members[i].quick = root->rows > (root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS);
         if (!root->rows || root->solved || !dBodyIsEnabled(c->bodies[i]))
             continue;
@@ -85,6 +84,7 @@ static int sort_islands(context *c)
 /* Disable the bodies that are, or are not, solved by iteration. */
 static void set_aside(const context *c, int quick)
 {
+    member *members = c->work->members;
     int64_t i;
     for (i = 0; i < c->body_count; i++)
         if (c->bodies[i] && members[i].quick == quick && dBodyIsEnabled(c->bodies[i])) {
@@ -96,6 +96,7 @@ static void set_aside(const context *c, int quick)
 /* Enable all bodies that were set aside, without restarting the time they have been idle for. */
 void bring_back(const context *c)
 {
+    member *members = c->work->members;
     int64_t i;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
@@ -117,14 +118,24 @@ void bring_back(const context *c)
     }
 }
 
+/* The quick solver's step; 0 when ODE ran out of memory. */
+static int iterate(context *c)
+{
+    int done;
+    begin_iterations(c);
+    done = dWorldQuickStep(c->world, c->step);
+    end_iterations(c);
+    return done;
+}
+
 /* Move everything; 0 when ODE ran out of memory. */
 int move_bodies(context *c)
 {
     int kind = !c->quick ? ALL_EXACT : ALL_QUICK, done;
-    if (solves_islands(c) && have_members(c->body_count))
+    if (solves_islands(c) && have_members(c))
         kind = sort_islands(c);
     if (kind == ALL_QUICK)
-        return dWorldQuickStep(c->world, c->step);
+        return iterate(c);
     if (kind == ALL_EXACT)
         return dWorldStep(c->world, c->step);
     c->parted = 1;
@@ -132,7 +143,7 @@ int move_bodies(context *c)
     done = dWorldStep(c->world, c->step);
     bring_back(c);
     set_aside(c, 0);
-    done = dWorldQuickStep(c->world, c->step) && done;
+    done = iterate(c) && done;
     bring_back(c);
     c->parted = 0;
     return done;

@@ -39,26 +39,79 @@ void gz_step_bind(void *const *addresses)
     dSetDebugHandler(on_failed_assertion);
 }
 
-/* Have ODE queue the calls of this world's steps in calls.c. */
-void gz_use_calls(void *world) { dWorldSetStepThreadingImplementation(world, &gz_call_functions, &gz_calls); }
+/* Worlds step beside each other, in threads of their own, for ctypes lets other threads run meanwhile; but two things of
+ * ODE are shared by all worlds of a process. Its colliders of meshes and height fields use common memory: so a world with
+ * such shapes has ODE alone while it collides. And there is one state of random numbers, which only the iterations
+ * of the quick solver use: these go one after the other. */
+static pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER, iterations = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t left = PTHREAD_COND_INITIALIZER;
+static int64_t inside;        /* worlds that are in ODE; -1: one that has it alone */
+static int64_t waiting_alone; /* worlds that wait until they have it alone, before others enter */
 
-/* ODE's solver and mesh colliders use memory that all worlds of a process share, and ctypes lets other threads run
- * meanwhile; so only one thread at a time may be in ODE. */
-static pthread_mutex_t ode_lock = PTHREAD_MUTEX_INITIALIZER;
-
-/* A forked child does not have the thread that may hold the lock, and its step is not continued. */
+/* A forked child does not have the threads that may be in ODE, and their steps are not continued. */
 static void free_in_child(void)
 {
-    gz_drop_calls();
-    pthread_mutex_init(&ode_lock, NULL);
+    pthread_mutex_init(&gate, NULL);
+    pthread_mutex_init(&iterations, NULL);
+    pthread_cond_init(&left, NULL);
+    inside = waiting_alone = 0;
 }
 
-void enter_ode(void)
+/* NULL: what is done there collides nothing. */
+void enter_ode(const context *c)
 {
     static int prepared;
-    pthread_mutex_lock(&ode_lock);
+    pthread_mutex_lock(&gate);
     if (!prepared)
         prepared = !pthread_atfork(NULL, NULL, free_in_child);
+    if (c && c->alone) {
+        waiting_alone++;
+        while (inside)
+            pthread_cond_wait(&left, &gate);
+        waiting_alone--;
+        inside = -1;
+    } else {
+        while (inside < 0 || waiting_alone)
+            pthread_cond_wait(&left, &gate);
+        inside++;
+    }
+    pthread_mutex_unlock(&gate);
 }
 
-void leave_ode(void) { pthread_mutex_unlock(&ode_lock); }
+void leave_ode(void)
+{
+    pthread_mutex_lock(&gate);
+    inside = inside < 0 ? 0 : inside - 1;
+    if (!inside)
+        pthread_cond_broadcast(&left);
+    pthread_mutex_unlock(&gate);
+}
+
+/* Stay in ODE without having it alone. */
+void let_others_in(const context *c)
+{
+    if (!c->alone)
+        return;
+    pthread_mutex_lock(&gate);
+    inside = 1;
+    pthread_cond_broadcast(&left);
+    pthread_mutex_unlock(&gate);
+}
+
+/* Let ODE's random numbers be those of a world. */
+void begin_iterations(context *c)
+{
+    pthread_mutex_lock(&iterations);
+    c->iterating = 1;
+    dRandSetSeed((unsigned long)c->seed);
+}
+
+/* Keep them; also after a step that was abandoned meanwhile. */
+void end_iterations(context *c)
+{
+    if (!c->iterating)
+        return;
+    c->iterating = 0;
+    c->seed = dRandGetSeed();
+    pthread_mutex_unlock(&iterations);
+}

@@ -28,32 +28,25 @@ void note_overlap(context *c, const touching *t, const contact *point)
     o->share = 0.0;
 }
 
-typedef struct {
-    double mass;     /* [kg] of all its bodies; 0: it does not move */
-    double shift[3]; /* [m] */
-} group;
-
-/* `find_contacts` has numbered the bodies. */
-static group *groups; /* by the row of a body that stands for the group; guarded by ode_lock */
-static int64_t group_capacity;
-
-static int have_groups(int64_t count)
+static int have_groups(const context *c)
 {
-    group *grown = enlarged(groups, &group_capacity, count, sizeof *grown);
+    group *grown = enlarged(c->work->groups, &c->work->group_capacity, c->body_count, sizeof *grown);
     if (grown)
-        groups = grown;
+        c->work->groups = grown;
     return grown != NULL;
 }
 
-/* The group of a body; NULL if it cannot move. */
-static group *group_of(void *body)
+/* The group of a body, which `find_contacts` has numbered; NULL if it cannot move. */
+static group *group_of(const context *c, void *body)
 {
-    group *found = body ? groups + root_of(row_of(body)) : NULL;
+    group *found = body ? c->work->groups + root_of(c->work->members, row_of(body)) : NULL;
     return found && found->mass > 0.0 ? found : NULL;
 }
 
 static void find_groups(const context *c)
 {
+    member *members = c->work->members;
+    group *groups = c->work->groups;
     int64_t i;
     for (i = 0; i < c->body_count; i++)
         if (c->bodies[i]) {
@@ -67,16 +60,16 @@ static void find_groups(const context *c)
         if (c->bodies[i]) {
             body_mass one;
             dBodyGetMass(c->bodies[i], &one);
-            groups[root_of(i)].mass += one.mass;
+            groups[root_of(members, i)].mass += one.mass;
         }
     for (i = 0; i < c->body_count; i++)
         if (c->bodies[i] && dBodyIsKinematic(c->bodies[i]))
-            groups[root_of(i)].mass = 0.0;
+            groups[root_of(members, i)].mass = 0.0;
     for (i = 0; i < c->joint_count; i++)
         if (c->joints[i]) {
             int64_t one = row_of(dJointGetBody(c->joints[i], 0)), two = row_of(dJointGetBody(c->joints[i], 1));
-            if ((one < 0) != (two < 0)) /* not by `held`: another world may have collided since */
-                groups[root_of(one < 0 ? two : one)].mass = 0.0;
+            if ((one < 0) != (two < 0))
+                groups[root_of(members, one < 0 ? two : one)].mass = 0.0;
         }
 }
 
@@ -89,15 +82,15 @@ static void add_shift(group *g, const double *normal, double distance)
 
 static void spare(const context *c, overlap_record *o)
 {
-    const group *one = group_of(o->body1), *two = group_of(o->body2);
+    const group *one = group_of(c, o->body1), *two = group_of(c, o->body2);
     double mass = one && two ? smaller(one->mass, two->mass) : one ? one->mass : two ? two->mass : 0.0;
     o->depth = larger(0.0, o->depth - SPARED * o->softness * mass * sqrt(dot(c->gravity, c->gravity)));
 }
 
 /* One step of projected Gauss-Seidel for one contact. */
-static void balance(overlap_record *o)
+static void balance(const context *c, overlap_record *o)
 {
-    group *one = group_of(o->body1), *two = group_of(o->body2);
+    group *one = group_of(c, o->body1), *two = group_of(c, o->body2);
     double lightness = (one ? 1.0 / one->mass : 0.0) + (two ? 1.0 / two->mass : 0.0), missing = o->depth, share;
     if (one == two)
         return;
@@ -117,16 +110,16 @@ void set_apart(const context *c)
 {
     int64_t i;
     int round;
-    if (!c->overlap_count || !have_members(c->body_count) || !have_groups(c->body_count))
+    if (!c->overlap_count || !have_members(c) || !have_groups(c))
         return;
     find_groups(c);
     for (i = 0; i < c->overlap_count; i++)
         spare(c, c->overlaps + i);
     for (round = 0; round < SETTING_ROUNDS; round++)
         for (i = 0; i < c->overlap_count; i++)
-            balance(c->overlaps + i);
+            balance(c, c->overlaps + i);
     for (i = 0; i < c->body_count; i++) {
-        const group *g = c->bodies[i] ? group_of(c->bodies[i]) : NULL;
+        const group *g = c->bodies[i] ? group_of(c, c->bodies[i]) : NULL;
         const double *p;
         if (!g || !(dot(g->shift, g->shift) > 0.0))
             continue;

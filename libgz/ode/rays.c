@@ -148,7 +148,7 @@ static void scan(context *c, const double *frame, const double *rays, int64_t co
 void gz_scan(context *c, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
              int64_t *rows)
 {
-    enter_ode();
+    enter_ode(c);
     scan(c, frame, rays, count, owner, ranges, rows);
     leave_ode();
 }

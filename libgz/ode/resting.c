@@ -17,43 +17,47 @@ enum { SELECTIONS = 12, MOST_SELECTIONS = 100, PASSES = 8 };
 enum { UNCHANGED, TAKEN, LEFT_OUT }; /* what became of points in a selection, in this order of weight */
 #define SETTLED 1e-8 /* [m/s] */
 
-/* All are guarded by the lock of locking.c, and kept from one step to the next. */
-static double *factor, *solution;
-static int64_t factor_capacity, solution_capacity, *starts, starts_capacity;
-
-static int have_memory(const resting_body *bodies, int64_t count)
+static int have_memory(resting_memory *m, const resting_body *bodies, int64_t count)
 {
     int64_t i, r, size = 0;
-    int64_t *new_starts = enlarged(starts, &starts_capacity, MOTIONS * count, sizeof *starts);
-    double *new_solution = enlarged(solution, &solution_capacity, MOTIONS * count, sizeof *solution), *new_factor;
-    if (new_starts)
-        starts = new_starts;
-    if (new_solution)
-        solution = new_solution;
-    if (!new_starts || !new_solution)
+    int64_t *starts = enlarged(m->starts, &m->starts_capacity, MOTIONS * count, sizeof *starts);
+    double *solution = enlarged(m->solution, &m->solution_capacity, MOTIONS * count, sizeof *solution), *factor;
+    if (starts)
+        m->starts = starts;
+    if (solution)
+        m->solution = solution;
+    if (!starts || !solution)
         return 0;
     for (i = 0; i < count; i++)
         for (r = 0; r < MOTIONS; r++) {
             starts[MOTIONS * i + r] = size - MOTIONS * bodies[i].nearest; /* so that columns need no other offset */
             size += MOTIONS * (i - bodies[i].nearest) + r + 1;
         }
-    new_factor = enlarged(factor, &factor_capacity, size, sizeof *factor);
-    if (!new_factor)
+    factor = enlarged(m->factor, &m->factor_capacity, size, sizeof *factor);
+    if (!factor)
         return 0;
-    factor = new_factor;
+    m->factor = factor;
     for (i = 0; i < size; i++)
         factor[i] = 0.0;
     return 1;
 }
 
+void gz_free_resting(resting_memory *m)
+{
+    free(m->factor);
+    free(m->solution);
+    free(m->starts);
+    *m = (resting_memory){0};
+}
+
 /* Add one point's weighted rows for two bodies, of which the first is not before the second. */
-static void add_block(const resting_point *p, int one, int two)
+static void add_block(const resting_memory *m, const resting_point *p, int one, int two)
 {
     int64_t row = MOTIONS * p->body[one], column = MOTIONS * p->body[two];
     const double(*columns)[MOTIONS] = p->rows[two];
     int a, b;
     for (a = 0; a < MOTIONS; a++) {
-        double *restrict line = factor + starts[row + a] + column;
+        double *restrict line = m->factor + m->starts[row + a] + column;
         double left[DIRECTIONS] = {p->weight[0] * p->rows[one][0][a], p->weight[1] * p->rows[one][1][a],
                                    p->weight[2] * p->rows[one][2][a]};
         int width = one == two ? a + 1 : MOTIONS;
@@ -71,8 +75,11 @@ static void add_rows(const double rows[DIRECTIONS][MOTIONS], const double *facto
         sum[a] = ((sum[a] + rows[0][a] * one) + rows[1][a] * two) + rows[2][a] * three;
 }
 
-static void assemble(const resting_body *bodies, int64_t body_count, const resting_point *points, int64_t point_count)
+static void assemble(const resting_memory *m, const resting_body *bodies, int64_t body_count,
+                     const resting_point *points, int64_t point_count)
 {
+    double *factor = m->factor;
+    const int64_t *starts = m->starts;
     int64_t i;
     int a, b;
     for (i = 0; i < body_count; i++)
@@ -87,15 +94,17 @@ static void assemble(const resting_body *bodies, int64_t body_count, const resti
             continue;
         for (a = 0; a < 2; a++)
             if (p->body[a] >= 0)
-                add_block(p, a, a);
+                add_block(m, p, a, a);
         if (p->body[0] >= 0 && p->body[1] >= 0)
-            add_block(p, p->body[0] < p->body[1], p->body[0] > p->body[1]);
+            add_block(m, p, p->body[0] < p->body[1], p->body[0] > p->body[1]);
     }
 }
 
 /* Cholesky's factor within the profile; the inverse of its diagonal is stored. 0 if the matrix is not definite. */
-static int factorize(const resting_body *bodies, int64_t body_count)
+static int factorize(const resting_memory *memory, const resting_body *bodies, int64_t body_count)
 {
+    double *factor = memory->factor;
+    const int64_t *starts = memory->starts;
     int64_t i, j, k, m, row = 0;
     for (m = 0; m < body_count; m++) {
         int64_t first = MOTIONS * bodies[m].nearest, end = row + MOTIONS, n;
@@ -124,8 +133,11 @@ static int factorize(const resting_body *bodies, int64_t body_count)
 }
 
 /* The velocities, where `solution` holds the momenta. */
-static void substitute(const resting_body *bodies, int64_t body_count)
+static void substitute(const resting_memory *m, const resting_body *bodies, int64_t body_count)
 {
+    const double *factor = m->factor;
+    const int64_t *starts = m->starts;
+    double *solution = m->solution;
     int64_t i, k;
     for (i = 0; i < MOTIONS * body_count; i++) {
         const double *line = factor + starts[i];
@@ -143,20 +155,22 @@ static void substitute(const resting_body *bodies, int64_t body_count)
 }
 
 /* The velocity of a point in a direction. */
-static double speed(const resting_point *p, int k)
+static double speed(const resting_memory *m, const resting_point *p, int k)
 {
     double sum = 0.0;
     int side, a;
     for (side = 0; side < 2; side++)
         if (p->body[side] >= 0)
             for (a = 0; a < MOTIONS; a++)
-                sum = sum + p->rows[side][k][a] * solution[MOTIONS * p->body[side] + a];
+                sum = sum + p->rows[side][k][a] * m->solution[MOTIONS * p->body[side] + a];
     return sum;
 }
 
 /* One solution with the impulses that were found before; returns how much velocity the slack changed [m/s]. */
-static double repeat(const resting_body *bodies, int64_t body_count, resting_point *points, int64_t point_count)
+static double repeat(const resting_memory *m, const resting_body *bodies, int64_t body_count, resting_point *points,
+                     int64_t point_count)
 {
+    double *solution = m->solution;
     double moved = 0.0, parts[DIRECTIONS];
     int64_t i;
     int k, side, a;
@@ -173,13 +187,13 @@ static double repeat(const resting_body *bodies, int64_t body_count, resting_poi
             if (p->body[side] >= 0)
                 add_rows(p->rows[side], parts, solution + MOTIONS * p->body[side]);
     }
-    substitute(bodies, body_count);
+    substitute(m, bodies, body_count);
     for (i = 0; i < point_count; i++) {
         resting_point *p = points + i;
         if (!p->active)
             continue;
         for (k = 0; k < DIRECTIONS; k++) {
-            double impulse = p->weight[k] * (((k ? 0.0 : p->aim) + p->slack[k] * p->impulse[k]) - speed(p, k));
+            double impulse = p->weight[k] * (((k ? 0.0 : p->aim) + p->slack[k] * p->impulse[k]) - speed(m, p, k));
             double change = p->slack[k] * fabs(impulse - p->impulse[k]);
             p->impulse[k] = impulse;
             if (!(change <= moved)) /* so that a number which is none stays */
@@ -190,13 +204,13 @@ static double repeat(const resting_body *bodies, int64_t body_count, resting_poi
 }
 
 /* Leave out what pulls, and take back what bodies would enter. */
-static int select_points(resting_point *points, int64_t count)
+static int select_points(const resting_memory *m, resting_point *points, int64_t count)
 {
     int changed = UNCHANGED, k;
     int64_t i;
     for (i = 0; i < count; i++) {
         resting_point *p = points + i;
-        int active = p->active ? p->impulse[0] >= 0.0 : speed(p, 0) < p->aim;
+        int active = p->active ? p->impulse[0] >= 0.0 : speed(m, p, 0) < p->aim;
         if (active != p->active && changed != LEFT_OUT)
             changed = active ? TAKEN : LEFT_OUT;
         p->active = active;
@@ -232,7 +246,8 @@ static void add_up(resting_body *bodies, int64_t body_count, const resting_point
 }
 
 /* Find the impulses of points and bodies; 0 if contacts slide, or without memory. */
-int gz_solve_resting(resting_body *bodies, int64_t body_count, resting_point *points, int64_t point_count)
+int gz_solve_resting(resting_memory *m, resting_body *bodies, int64_t body_count, resting_point *points,
+                     int64_t point_count)
 {
     int64_t i;
     int selection, pass, k, changed;
@@ -245,17 +260,17 @@ int gz_solve_resting(resting_body *bodies, int64_t body_count, resting_point *po
         }
     }
     for (selection = 0; selection < MOST_SELECTIONS; selection++) {
-        if (!have_memory(bodies, body_count))
+        if (!have_memory(m, bodies, body_count))
             return 0;
-        assemble(bodies, body_count, points, point_count);
-        if (!factorize(bodies, body_count))
+        assemble(m, bodies, body_count, points, point_count);
+        if (!factorize(m, bodies, body_count))
             return 0;
         for (pass = 0; pass < PASSES; pass++)
-            if (repeat(bodies, body_count, points, point_count) <= SETTLED)
+            if (repeat(m, bodies, body_count, points, point_count) <= SETTLED)
                 break;
         if (pass == PASSES)
             return 0;
-        changed = select_points(points, point_count);
+        changed = select_points(m, points, point_count);
         if (changed == LEFT_OUT && selection >= SELECTIONS)
             return 0; /* where points are only taken back, there is an end: a stack lands from bottom to top */
         if (changed)

@@ -27,6 +27,15 @@ typedef struct {
     int active;
 } resting_point;
 
-int gz_solve_resting(resting_body *bodies, int64_t body_count, resting_point *points, int64_t point_count);
+/* What is kept from one island to the next; zeros at first. */
+typedef struct {
+    double *factor, *solution;
+    int64_t *starts; /* of the factor's rows */
+    int64_t factor_capacity, solution_capacity, starts_capacity;
+} resting_memory;
+
+int gz_solve_resting(resting_memory *memory, resting_body *bodies, int64_t body_count, resting_point *points,
+                     int64_t point_count);
+void gz_free_resting(resting_memory *memory);
 
 #endif

@@ -13,20 +13,16 @@ enum { RESTING_WORK = 400 }; /* bodies squared, in the profile of larger islands
 #define SLACK 1e-5 /* [-] of the inverse mass, that every direction yields at least while a system is solved */
 #define SURELY 2.0 /* times as fast as friction can stop in a step: contacts slide, however the load is shared */
 
-static resting_body *resting_bodies; /* guarded by ode_lock */
-static resting_point *resting_points;
-static int64_t *ranked; /* rows of an island's bodies, by place */
-static int64_t resting_body_capacity, resting_point_capacity, ranked_capacity;
-
 /* List the bodies and touches of each island, in their order. */
 static void list_members(const context *c)
 {
+    member *members = c->work->members;
     int64_t i;
     for (i = 0; i < c->body_count; i++) {
         member *root;
         if (!c->bodies[i])
             continue;
-        root = members + root_of(i);
+        root = members + root_of(members, i);
         if (root->first < 0)
             root->first = i;
         else
@@ -35,7 +31,7 @@ static void list_members(const context *c)
     }
     for (i = 0; i < c->touch_count; i++) {
         touch_record *t = c->touches + i;
-        member *root = members + root_of(t->body1);
+        member *root = members + root_of(members, t->body1);
         if (root->touch < 0)
             root->touch = i;
         else
@@ -106,6 +102,7 @@ static void find_friction(const context *c, const contact *p, double world_cfm, 
 static void describe_point(const context *c, const touch_record *t, const contact *p, double world_cfm, double fastest,
                            resting_point *found)
 {
+    const member *members = c->work->members;
     const surface_parameters *s = &p->surface;
     double directions[DIRECTIONS][3], mass = HUGE_VAL;
     int side, k, i;
@@ -118,7 +115,7 @@ static void describe_point(const context *c, const touch_record *t, const contac
         if (row < 0)
             continue;
         place = dBodyGetPosition(c->bodies[row]);
-        mass = smaller(mass, resting_bodies[members[row].place].mass);
+        mass = smaller(mass, c->work->resting_bodies[members[row].place].mass);
         for (k = 0; k < 3; k++)
             arm[k] = p->geom.pos[k] - place[k];
         for (k = 0; k < DIRECTIONS; k++) {
@@ -141,36 +138,39 @@ static void describe_point(const context *c, const touch_record *t, const contac
  * some do not move or are asleep. */
 static int64_t rank_bodies(const context *c, const member *root)
 {
+    member *members = c->work->members;
     int64_t i, k, count = 0;
     for (i = root->first; i >= 0; i = members[i].next) {
-        int64_t *grown = enlarged(ranked, &ranked_capacity, count + 1, sizeof *ranked);
+        int64_t *ranked = enlarged(c->work->ranked, &c->work->ranked_capacity, count + 1, sizeof *ranked);
         double fallen = dot(dBodyGetPosition(c->bodies[i]), c->gravity);
-        if (!grown || !dBodyIsEnabled(c->bodies[i]) || dBodyIsKinematic(c->bodies[i]))
+        if (!ranked || !dBodyIsEnabled(c->bodies[i]) || dBodyIsKinematic(c->bodies[i]))
             return 0;
-        ranked = grown;
+        c->work->ranked = ranked;
         members[i].fallen = fallen;
         for (k = count++; k > 0 && members[ranked[k - 1]].fallen > fallen; k--)
             ranked[k] = ranked[k - 1];
         ranked[k] = i;
     }
     for (i = 0; i < count; i++)
-        members[ranked[i]].place = i;
+        members[c->work->ranked[i]].place = i;
     return count;
 }
 
 /* Count and number the members of an island, and find which are near each other; 0 if it is of another kind. */
 static int survey_island(const context *c, const member *root, int64_t *bodies, int64_t *points)
 {
+    const member *members = c->work->members;
+    resting_body *resting_bodies;
     int64_t i, k, work = 0;
-    void *grown;
     *points = 0;
     *bodies = rank_bodies(c, root);
     if (!*bodies)
         return 0;
-    grown = enlarged(resting_bodies, &resting_body_capacity, *bodies, sizeof *resting_bodies);
-    if (!grown)
+    resting_bodies =
+        enlarged(c->work->resting_bodies, &c->work->resting_body_capacity, *bodies, sizeof *resting_bodies);
+    if (!resting_bodies)
         return 0;
-    resting_bodies = grown;
+    c->work->resting_bodies = resting_bodies;
     for (i = 0; i < *bodies; i++)
         resting_bodies[i].nearest = i;
     for (i = root->touch; i >= 0; i = c->touches[i].next) {
@@ -194,18 +194,18 @@ static int survey_island(const context *c, const member *root, int64_t *bodies, 
 /* Describe an island to resting.c; the number of its points, 0 if it is of another kind. */
 static int64_t describe_island(const context *c, const member *root, int64_t *body_count)
 {
+    const member *members = c->work->members;
     double world_cfm = dWorldGetCFM(c->world), fastest = dWorldGetContactMaxCorrectingVel(c->world);
     int64_t i, k, points;
     resting_point *p;
-    void *grown;
     if (!survey_island(c, root, body_count, &points))
         return 0;
-    grown = enlarged(resting_points, &resting_point_capacity, points, sizeof *resting_points);
-    if (!grown)
+    p = enlarged(c->work->resting_points, &c->work->resting_point_capacity, points, sizeof *p);
+    if (!p)
         return 0;
-    p = resting_points = grown;
+    c->work->resting_points = p;
     for (i = root->first; i >= 0; i = members[i].next)
-        describe_body(c, c->bodies[i], resting_bodies + members[i].place);
+        describe_body(c, c->bodies[i], c->work->resting_bodies + members[i].place);
     for (i = root->touch; i >= 0; i = c->touches[i].next)
         for (k = 0; k < c->touches[i].count; k++)
             describe_point(c, c->touches + i, &c->points[c->touches[i].first + k].point, world_cfm, fastest, p++);
@@ -230,10 +230,11 @@ static void find_effort(const context *c, const resting_point *p, int side, doub
 /* Let the contacts of an island act as efforts; their joints have no part in the step. */
 static void apply_solution(context *c, const member *root)
 {
-    const resting_point *p = resting_points;
+    const member *members = c->work->members;
+    const resting_point *p = c->work->resting_points;
     int64_t i, k;
     for (i = root->first; i >= 0; i = members[i].next) {
-        const double *impulse = resting_bodies[members[i].place].impulse;
+        const double *impulse = c->work->resting_bodies[members[i].place].impulse;
         const double *force = dBodyGetForce(c->bodies[i]), *torque = dBodyGetTorque(c->bodies[i]);
         dBodySetForce(c->bodies[i], force[0] + impulse[0] / c->step, force[1] + impulse[1] / c->step,
                       force[2] + impulse[2] / c->step);
@@ -280,6 +281,7 @@ static int point_slides(const context *c, void *body, double mass, double load, 
  * velocity, and so never seems to slide. */
 static int slides(const context *c, const member *root)
 {
+    const member *members = c->work->members;
     double whole[3] = {0.0, 0.0, 0.0}, whole_mass = 0.0, load[3];
     int64_t i, k, found = 0;
     body_mass m;
@@ -308,13 +310,14 @@ static int slides(const context *c, const member *root)
 /* Whether a body stands for an island that may rest: calm bodies that only touch. */
 static int may_rest(const context *c, int64_t i)
 {
-    const member *root = members + i;
+    const member *root = c->work->members + i;
     return c->bodies[i] && root->root == i && root->touching && !root->fast && !root->joined;
 }
 
 /* Solve islands that rest; those that cannot be solved so are left to ODE. */
 void solve_resting(context *c)
 {
+    member *members = c->work->members;
     int64_t i;
     int listed = 0;
     for (i = 0; i < c->body_count; i++) {
@@ -328,7 +331,8 @@ void solve_resting(context *c)
         if (root->touch < 0 || slides(c, root))
             continue;
         points = describe_island(c, root, &bodies);
-        if (points && gz_solve_resting(resting_bodies, bodies, resting_points, points)) {
+        if (points && gz_solve_resting(&c->work->resting, c->work->resting_bodies, bodies,
+                                       c->work->resting_points, points)) {
             root->solved = 1;
             apply_solution(c, root);
         }

@@ -239,7 +239,7 @@ static void read_order(const parts *p, tape *t)
 int64_t gz_get_state(const parts *p, unsigned char *bytes, int64_t size)
 {
     tape t = {bytes, size, 0, 0};
-    enter_ode();
+    enter_ode(NULL);
     write_order(p, &t);
     copy_bodies(p, &t);
     copy_joints(p, &t);
@@ -259,7 +259,7 @@ int gz_set_state(const parts *p, unsigned char *bytes, int64_t size)
     int done;
     if (gz_get_state(p, NULL, 0) != size)
         return 0;
-    enter_ode();
+    enter_ode(NULL);
     done = fits(p, &t);
     if (done) {
         t.at = 0;

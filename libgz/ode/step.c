@@ -104,10 +104,11 @@ enum { STEP_NEEDS_RECOVERY = 2 };
 static int solve(context *c)
 {
     volatile int done = 1; /* kept when the step is abandoned */
-    dRandSetSeed((unsigned long)c->seed);
+    gz_drop_calls(&c->work->calls); /* of a step in which the process forked */
     request_feedback(c);
     apply_springs(c);
     c->reset_row = 0;
+    c->iterating = 0;
     begin_motion(c);
     c->abandoned = 0;
     guarded = 1;
@@ -116,19 +117,19 @@ static int solve(context *c)
     else
         done = move_bodies(c);
     guarded = 0;
+    end_iterations(c);
     if (c->parted) { /* the step was abandoned meanwhile */
         c->parted = 0;
         bring_back(c);
     }
     if (c->abandoned)
-        gz_drop_calls();
+        gz_drop_calls(&c->work->calls);
     if (c->abandoned || c->own_memory)
         free_step_memory(c);
     if (done && !c->abandoned)
         set_apart(c);
     collect_feedback(c);
     dJointGroupEmpty(c->contacts);
-    c->seed = dRandGetSeed();
     c->steps++;
     c->diverged = read_bodies(c, c->body_state, 1);
     read_joints(c, c->joint_state);
@@ -158,7 +159,7 @@ static void apply_held_efforts(const context *c)
 
 void gz_collide(context *c)
 {
-    enter_ode();
+    enter_ode(c);
     apply_held_efforts(c);
     find_contacts(c);
     carry_on(c);
@@ -168,7 +169,7 @@ void gz_collide(context *c)
 int gz_solve(context *c)
 {
     int done;
-    enter_ode();
+    enter_ode(NULL);
     done = solve(c);
     leave_ode();
     return done;
@@ -181,9 +182,10 @@ int gz_step(context *c)
         c->steps++;
         return 1;
     }
-    enter_ode();
+    enter_ode(c);
     apply_held_efforts(c);
     find_contacts(c);
+    let_others_in(c);
     done = solve(c);
     leave_ode();
     return done;

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "calls.h" /* the queue of ODE's calls */
+#include "resting.h"
 
 /* ODE -------------------------------------------------------------------------------------------------------- */
 
@@ -267,6 +268,9 @@ typedef struct {
     contact_record *earlier;  /* the records of the step before */
     int64_t held_count;
     const held_effort *held;  /* applied in each step, for as long as they are there */
+    struct workspace *work;
+    int64_t alone;            /* not 0: others leave ODE to this world while it collides */
+    int64_t iterating;        /* 1: it has ODE's random numbers */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -340,7 +344,25 @@ typedef struct {
 
 enum { EXACT_ROWS = 150 }; /* of the solver, of islands that are small */
 
-extern member *members; /* by row of body; guarded by the lock of ODE */
+/* Bodies that joints connect, and that are set apart together; see overlaps.c. */
+typedef struct {
+    double mass;     /* [kg] of all its bodies; 0: it does not move */
+    double shift[3]; /* [m] */
+} group;
+
+/* Memory of the step of a world, which is kept from step to step; memory.c frees it. */
+struct workspace {
+    call_queue calls;
+    member *members; /* by row of body, like the next two */
+    group *groups;   /* by the row of a body that stands for the group */
+    char *held;      /* 1: a joint connects the body with the world */
+    int64_t *ranked; /* rows of an island's bodies, by place */
+    resting_body *resting_bodies;
+    resting_point *resting_points;
+    int64_t member_capacity, group_capacity, held_capacity, ranked_capacity;
+    int64_t resting_body_capacity, resting_point_capacity;
+    resting_memory resting;
+};
 
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 static inline double larger(double a, double b) { return a > b ? a : b; }
@@ -383,7 +405,7 @@ static inline void rotate(const double *q, const double *v, double *out)
 
 static inline int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetData(body) : -1; }
 
-static inline int64_t root_of(int64_t i)
+static inline int64_t root_of(member *members, int64_t i)
 {
     while (members[i].root != i)
         i = members[i].root = members[members[i].root].root;
@@ -391,8 +413,11 @@ static inline int64_t root_of(int64_t i)
 }
 
 /* locking.c */
-void enter_ode(void);
+void enter_ode(const context *c);
 void leave_ode(void);
+void let_others_in(const context *c);
+void begin_iterations(context *c);
+void end_iterations(context *c);
 
 /* collision.c */
 int collide_pair(context *c, void *geom1, void *geom2, int most, contact_geom *points, int skip);
@@ -427,7 +452,7 @@ void begin_motion(context *c);
 
 /* islands.c */
 member alone(int64_t row, int fast);
-int have_members(int64_t count);
+int have_members(const context *c);
 void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touching);
 void bring_back(const context *c);
 int move_bodies(context *c);

@@ -19,7 +19,7 @@ from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
 
-__all__ = ["Step", "library_path"]
+__all__ = ["LONGEST", "Step", "library_path"]
 
 
 LIBRARY = Path(__file__).with_name("_step.so")
@@ -42,7 +42,7 @@ def library_path() -> Path:
 
 
 class Step:
-    """The step of one engine. The interpreter lock is released while it runs; other worlds wait.
+    """The step of one engine. The interpreter lock is released while it runs.
 
     Raises:
         LibraryError: it was not built, or from another version of the sources.
@@ -55,7 +55,8 @@ class Step:
         self._context = context
         self._buffer, self._size = ctypes.create_string_buffer(0), c_int64(0)  # of the last state
         self._address = ctypes.addressof(context)
-        self._shared.gz_use_calls(context.world)
+        if not self._shared.gz_open(self._address):
+            raise LibraryError("there is no memory for the step of another world")
         # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
         self._publish = functools.partial(self._shared["gz_publish"], c_void_p(self._address))
@@ -81,8 +82,8 @@ class Step:
         library.gz_step_bind.argtypes = [c_void_p]
         library.gz_collide.argtypes = [c_void_p]
         library.gz_solve.argtypes = [c_void_p]
-        library.gz_free_contacts.argtypes = [c_void_p]
-        library.gz_free_contacts.restype = None
+        library.gz_open.argtypes = [c_void_p]
+        library.gz_close.argtypes, library.gz_close.restype = [c_void_p], None
         library.gz_read.argtypes = [c_void_p]
         library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
         library.gz_overlap.restype = c_double
@@ -102,8 +103,7 @@ class Step:
         addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
         library.gz_step_bind(addresses)
         library.gz_use_blocks.argtypes = [c_void_p]
-        library.gz_use_calls.argtypes, library.gz_use_calls.restype = [c_void_p], None
-        library.gz_calls_made.restype = c_int64
+        library.gz_calls_made.argtypes, library.gz_calls_made.restype = [c_void_p], c_int64
         library.gz_use_blocks((c_void_p * len(_ALLOCATORS))(*(ode().address(name) for name in _ALLOCATORS)))
         return library
 
@@ -111,6 +111,11 @@ class Step:
         """Both halves. Returns 1, 0 when ODE ran out of memory, or STEP_NEEDS_RECOVERY."""
         done: int = self._step()
         return done
+
+    @property
+    def calls_made(self) -> int:
+        """How many of the calls into which ODE divides steps have memory."""
+        return int(self._shared.gz_calls_made(self._address))
 
     def collide(self) -> None:
         """The first half: find contacts and make joints of them."""
@@ -182,5 +187,5 @@ class Step:
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:
-    """Free the memory of the contact records."""
-    library.gz_free_contacts(ctypes.addressof(context))
+    """Free the memory of the step."""
+    library.gz_close(ctypes.addressof(context))

@@ -294,17 +294,14 @@ void set_limits(const context *c, touching *t)
     t->min_depth = larger(of_bodies(t, SURFACE_MIN_DEPTH), c->surface_layer);
 }
 
-/* Bodies that a joint connects with the world, by row, for the search of contacts; guarded by ode_lock. */
-static char *held;
-static int64_t held_capacity;
-
+/* Find the bodies that a joint connects with the world, for the search of contacts. */
 void find_held(const context *c)
 {
     int64_t i;
-    char *grown = enlarged(held, &held_capacity, c->body_count, 1);
-    if (!grown)
+    char *held = enlarged(c->work->held, &c->work->held_capacity, c->body_count, 1);
+    if (!held)
         return;
-    held = grown;
+    c->work->held = held;
     memset(held, 0, (size_t)c->body_count);
     for (i = 0; i < c->joint_count; i++)
         if (c->joints[i]) {
@@ -315,10 +312,10 @@ void find_held(const context *c)
 }
 
 /* Whether a body is held so, or is the world. */
-static int is_held(void *body)
+static int is_held(const context *c, void *body)
 {
     int64_t row = body ? (int64_t)(intptr_t)dBodyGetData(body) : -1;
-    return row < 0 || (row < held_capacity && held[row]);
+    return row < 0 || (row < c->work->held_capacity && c->work->held[row]);
 }
 
 /* The smaller mass of two bodies, or that of the one that moves [kg]. */
@@ -356,7 +353,7 @@ void make_rigid(const context *c, touching *t, surface_parameters *s)
     double softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP], mass;
     t->kept = 0.0;
     t->rigid = 0;
-    if (!c->exact_rest || (is_held(t->body1) && is_held(t->body2)))
+    if (!c->exact_rest || (is_held(c, t->body1) && is_held(c, t->body2)))
         return;
     mass = lighter(t->body1, t->body2);
     if (c->step * c->step <= SOFT_RATIO * mass * softness)

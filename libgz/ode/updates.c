@@ -10,6 +10,7 @@
 #include <sys/sem.h>
 #include <unistd.h>
 
+#include "crew.h"
 #include "updates.h"
 
 int gz_step(void *context);
@@ -222,6 +223,6 @@ const int64_t *gz_updates_sizes(void)
         sizeof(tables),    sizeof(clock_record), sizeof(span),       sizeof(link_record), sizeof(row),
         sizeof(rate_record), sizeof(cast),       sizeof(operation),  sizeof(law),         sizeof(beginning),
         sizeof(publishing), sizeof(posting),     sizeof(updates),    sizeof(switch_record), sizeof(text_record),
-        sizeof(pace_record), 0};
+        sizeof(pace_record), sizeof(job), 0};
     return sizes;
 }

@@ -299,6 +299,10 @@ class Engine:
         self._ode.dHashSpaceSetLevels(self.top.id, *(WIDE_CELLS if distance > 2.0 * FAR else CELLS))
         self._context.max_distance = distance
 
+    def collide_alone(self) -> None:
+        """Let no other world collide beside this one: ODE's colliders of a shape use memory that worlds share."""
+        self._context.alone = 1
+
     # Contacts ----------------------------------------------------------------------------------------------------
 
     @property
@@ -684,9 +688,9 @@ def _destroy_world(
     lib: OdeLibrary, world: int, top: int, contacts: int, geoms: tuple[int, ...], release: Callable[[], object]
 ) -> None:
     """Free everything of one world, with what is still in the spaces."""
-    release()
     lib.dJointGroupDestroy(contacts)
     for geom in geoms:
         lib.dGeomDestroy(geom)
     lib.dSpaceDestroy(top)
     lib.dWorldDestroy(world)
+    release()

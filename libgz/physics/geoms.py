@@ -282,6 +282,7 @@ class TriMeshGeom(Geom):
         self._reshaped()
         if self.space is None:
             return  # it is only rendered
+        self.body.engine.collide_alone()
         if len(corners) == 1:
             points, corners = _halved(points[corners[0]])
         padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
@@ -427,6 +428,7 @@ class HeightfieldGeom(Geom):
             raise ParameterError(f"heights must be at least 2 x 2 numbers within +-{WIDE:g} m")
         self.size = (positive(xSize, "extent [m]"), positive(ySize, "extent [m]"))
         depth = finite(not_negative(thickness, "thickness [m]"), "thickness [m]")
+        body.engine.collide_alone()
         samples = np.ascontiguousarray(self.heights[::-1])
         rows, columns = samples.shape
         self._data = ode().dGeomHeightfieldDataCreate()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, pass_interrupt
+from libgz.base.records import JobRecord
 from libgz.simulation.entity import Entity
 from libgz.simulation.exchange import Exchange
 from libgz.simulation.plan import Plan
@@ -46,23 +47,45 @@ class Stepping:
 
     def run(self, most: int, pace: Any) -> int:
         """One step, and more as long as native code does them alone; how many."""
-        rows, made = self.world.rows, 1
+        if free := self._prepare(most):
+            return self._finish(free, self.world.rows.run_all(pace))
+        return self._run_in_python()
+
+    def run_beside(self, most: int) -> Generator[JobRecord, None, int]:
+        """`run`, for a world that steps beside others: resumed when the job that it yields is done."""
+        if free := self._prepare(most):
+            job = self.world.rows.job
+            yield job
+            return self._finish(free, job.row)
+        return self._run_in_python()
+
+    def _prepare(self, most: int) -> int:
+        """How many of the next steps native code may do, at least until a row stops it."""
+        rows = self.world.rows
         if not rows.valid or self._laws is not self._begin.entries:
             self._build_rows()
         self.world.lock.wanted.value = 0
-        if rows.native and (free := min(most, self._free_steps())) > 0:
-            self.world.engine.enter()
-            steps = rows.steps
-            steps.value = free
-            number = rows.run_all(pace)
-            made = free - steps.value
-            if made:
-                for companion in self.world.companions:
-                    companion.skipped()
-            if number < rows.count:
-                made += 1
-                self._continue_natively(number)
-        elif self.world.buttons.read():
+        if not rows.native or (free := min(most, self._free_steps())) <= 0:
+            return 0
+        self.world.engine.enter()
+        rows.steps.value = free
+        return free
+
+    def _finish(self, free: int, number: int) -> int:
+        """Do what native code has left of so many steps, from a row on; how many steps were made."""
+        rows = self.world.rows
+        made = free - rows.steps.value
+        if made:
+            for companion in self.world.companions:
+                companion.skipped()
+        if number < rows.count:
+            made += 1
+            self._continue_natively(number)
+        return made
+
+    def _run_in_python(self) -> int:
+        """Do a step whose parts Python calls; 1."""
+        if self.world.buttons.read():
             self._pause()
         else:
             self.world.agenda.stepping = True
@@ -70,7 +93,7 @@ class Stepping:
             self._advance()
             self._act()
             self._end_step(paused=False)
-        return made
+        return 1
 
     def _free_steps(self) -> int:
         """How many of the next steps consist of what rows do, and nothing else."""
@@ -86,34 +109,35 @@ class Stepping:
 
     def _continue_natively(self, number: int) -> None:
         """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
-        rows = self.world.rows
+        rows, refused = self.world.rows, number
         if number < rows.begin:
             if number == 0 and self.world.buttons.read():
                 self._pause()
                 return
             self.world.agenda.stepping = True
-            self._run_own_rows(max(number, 1), rows.begin)
-            number = rows.begin
+            self._run_own_rows(max(number, 1), rows.begin, refused)
+            number, refused = rows.begin, -1
         if number < rows.tail:
             self.world.agenda.stepping = True
             if number < rows.end:
                 self._run_rows(number)
-                number = rows.end
-            if number == rows.end and not self._free_steps():  # since an entity has connected to an event
+                number, refused = rows.end, -1
+            # An entity may have connected to an event since; a physics step that went wrong has been made.
+            if rows.end == number != refused and not self._free_steps():
                 self._advance_physics()
             else:
-                self._run_own_rows(number, rows.tail)
+                self._run_own_rows(number, rows.tail, refused)
             self._act()
-            number = rows.tail
+            number, refused = rows.tail, -1
             if not rows.valid or not self._free_steps():  # the interface that the last rows write to may have changed
                 self._end_step(paused=False)
                 return
-        self._run_own_rows(number, rows.count)
+        self._run_own_rows(number, rows.count, refused)
 
-    def _run_own_rows(self, begin: int, end: int) -> None:
-        """Do rows of the world itself."""
+    def _run_own_rows(self, begin: int, end: int, refused: int) -> None:
+        """Do rows of the world itself; one that native code has refused is not done by it again."""
         rows = self.world.rows
-        number = rows.run(begin, end)
+        number = begin if begin == refused else rows.run(begin, end)
         while number < end:
             rows.line(number).twin(self.world.engine.step_time)
             number = rows.run(rows.after_twin(number), end)

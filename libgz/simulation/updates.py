@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, Protocol
 
 from libgz.base.errors import USER_ERRORS, pass_interrupt
 from libgz.base.law import LeftToPython
-from libgz.base.records import BeginRecord, Kind, LawRecord, PublishRecord, Row, UpdatesRecord
+from libgz.base.records import BeginRecord, JobRecord, Kind, LawRecord, PublishRecord, Row, UpdatesRecord
+from libgz.ode.step import LONGEST
 from libgz.physics.engine import Engine
 from libgz.simulation.clock import Clock
 from libgz.simulation.exchange import Exchange
@@ -88,6 +89,7 @@ class UpdateRows:
         tail: where the rows begin that report the step.
         run_all: does all rows natively, for so many `steps` as Python has nothing to do in; the number of the row that
             Python has to do, or `count`. Its argument says when they are due, see `Pacer.pace`.
+        job: what `run_all` does, for a `Crew`.
         steps: how many steps `run_all` makes at most, and then how many of them are left; a ctypes number.
         count: of all rows.
         native: whether native code does the rows.
@@ -117,6 +119,7 @@ class UpdateRows:
         self.valid = False
         self._record: Any = None
         self.run_all: Callable[[Any], int] = lambda _pace: 0
+        self.job = JobRecord()
         self._rows: list[Row] = []
         self._lines: list[_Line] = []
         self._kept: list[object] = []
@@ -264,8 +267,8 @@ class UpdateRows:
         record = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, rows, wanted)))
         self._kept.append((rows, record, tables, clock, wanted))
         self._record = ctypes.byref(record)
-        if self._prepare is not None:
-            self.run_all = self._prepare(self._record, self.count, self.steps)
+        self.run_all = self._prepare(self._record, self.count, self.steps)
+        self.job = JobRecord(ctypes.addressof(record), self.count, ctypes.addressof(self.steps), LONGEST)
 
     def begin_step(self, period: int, at_start: bool, twin: Twin) -> None:
         """Count the step.

@@ -7,7 +7,7 @@ import logging
 import struct
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overload
 
@@ -25,6 +25,7 @@ from libgz.base.errors import (
 )
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
 from libgz.base.law import law
+from libgz.base.records import JobRecord
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
@@ -611,6 +612,20 @@ class World(Closing):
                     lock.pass_on()
                 count -= self._steps_alone(count)
 
+    def step_beside(self, count: int) -> Generator[JobRecord, None, None]:
+        """`step`, for `Worlds`: a generator, resumed when the job of native code is done that it yields."""
+        lock = self.lock
+        with lock:
+            while count > 0:
+                if lock.waiting:
+                    lock.pass_on()
+                self._begin_steps()
+                try:
+                    count -= yield from self._stepping.run_beside(count if self._rewind is None else 1)
+                finally:
+                    self._inside = self.agenda.stepping = False
+                self._end_steps()
+
     def step_on(self, most: int, pacer: Pacer | None = None) -> int:
         """Run one step, and more of them, `most` at most, for some milliseconds of real time; how many.
 
@@ -678,18 +693,24 @@ class World(Closing):
 
     def _steps_alone(self, most: int, pace: Any = None) -> int:
         """One step or more, in the thread that holds the lock; how many."""
-        if self._inside or self.agenda.holding or not self.clock.running:
-            self._check_ready("stepped")
-        self._inside = True
+        self._begin_steps()
         try:
             made = self._stepping.run(most if self._rewind is None else 1, pace)
         finally:
             self._inside = self.agenda.stepping = False
+        self._end_steps()
+        return made
+
+    def _begin_steps(self) -> None:
+        if self._inside or self.agenda.holding or not self.clock.running:
+            self._check_ready("stepped")
+        self._inside = True
+
+    def _end_steps(self) -> None:
         if self._rewind is not None and self._rewind.due(self.clock.sim_time):
             self._keep_state(self._rewind, self.clock.sim_time)
         if self.problems.failure is not None:
             self.problems.check()
-        return made
 
     def _keep_state(self, ring: Rewind, now: float) -> None:
         """Keep the present state for `rewind`; a SaveState that fails must not end the run."""

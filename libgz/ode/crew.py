@@ -1,0 +1,139 @@
+"""Crew: native threads that do the rows of many worlds beside each other, while Python prepares the next."""
+
+from __future__ import annotations
+
+import ctypes
+import operator
+import os
+import threading
+import weakref
+from collections.abc import Generator, Sequence
+from ctypes import c_void_p
+from typing import Any, TypeVar
+
+from libgz.base.errors import USER_ERRORS, LibraryError, ParameterError, pass_interrupt
+from libgz.base.records import JobRecord
+from libgz.ode.lib import ode
+from libgz.ode.step import library_path
+
+__all__ = ["Crew", "Task"]
+
+MOST_THREADS = 256
+
+T = TypeVar("T")
+Task = Generator[JobRecord, None, T]  # resumed when the job is done that it yields
+
+
+class Crew:
+    """Threads that do jobs of native code.
+
+    The thread that calls `run` does jobs, too, so that a crew of one has no other. They start when they are needed. A
+    child process that was forked has none of its parent's, and starts its own.
+
+    Args:
+        threads: how many there are, with the calling one; None for one a core.
+        most: of them that have something to do.
+
+    Attributes:
+        threads: how many there are, with the calling one.
+
+    Raises:
+        ParameterError: the number of threads is not 1 to 256.
+    """
+
+    def __init__(self, threads: int | None, most: int) -> None:
+        wanted = min(len(os.sched_getaffinity(0)), MOST_THREADS) if threads is None else operator.index(threads)
+        if not 1 <= wanted <= MOST_THREADS:
+            raise ParameterError(f"threads is {wanted}; allowed are 1 to {MOST_THREADS}, and None for one a core")
+        self.threads = max(1, min(wanted, most))
+        self._native: _Threads | None = None
+
+    def run(self, tasks: Sequence[Task[T]]) -> list[T | BaseException]:
+        """Run tasks beside each other: jobs in all threads, and what they do themselves in this one.
+
+        Returns:
+            What each returned, or the exception that it raised.
+
+        Raises:
+            LibraryError: there is no memory for the threads.
+        """
+        native = self._native
+        if native is None or native.process != os.getpid():
+            native = self._native = _Threads(self.threads)
+        outcomes: list[Any] = [None] * len(tasks)
+        under_way: dict[int, int] = {}  # the number of the task by the address of its job
+        add, following = native.add, native.next
+
+        def advance(number: int) -> None:
+            try:
+                job = next(tasks[number])
+            except StopIteration as end:
+                outcomes[number] = end.value
+            except USER_ERRORS as error:
+                pass_interrupt(error)
+                outcomes[number] = error
+            else:
+                under_way[ctypes.addressof(job)] = number
+                add(job)
+
+        try:
+            for number in range(len(tasks)):
+                advance(number)
+            while under_way:
+                advance(under_way.pop(following()))
+        finally:  # after Ctrl-C, threads still step
+            while under_way:
+                del under_way[following()]
+            for task in tasks:
+                task.close()
+        return outcomes
+
+    def close(self) -> None:
+        """End the threads; `run` starts new ones. Can be called twice."""
+        if self._native is not None:
+            self._native.close()
+            self._native = None
+
+
+class _Threads:
+    """The threads of one process; see crew.c."""
+
+    def __init__(self, count: int) -> None:
+        path, self.process = str(library_path()), os.getpid()
+        library, short = ctypes.CDLL(path), ctypes.PyDLL(path)  # which keeps the interpreter lock
+        library.gz_crew_new.restype = library.gz_crew_next.restype = c_void_p
+        found = library.gz_crew_new()
+        if not found:
+            raise LibraryError("there is no memory for threads that step worlds")
+        self._address = address = c_void_p(found)
+        self._add, self._next = short.gz_crew_add, library.gz_crew_next
+        workers = [
+            threading.Thread(target=_work, args=(library, address), name=f"libgz crew {number}", daemon=True)
+            for number in range(1, count)
+        ]
+        for worker in workers:
+            worker.start()
+        self.close = weakref.finalize(self, _end, library, address, workers, self.process)
+        self.close.atexit = False  # the threads end with the process
+
+    def add(self, job: JobRecord) -> None:
+        """Have a job done; who adds it keeps it until `next` has returned it."""
+        self._add(self._address, ctypes.byref(job))
+
+    def next(self) -> int:
+        """The address of a job that is done; there has to be one that was added, and not returned."""
+        return int(self._next(self._address))
+
+
+def _work(library: ctypes.CDLL, address: c_void_p) -> None:
+    ode().ensure_thread()
+    library.gz_crew_work(address)
+
+
+def _end(library: ctypes.CDLL, address: c_void_p, workers: list[threading.Thread], process: int) -> None:
+    if os.getpid() != process:
+        return  # a thread that this process does not have may hold its lock
+    library.gz_crew_end(address)
+    for worker in workers:
+        worker.join()
+    library.gz_crew_free(address)

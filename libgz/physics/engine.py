@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import VectorLike
 from libgz.base.law import law
+from libgz.base.quota import Quota
 from libgz.ode.context import HeldEffort, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
@@ -38,6 +39,7 @@ __all__ = ["SOLVERS", "Engine", "HasEngine"]
 log = logging.getLogger("libgz.physics")
 
 MAX_ITERATIONS = 100_000
+MOST_RAYS, MOST_TRIANGLES = 20_000_000, 70_000_000  # of all lasers, and of all meshes and terrains, of a world
 MOST_COMPARED = 5_000  # geoms, when a crowd is searched for
 SMALLEST_CFM = 1e-10  # ODE's default with doubles; with none at all its solvers fail on redundant joints
 CELLS, WIDE_CELLS = (-3, 10), (2, 10)  # of the hash space, as powers of two [m]: ODE's default, and for far bodies
@@ -93,6 +95,7 @@ class Engine:
         couplings: screws and gears, in order of construction.
         auto_disabled: bodies that may sleep.
         quirks: names of quirks of the legacy server that are in force.
+        rays, triangles: how many there are, and may be.
         ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         moved_dummies: bodies without an ODE body whose pose was set; who publishes their poses empties it.
         collisions: how often `collide` was called.
@@ -150,6 +153,8 @@ class Engine:
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
+        self.rays = Quota("rays of lasers and sonars", MOST_RAYS)
+        self.triangles = Quota("triangles of meshes and terrains", MOST_TRIANGLES)
         self._made: list[weakref.ref[Any]] | None = None  # where joints and rays that are made are noted
         self.moved_dummies: set[Any] = set()
         self.collisions = 0

@@ -245,6 +245,7 @@ class TriMeshGeom(Geom):
     @built
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         mesh = _checked_mesh(vertices, triangles)  # first: what is wrong leaves no geom behind
+        body.engine.triangles.set(self, len(mesh.triangles))
         super().__init__(body, space)
         self._data: int | None = None
         self._ode_vertices: NDArray[np.float64] | None = None
@@ -274,6 +275,7 @@ class TriMeshGeom(Geom):
 
     def _take(self, mesh: Mesh) -> None:
         points, corners = mesh.vertices, mesh.triangles
+        self.body.engine.triangles.set(self, len(corners))
         if np.abs(points).max() > WIDE:
             self.body.engine.extend_range()
         self.vertices, self.triangles = points, corners
@@ -297,6 +299,7 @@ class TriMeshGeom(Geom):
     def close(self) -> None:
         """Destroy the geom and its mesh."""
         super().close()
+        self.body.engine.triangles.set(self, 0)
         if self._data is not None:
             ode().dGeomTriMeshDataDestroy(self._data)
             self._data = None
@@ -428,6 +431,7 @@ class HeightfieldGeom(Geom):
             raise ParameterError(f"heights must be at least 2 x 2 numbers within +-{WIDE:g} m")
         self.size = (positive(xSize, "extent [m]"), positive(ySize, "extent [m]"))
         depth = finite(not_negative(thickness, "thickness [m]"), "thickness [m]")
+        body.engine.triangles.set(self, 2 * self.heights.size)
         body.engine.collide_alone()
         samples = np.ascontiguousarray(self.heights[::-1])
         rows, columns = samples.shape
@@ -441,6 +445,7 @@ class HeightfieldGeom(Geom):
     def close(self) -> None:
         """Destroy the geom and its heights."""
         super().close()
+        self.body.engine.triangles.set(self, 0)
         if self._data is not None:
             ode().dGeomHeightfieldDataDestroy(self._data)
             self._data = None

@@ -27,6 +27,9 @@ class RayProximity:
         world: the World.
         body: what the rays are fixed to.
         rayCount: how many.
+
+    Raises:
+        ParameterError: there are none, or with them too many rays in the world.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("_numbers",)
@@ -36,6 +39,7 @@ class RayProximity:
             raise ParameterError(f"a ray sensor has {rayCount} rays; it needs at least one")
         self.engine = world.engine
         self.body = body
+        self.engine.rays.set(self, rayCount)
         self._rays = np.zeros((rayCount, 7))
         self._rays[:, 3] = self._rays[:, 6] = 1.0
         self.ranges: NDArray[np.float64] = np.full(rayCount, sys.float_info.max)
@@ -48,6 +52,7 @@ class RayProximity:
     def close(self) -> None:
         """Take the rays out of what renderers show. Can be called twice."""
         self.engine.ray_bundles.discard(self)
+        self.engine.rays.set(self, 0)
 
     @property
     def _numbers(self) -> bytes:

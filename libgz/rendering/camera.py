@@ -41,7 +41,7 @@ class Camera(Closing):
         near, far: clipping distances [m].
 
     Raises:
-        ParameterError: an argument is out of range.
+        ParameterError: an argument is out of range, or all cameras together have too many pixels.
         LibraryError: the chosen OpenGL does not work here.
     """
 
@@ -66,6 +66,8 @@ class Camera(Closing):
             raise ParameterError(f"near clipping plane is {near:g} m; it must be at least {LEAST_NEAR} m")
         if not far > near:
             raise ParameterError(f"far clipping plane is {far:g} m; it must be beyond the near one, {near:g} m")
+        self._scene = world.extension(Scene)
+        self._scene.pixels.set(self, width * height)
         self.width, self.height, self.near, self.far = width, height, near, far
         self.options = RenderOptions()
         self.image: NDArray[np.uint8] = np.zeros((height, width, 3), dtype=np.uint8)
@@ -76,7 +78,6 @@ class Camera(Closing):
         self._shot: Shot | None = None  # of the last image
         self._pending: Future[None] | None = None  # the image that `Start` began
         self._closed = False
-        self._scene = world.extension(Scene)
         self._scene.join()
 
     @property
@@ -224,6 +225,7 @@ class Camera(Closing):
             self.Finish()
             self._shot = None
             self._scene.leave()
+            self._scene.pixels.set(self, 0)
 
 
 def horizontal_view(vertical: float, width: int, height: int) -> float:

@@ -31,6 +31,7 @@ log = logging.getLogger("libgz.rendering")
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
 BLACK = (0.0, 0.0, 0.0, 1.0)
 MOST_FINE = 4  # lists of a table on levels above FINE, or as many as one image has
+MOST_TEXELS = 8 * 8192 * 8192  # [px] of all textures
 MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
@@ -132,6 +133,8 @@ class Library:
         self._images: dict[Callable[[], NDArray[np.uint8]], int] = {}  # textures that geoms compute
         self._levels: dict[Path, tuple[Level, ...]] = {}
         self._white = 0
+        self._texels: dict[int, int] = {}  # of each texture [px], without its smaller images
+        self._full = False  # whether a texture was left out
         self._colors: tuple[object, ...] | None = None  # of the list that is being compiled
         self._damaged: set[Path] = set()
         self._skins: dict[Path, list[Mesh]] = {}
@@ -150,11 +153,27 @@ class Library:
             self.gl.glDeleteLists(self._items.pop(key).list, 1)
         images = {geom.image for item in content.items for geom in item.geoms if isinstance(geom, TriMeshGeom)}
         for image in [image for image in self._images if image not in images]:
-            number = ctypes.c_uint(self._images.pop(image))
-            self.gl.glDeleteTextures(1, ctypes.byref(number))
+            self._delete(self._images.pop(image))
+        if sum(self._texels.values()) > MOST_TEXELS // 2:
+            self._forget_files()
         for compiled in self._planes.values():
             self.gl.glDeleteLists(compiled.list, 1)
         self._planes.clear()
+
+    def _forget_files(self) -> None:
+        """Delete the textures of files, with the lists that name them; what is still shown is read again."""
+        for compiled in self._items.values():
+            self.gl.glDeleteLists(compiled.list, 1)
+        self._items.clear()
+        for number in (*self._textures.values(), *(level.number for row in self._levels.values() for level in row)):
+            self._delete(number)
+        self._textures.clear()
+        self._levels.clear()
+        self._full = False
+
+    def _delete(self, number: int) -> None:
+        self._texels.pop(number, None)
+        self.gl.glDeleteTextures(1, ctypes.byref(ctypes.c_uint(number)))
 
     def table(self, content: Content, look: Look, plain: bool) -> Table:
         """The lists of all items of the content in use; plain: their shapes alone, without materials."""
@@ -347,6 +366,8 @@ class Library:
         if not look.textures or geom.appearance.texture_file is not None or image is None:
             return self.texture(geom.appearance.texture_file if look.textures else None)
         if image not in self._images:
+            if self._is_full():
+                return 0
             smoothing = Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST
             self._images[image] = self._upload(image(), Constant.CLAMP_TO_EDGE, *smoothing)
         return self._images[image]
@@ -385,12 +406,21 @@ class Library:
     def _read(self, path: Path) -> NDArray[np.uint8] | None:
         """An image, top row first; None, and one warning, if its file cannot be read."""
         try:
-            return read_image(path)
+            return None if self._is_full() else read_image(path)
         except GazeboError as error:
             if path not in self._damaged:
                 log.warning("%s; rendered without a texture", error)
             self._damaged.add(path)
             return None
+
+    def _is_full(self) -> bool:
+        """Whether there may be no further texture; the first time it is reported."""
+        if sum(self._texels.values()) < MOST_TEXELS:
+            return False
+        if not self._full:
+            log.warning("the textures of this world have more than %d px; further ones are left out", MOST_TEXELS)
+        self._full = True
+        return True
 
     def _upload_level(self, pixels: NDArray[np.uint8], smoothing: int) -> Level:
         height, width, _ = pixels.shape
@@ -402,6 +432,7 @@ class Library:
         gl, kind, number = self.gl, Constant.TEXTURE_2D, ctypes.c_uint()
         gl.glGenTextures(1, ctypes.byref(number))
         gl.glBindTexture(kind, number.value)
+        self._texels[number.value] = upward.shape[0] * upward.shape[1]
         gl.glPixelStorei(Constant.UNPACK_ALIGNMENT, 1)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, vertical)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.geometry import GzColor, GzCoordPositionAdd, GzQuaternMul, rotate
+from libgz.base.quota import Quota
 from libgz.physics.appearance import RENDER_TRANSPARENT, Backdrop
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
@@ -30,6 +31,7 @@ __all__ = ["Scene", "SceneWorld"]
 log = logging.getLogger("libgz.rendering")
 
 VERSION = attrgetter("version")
+MOST_PIXELS = 4 * 8192 * 8192  # of all cameras of a world
 NOT_ITEMS = (DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom)
 
 
@@ -57,11 +59,16 @@ class SceneWorld(Protocol):
 
 
 class Scene:
-    """The geoms of a world, and the thread that renders them: an extension of the world."""
+    """The geoms of a world, and the thread that renders them: an extension of the world.
+
+    Attributes:
+        pixels: how many all cameras have, and may have.
+    """
 
     def __init__(self, world: SceneWorld) -> None:
         self.world = weakref.proxy(world)
         self.thread: RenderThread | None = None  # while there are cameras and OpenGL is not switched off
+        self.pixels = Quota("pixels of cameras", MOST_PIXELS)
         self._cameras = 0
         self._edits = -1
         self._versions: list[int] | None = None

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from libgz.base.budget import Budget, BudgetError
 from libgz.base.entities import encoded
 from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, advise, nearest
 from libgz.base.files import read_limited
@@ -29,6 +30,8 @@ from libgz.sdf.xml import PLACE, ROBOT, ROOTS, copy_place, line_of, local_name, 
 __all__ = ["SdfFile"]
 
 DEEPEST_INCLUDE = 20
+MOST_INCLUDED = 256 << 20  # [byte] of all includes of a file, with those of included files
+EACH_INCLUDED = 4096  # [byte] that an include counts beside its file
 UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ; models check links and joints
 # (parent, child): all that occur have an effect, though the description of SDF allows one.
 REPEATED = {
@@ -64,6 +67,7 @@ class SdfFile:
         self._folder: Path | None = None
         self._text = b""
         self._depth = 0
+        self._included = Budget(MOST_INCLUDED)  # which it shares with the files that it includes
         self._arguments: Mapping[str, str] = {}
         self._environment: Mapping[str, str] | None = None
 
@@ -409,9 +413,14 @@ class SdfFile:
             path = find_model(uri, self._folder)
             included = SdfFile()
             included._environment = self._environment
-            included._depth = self._depth + 1
+            self._included.take(EACH_INCLUDED + path.stat().st_size)
+            included._depth, included._included = self._depth + 1, self._included
             included._read_file(path)
-        except (NotFoundError, WorldFileError) as error:
+        except BudgetError:
+            self._included.used = self._included.limit  # further ones are not looked for
+            self._error(xml, f"includes have more than {MOST_INCLUDED >> 20} MiB together: does {uri} include itself?")
+            return
+        except (NotFoundError, WorldFileError, OSError) as error:
             self._warn(xml, f"{error}; it is left out")
             parent.InsertElement(self._element(xml, describe(NEWEST)["world"].children["include"]))
             return

@@ -19,7 +19,10 @@ Random = np.random.Generator
 
 SPACING = 0.1  # [m] between the points that a uniform population shares out, as in Gazebo
 SAMPLES = 10_000  # of them in a cylinder
-MOST_MODELS = 100_000
+MOST_MODELS = 100_000  # of all populations of a world
+MOST_ELEMENTS = 2_000_000  # of these models
+MOST_DISTANCES = 200_000_000  # between points and middles of a uniform population
+AT_ONCE = 10_000_000  # of these that are held
 ROUNDS = 100  # of k-means, at most
 
 
@@ -28,20 +31,29 @@ def populate(world: Element, random: Random, diagnostics: Diagnostics) -> list[E
 
     A population that cannot be made is a warning, and left out, as in Gazebo.
     """
-    found = []
+    found: list[Element] = []
+    elements = 0
     for element in world.named("population"):
         try:
-            found += _models(element, random)
+            added, size = _models(element, random, MOST_MODELS - len(found), MOST_ELEMENTS - elements)
+            found, elements = found + added, elements + size
         except GazeboError as error:
             diagnostics.warn(element, f"{error}; the population is left out")
     return found
 
 
-def _models(element: Element, random: Random) -> list[Element]:
+def _models(element: Element, random: Random, most: int, most_elements: int) -> tuple[list[Element], int]:
+    """The models of a population, and how many elements they have."""
     model = _needed(element, "model")
     frame = element.Get(GzPose, "pose")
-    clones = []
-    for number, place in enumerate(_places(element, random)):
+    clones: list[Element] = []
+    places = _places(element, random, most)
+    elements = len(places) * _count(model)
+    if elements > most_elements:
+        raise ParameterError(
+            f"its {len(places)} models have {elements} elements; {MOST_ELEMENTS} are allowed in all populations"
+        )
+    for number, place in enumerate(places):
         clone = model.Clone()
         clone.parent = element.parent
         clone.set_attribute("name", f"{model.Get(str, 'name')}_clone_{number}")
@@ -49,7 +61,16 @@ def _models(element: Element, random: Random) -> list[Element]:
         position = GzCoordPositionAdd(GzVector(*place.tolist()), frame.pos, frame.rot)
         pose.value.SetFromString(" ".join(repr(float(value)) for value in (*position, 0.0, 0.0, 0.0)))
         clones.append(clone)
-    return clones
+    return clones, elements
+
+
+def _count(element: Element) -> int:
+    """How many elements it is, with those in it."""
+    number, waiting = 0, [element]
+    while waiting:
+        number += 1
+        waiting += waiting.pop().children
+    return number
 
 
 def _needed(element: Element, name: str) -> Element:
@@ -59,20 +80,20 @@ def _needed(element: Element, name: str) -> Element:
     return found
 
 
-def _places(element: Element, random: Random) -> Array:
-    """Where the models stand in the population's frame [m], shape (n, 3)."""
+def _places(element: Element, random: Random, most: int) -> Array:
+    """Where the models, `most` at most, stand in the population's frame [m], shape (n, 3)."""
     distribution = _needed(element, "distribution")
     kind = distribution.Get(str, "type")
     if kind not in KINDS:
         raise ParameterError(f"Unknown distribution type [{kind}]; {', '.join(KINDS)} are known{nearest(kind, KINDS)}")
     if kind == "grid":
-        return _grid(distribution)
+        return _grid(distribution, most)
     count = element.Get(int, "model_count")
-    if not 0 < count <= MOST_MODELS:
+    if not 0 < count <= most:
         raise (
             ParameterError(f"Trying to populate a non positive number of models [{count}]")
             if count <= 0
-            else (ParameterError(f"<model_count> is {count}; {MOST_MODELS} at most are allowed"))
+            else (ParameterError(f"<model_count> is {count}; {MOST_MODELS} at most are allowed in all populations"))
         )
     if element.HasElement("box"):
         size = np.array(element.child("box").Get(GzVector, "size"))
@@ -91,15 +112,16 @@ def _places(element: Element, random: Random) -> Array:
     return _in_cylinder(kind, count, radius, length, random)
 
 
-def _grid(distribution: Element) -> Array:
+def _grid(distribution: Element, most: int) -> Array:
     """Rows along y, columns along x, with the frame in the middle."""
     rows, columns = distribution.Get(int, "rows"), distribution.Get(int, "cols")
     for value, what in ((rows, "rows"), (columns, "columns")):
         if value <= 0:
             raise ParameterError(f"Incorrect number of {what} while populating objects [{value}]")
-    if rows * columns > MOST_MODELS:
+    if rows * columns > most:
         raise ParameterError(
-            f"{rows} rows and {columns} columns are {rows * columns} models; {MOST_MODELS} are allowed"
+            f"{rows} rows and {columns} columns are {rows * columns} models; "
+            f"{MOST_MODELS} are allowed in all populations"
         )
     step = distribution.Get(GzVector, "step")
     y, x = np.divmod(np.arange(rows * columns), columns)
@@ -141,11 +163,13 @@ def _middles(points: Array, count: int, random: Random) -> Array:
     """The middles of so many clusters of points (k-means of Lloyd), which begin at points chosen at random."""
     if count > len(points):
         raise ParameterError(f"only {len(points)} models fit into the region, not {count}")
+    if count * len(points) > MOST_DISTANCES:
+        raise ParameterError(f"{count} models of {len(points)} points are too many for a uniform population")
+    parts = -(-count * len(points) // AT_ONCE)
     middles: Array = points[random.choice(len(points), count, replace=False)]
     before = None
     for _ in range(ROUNDS):
-        squares = (points**2).sum(axis=1)[:, None] - 2.0 * points @ middles.T + (middles**2).sum(axis=1)
-        label = squares.argmin(axis=1)
+        label = np.concatenate([_nearest(part, middles) for part in np.array_split(points, parts)])
         if before is not None and np.array_equal(label, before):
             break
         before = label
@@ -153,6 +177,12 @@ def _middles(points: Array, count: int, random: Random) -> Array:
         sums = np.stack([np.bincount(label, points[:, axis], count) for axis in range(3)], axis=1)
         middles = np.where(sizes[:, None] > 0, sums / np.maximum(sizes, 1)[:, None], middles)
     return middles
+
+
+def _nearest(points: Array, middles: Array) -> NDArray[np.int64]:
+    """For each point the number of the nearest middle."""
+    squares = (points**2).sum(axis=1)[:, None] - 2.0 * points @ middles.T + (middles**2).sum(axis=1)
+    return np.asarray(squares.argmin(axis=1))
 
 
 # How a box is populated. In a cylinder there are random and uniform ones; a grid needs no region.

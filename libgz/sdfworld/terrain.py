@@ -26,6 +26,7 @@ from libgz.sdf.paths import find_uri
 __all__ = ["Cover", "read_cover", "terrain_mesh"]
 
 MOST_PIXELS = 4097 * 4097
+MOST_LAYERS = 16
 FINEST, COARSEST = 1024, 64  # [px] sides of the image of a terrain
 STRIP = 64  # rows of it that are computed at once
 
@@ -109,11 +110,11 @@ class Cover:
         return np.stack([across, along], axis=-1).reshape(-1, 2)
 
     def image(self) -> NDArray[np.uint8]:
-        """All of the terrain from above, top row at +y, shape (n, n, 3); computed when it is first rendered."""
-        return self._image
+        """All of the terrain from above, top row at +y, shape (n, n, 3); computed when it is rendered."""
+        return _image_of(self)
 
-    @functools.cached_property
-    def _image(self) -> NDArray[np.uint8]:
+    def compute_image(self) -> NDArray[np.uint8]:
+        """Compute the image."""
         images = [BARE if layer.file is None else _tile(layer.file) for layer in self.layers]
         # As fine as the finest texture, where that is not too fine.
         finest = min(layer.size / image.shape[0] for layer, image in zip(self.layers, images, strict=True))
@@ -141,6 +142,11 @@ class Cover:
         return found
 
 
+@functools.lru_cache(maxsize=8)
+def _image_of(cover: Cover) -> NDArray[np.uint8]:
+    return cover.compute_image()
+
+
 def read_cover(path: Path, shape: Element, note: Note) -> Cover | None:
     """The textures of a `<heightmap>`; None if it has none that can be read, with a warning for each that cannot."""
     size = shape.Get(GzVector, "size")
@@ -150,6 +156,9 @@ def read_cover(path: Path, shape: Element, note: Note) -> Cover | None:
     for i, texture in enumerate(shape.named("texture")):
         if i > len(blends):
             note(texture, f"texture {i + 1} has no <blend>, which gives its lowest height; it is not rendered")
+            break
+        if i >= MOST_LAYERS:
+            note(texture, f"texture {i + 1} and further ones are not rendered; {MOST_LAYERS} are")
             break
         above, fade = -math.inf, 0.0
         if i:

@@ -28,6 +28,7 @@ from libgz.base.errors import GazeboError
 from libgz.physics import mesh_files, skeletons
 from libgz.physics.image_files import open_image
 from libgz.physics.mesh_files import read_mesh
+from libgz.sdf import reader
 from libgz.sdf.paths import find_world
 from libgz.sdf.reader import SdfFile
 from libgz.worldfile.file import WorldFile
@@ -253,6 +254,11 @@ def an_include_of_itself(folder, monkeypatch):
     SdfFile.load(folder / "m" / "m.sdf").diagnostics.raise_errors()
 
 
+def too_many_includes(folder, monkeypatch):
+    monkeypatch.setattr(reader, "MOST_INCLUDED", 1)
+    an_include_of_itself(folder, monkeypatch)
+
+
 def no_such_file(folder, _monkeypatch):
     SdfFile.load(folder / "nothing.sdf")
 
@@ -277,6 +283,7 @@ MORE = {
     ("libgz/sdf/paths.py", "there is no world {}; looked for {}; set GAZEBO_RESOURCE_PATH"): no_such_world,
     ("libgz/sdf/reader.py", "Unable to read sdf file[{}]: {}"): no_such_file,
     ("libgz/sdf/reader.py", "includes are nested deeper than {}: does {} include itself?"): an_include_of_itself,
+    ("libgz/sdf/reader.py", "includes have more than {} MiB together: does {} include itself?"): too_many_includes,
     ("libgz/worldfile/file.py", "cannot read worldfile {}: {}"): no_such_worldfile,
 }
 # Refusals of a text that other tests have: words in one of them.

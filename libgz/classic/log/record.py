@@ -5,7 +5,6 @@ from __future__ import annotations
 import fnmatch
 import logging
 import os
-import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,7 @@ from types import TracebackType
 
 from libgz.base.errors import ParameterError, WorldFileError
 from libgz.base.geometry import GzPose, GzVector
+from libgz.base.pattern import Pattern
 from libgz.classic.log.file import LogWriter
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
@@ -212,8 +212,8 @@ class NamePattern:
     def __init__(self, words: str) -> None:
         self._words = words
         try:
-            self._regular: re.Pattern[str] | None = re.compile(words)
-        except re.error:
+            self._regular: Pattern | None = Pattern(words)
+        except ParameterError:
             self._regular = None
 
     def __call__(self, name: str) -> bool:
@@ -222,5 +222,5 @@ class NamePattern:
         return not self._words or any(self._fits("::".join(scopes[: i + 1])) for i in range(len(scopes)))
 
     def _fits(self, name: str) -> bool:
-        regular = self._regular is not None and self._regular.fullmatch(name) is not None
+        regular = self._regular is not None and self._regular.matches(name)
         return regular or fnmatch.fnmatchcase(name, self._words)

@@ -186,6 +186,7 @@ class MultiRayShape:
             self._rays = np.empty((0, 7))
         else:
             self.grid = grid
+            self._engine.rays.set(self, grid.samples[0] * grid.samples[1])
             self.place(offset)
         self._rows: NDArray[np.int64] = np.full(self.RayCount(), -1, dtype=np.int64)
         self._reached: NDArray[np.float64] = np.full(self.RayCount(), sys.float_info.max)
@@ -210,6 +211,7 @@ class MultiRayShape:
             raise ParameterError(f"a ray has no length: it starts and ends at {tuple(first.tolist())}")
         if len(self._rays) >= MOST_RAYS:
             raise ParameterError(f"a MultiRayShape has at most {MOST_RAYS} rays")
+        self._engine.rays.set(self, len(self._rays) + 1)
         self._rays = np.vstack([self._rays, np.array([*first, *((last - first) / length), length])])
         self._rows = np.append(self._rows, -1)
         self._reached = np.append(self._reached, sys.float_info.max)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.pattern import Pattern
 from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
@@ -90,9 +90,12 @@ def _matching(model: Model, element: Element) -> list[Joint]:
     for pattern in patterns:
         text = pattern.Get(str).strip()
         try:
-            matches = [name for name in joints if name == text or re.fullmatch(text, name)]
-        except (re.error, OverflowError, RecursionError):
-            matches = [name for name in joints if name == text]
+            regular: Pattern | None = Pattern(text)
+        except ParameterError as error:
+            regular = None
+            if text not in joints:
+                gzwarn(f"{pattern.where}: {error}")
+        matches = [name for name in joints if name == text or (regular is not None and regular.matches(name))]
         if not matches:
             known = ", ".join(joints) or "none"
             gzwarn(f"{pattern.where}: <joint> {text!r} matches no joint; there are {known}{nearest(text, joints)}")

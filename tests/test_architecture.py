@@ -64,6 +64,8 @@ TABLES = {
     "libgz.classic.sensors.kinds",
     "libgz.legacy.factory",
     "libgz.reference.classic_api",
+    "libgz.ros.bridge.build_messages",  # both run in a Python of ROS 2
+    "libgz.ros.bridge.program",
     "libgz.reference.classic_pages",
     "libgz.sweep.worker",  # the modules that a run has loaded
 }

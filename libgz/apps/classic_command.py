@@ -13,7 +13,7 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import Hints, LogFile
-from libgz.apps.ros_option import ros_wanted
+from libgz.apps.ros_option import ros_wanted, without_ros_words
 from libgz.base.closing import Closing
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import Missing, new_plugin
@@ -79,7 +79,7 @@ def read_command_line(
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_console(verbose="--verbose" in words)
-    options = _parse(parser, words, plugins)
+    options = _parse(parser, without_ros_words(words), plugins)
     if options.gl is not None:
         prefer(options.gl)
     if options.verbose:

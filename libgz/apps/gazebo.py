@@ -28,7 +28,7 @@ from libgz.apps.console import (
 )
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
-from libgz.apps.ros_option import add_ros_options, ros_wanted, start_ros
+from libgz.apps.ros_option import add_ros_options, ros_wanted, start_ros, without_ros_words
 from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.untrusted import add_untrusted_option, confined
@@ -269,11 +269,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return run_classic([*words, "--view"])
     parser = make_parser()
-    names = [word for word in words if ":=" in word and MACRO_ARGUMENT.fullmatch(word) is None]
-    options = parser.parse_args([word for word in words if word not in names])
+    own = without_ros_words(words)
+    names = [word for word in own if ":=" in word and MACRO_ARGUMENT.fullmatch(word) is None]
+    options = parser.parse_args([word for word in own if word not in names])
     options.words = ["gazebo", *words]
     if names and not ros_wanted(options):
-        parser.error(f"{names[0]!r} is a name for ROS, which needs --ros1")
+        parser.error(f"{names[0]!r} is a name for ROS, which needs --ros1 or --ros2")
     try:
         set_up_messages(options.level, options.logfile)
     except ParameterError as error:

@@ -40,7 +40,7 @@ from libgz.worldfile.search import find_worldfile, ready_worlds
 
 if TYPE_CHECKING:
     from libgz.recording.capture import Capture
-    from libgz.ros.server import Ros1
+    from libgz.ros.server import Ros1, Ros2
 
 __all__ = ["main"]
 
@@ -124,7 +124,7 @@ class Server:
         self.options, self.words = options, ["gzserver", *words]
         self._stopped = False
         self._play: LogPlay | None = None
-        self._ros: Ros1 | None = None
+        self._ros: Ros1 | Ros2 | None = None
 
     def run(self) -> int:
         """Run the world, with classic's order of events; return the exit code."""

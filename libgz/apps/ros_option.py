@@ -11,21 +11,27 @@ from typing import TYPE_CHECKING
 from libgz.base.errors import ParameterError
 
 if TYPE_CHECKING:
-    from libgz.ros.server import Ros1
+    from libgz.ros.server import Ros1, Ros2
 
-__all__ = ["add_ros_options", "ros_wanted", "start_ros"]
+__all__ = ["add_ros_options", "ros_wanted", "start_ros", "without_ros_words"]
+
+ROS_WORDS, END = "--ros-args", "--"  # the words of ROS 2 are between them
 
 
 def add_ros_options(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     about = "connect the world and its plugins to ROS 1; the default if ROS_MASTER_URI is set"
     parser.add_argument("--ros1", action=argparse.BooleanOptionalAction, default=None, help=about)
-    about = "address where ROS listens, and by which other computers find it (default: ROS_IP, or 127.0.0.1)"
+    about = "connect the world and its plugins to ROS 2, by the rclpy of a sourced ROS 2 or of `libgz ros venv`"
+    parser.add_argument("--ros2", action="store_true", help=about)
+    about = "address where ROS 1 listens, and by which other computers find it (default: ROS_IP, or 127.0.0.1)"
     parser.add_argument("--ros-ip", metavar="ADDRESS", help=about)
 
 
 def ros_wanted(options: argparse.Namespace) -> bool:
     """Whether the options, or else the environment, ask for ROS; False for a command without these options."""
+    if getattr(options, "ros2", False):
+        return True
     wanted = getattr(options, "ros1", False)
     if wanted is None:
         wanted = os.environ.get("ROS_MASTER_URI") and not _watch_only(options)
@@ -37,7 +43,7 @@ def _watch_only(options: argparse.Namespace) -> bool:
     return getattr(options, "watch_only", False)
 
 
-def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractContextManager[Ros1 | None]:
+def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractContextManager[Ros1 | Ros2 | None]:
     """ROS for a `with` block, if the options or the environment ask for it.
 
     Args:
@@ -45,12 +51,32 @@ def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractCont
         words: the whole command line, with names and remappings.
 
     Raises:
-        ParameterError: the server is one that others only watch.
+        ParameterError: the server is one that others only watch, or both ROS are asked for.
+        LibraryError: there is no ROS 2.
     """
     if not ros_wanted(options):
         return nullcontext()
+    if options.ros1 and options.ros2:
+        raise ParameterError("--ros1 and --ros2 exclude each other: a server speaks one ROS")
     if _watch_only(options):
-        raise ParameterError("--watch-only and --ros1 exclude each other: nodes of ROS command robots")
-    from libgz.ros.server import Ros1
+        option = "--ros2" if options.ros2 else "--ros1"
+        raise ParameterError(f"--watch-only and {option} exclude each other: nodes of ROS command robots")
+    from libgz.ros.server import Ros1, Ros2
 
+    if options.ros2:
+        return Ros2(words)
     return Ros1(words, options.ros_ip)
+
+
+def without_ros_words(words: Sequence[str]) -> list[str]:
+    """A command line without the words between ``--ros-args`` and ``--``, which are for ROS 2."""
+    found: list[str] = []
+    inside = False
+    for word in words:
+        if inside and word == END:
+            inside = False
+        elif word == ROS_WORDS:
+            inside = True
+        elif not inside:
+            found.append(word)
+    return found

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import NotFoundError
 from libgz.classic.common import Color
@@ -11,7 +12,7 @@ from libgz.classic.physics.link import Link
 from libgz.ros.packages import with_paths
 from libgz.ros.plugin import set_pose, set_twist
 from libgz.ros.services import INERTIAL, RefusedError, Services, pose_of, vector
-from libgz.ros.session import Later, Session, set_stamp
+from libgz.ros.session import Later, Session, Subscription, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
@@ -57,13 +58,21 @@ SERVICES = {
 class WorldApi(Services):
     """Serves the services of /gazebo for a world of SDF, and its topics set_model_state and set_link_state."""
 
+    services: ClassVar[Mapping[str, str]] = SERVICES
+
     def __init__(self, session: Session, world: World) -> None:
         self._world = world
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
-        super().__init__(session, world.core, SERVICES)
+        self._topics: list[Subscription] = []
+        super().__init__(session, world.core, self.services)
+
+    def serve(self) -> None:
+        """Serve, and subscribe."""
+        super().serve()
+        subscribe = self.session.subscribe
         self._topics = [
-            session.subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10),
-            session.subscribe("~set_link_state", "gazebo_msgs/LinkState", self._on_link_state, 10),
+            subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10),
+            subscribe("~set_link_state", "gazebo_msgs/LinkState", self._on_link_state, 10),
         ]
 
     # Models ------------------------------------------------------------------------------------------------------
@@ -141,7 +150,7 @@ class WorldApi(Services):
         missing = (
             "GetModelState: reference relative_entity_name not found, did you forget to scope the body by model name?"
         )
-        _fill_state(answer, model, self._frame(relative, missing))
+        fill_state(answer, model, self._frame(relative, missing))
         answer.success, answer.status_message = True, "GetModelState: got properties"
 
     def _get_model_properties(self, request: Any, answer: Any) -> None:
@@ -228,7 +237,7 @@ class WorldApi(Services):
         missing = "GetLinkState: link not found, did you forget to scope the link by model name?"
         link = self._link(request.link_name, missing)
         missing = "GetLinkState: reference reference_frame not found, did you forget to scope the link by model name?"
-        _fill_state(answer.link_state, link, self._frame(request.reference_frame, missing))
+        fill_state(answer.link_state, link, self._frame(request.reference_frame, missing))
         answer.link_state.link_name, answer.link_state.reference_frame = request.link_name, request.reference_frame
         answer.success, answer.status_message = True, "GetLinkState: got state"
 
@@ -247,9 +256,14 @@ class WorldApi(Services):
 
     def _apply_body_wrench(self, request: Any, answer: Any) -> None:
         link = self._link(request.body_name, "ApplyBodyWrench: body does not exist")
+        self._apply_wrench(link, request, "ApplyBodyWrench: reference_frame not found")
+        answer.success = True
+
+    def _apply_wrench(self, link: Link, request: Any, missing: str) -> None:
+        """Apply the wrench of a request, which it gives in a frame."""
         force, torque = vector(request.wrench.force), vector(request.wrench.torque)
         torque = torque + vector(request.reference_point).Cross(force)
-        frame = self._frame(request.reference_frame, "ApplyBodyWrench: reference_frame not found")
+        frame = self._frame(request.reference_frame, missing)
         if frame is not None:
             way = frame.WorldPose() - link.WorldPose()
             force, torque = way.Rot().RotateVector(force), way.Rot().RotateVector(torque)
@@ -260,7 +274,6 @@ class WorldApi(Services):
             link.SetTorque(torque)
 
         self.add_job(link.GetScopedName(), apply, request)
-        answer.success = True
 
     def _clear_body_wrenches(self, request: Any, _answer: Any) -> None:
         self.clear(request.body_name)
@@ -282,15 +295,21 @@ class WorldApi(Services):
         answer.success, answer.status_message = True, "GetJointProperties: got properties"
 
     def _set_joint_properties(self, request: Any, answer: Any) -> None:
-        joint = self._joint(request.joint_name, "SetJointProperties: joint not found")
-        config, axes = request.ode_joint_config, range(joint.DOF())
+        config = request.ode_joint_config
+        self._set_joint(request.joint_name, config, config.hiStop, config.loStop)
+        answer.success, answer.status_message = True, "SetJointProperties: properties set"
+
+    def _set_joint(self, name: str, config: Any, high: Sequence[float], low: Sequence[float]) -> None:
+        """Set parameters of a joint, and its stops, for each axis that has values."""
+        joint = self._joint(name, "SetJointProperties: joint not found")
+        axes = range(joint.DOF())
         for index, value in zip(axes, config.damping, strict=False):
             joint.SetDamping(index, float(value))
-        keys = {"hiStop": "hi_stop", "loStop": "lo_stop"}
-        for field in ("hiStop", "loStop", "erp", "cfm", "stop_erp", "stop_cfm", "fudge_factor", "fmax", "vel"):
-            for index, value in zip(axes, getattr(config, field), strict=False):
-                joint.SetParam(keys.get(field, field), index, float(value))
-        answer.success, answer.status_message = True, "SetJointProperties: properties set"
+        fields = ("erp", "cfm", "stop_erp", "stop_cfm", "fudge_factor", "fmax", "vel")
+        values = {"hi_stop": high, "lo_stop": low} | {field: getattr(config, field) for field in fields}
+        for key, given in values.items():
+            for index, value in zip(axes, given, strict=False):
+                joint.SetParam(key, index, float(value))
 
     def _apply_joint_effort(self, request: Any, answer: Any) -> None:
         joint = self._joint(request.joint_name, "ApplyJointEffort: joint not found")
@@ -376,15 +395,21 @@ class WorldApi(Services):
 
     def _set_light_properties(self, request: Any, answer: Any) -> None:
         light = self._light(request.light_name, f"setLightProperties: Requested light {request.light_name} not found!")
+        self._set_light(light, request)
         light.SetCastShadows(bool(request.cast_shadows))
-        for part, give in ((request.diffuse, light.SetDiffuseColor), (request.specular, light.SetSpecularColor)):
-            give(Color(part.r, part.g, part.b, part.a))
-        light.SetAttenuation(request.attenuation_constant, request.attenuation_linear, request.attenuation_quadratic)
+        part = request.specular
+        light.SetSpecularColor(Color(part.r, part.g, part.b, part.a))
         direction = vector(request.direction)
         if direction.Length() > 0.0:
             light.SetDirection(direction)
         light.SetWorldPose(pose_of(request.pose))
         answer.success = True
+
+    def _set_light(self, light: Any, request: Any) -> None:
+        """Set what the requests of both ROS have."""
+        part = request.diffuse
+        light.SetDiffuseColor(Color(part.r, part.g, part.b, part.a))
+        light.SetAttenuation(request.attenuation_constant, request.attenuation_linear, request.attenuation_quadratic)
 
     # Frames ------------------------------------------------------------------------------------------------------
 
@@ -412,7 +437,7 @@ _PHYSICS = {
 _WHOLE = ("sor_pgs_precon_iters", "sor_pgs_iters", "max_contacts")
 
 
-def _fill_state(target: Any, entity: Any, frame: Any) -> None:
+def fill_state(target: Any, entity: Any, frame: Any) -> None:
     """Set pose and twist of an entity, relative to another one if that is given."""
     pose, linear, angular = entity.WorldPose(), entity.WorldLinearVel(), entity.WorldAngularVel()
     if frame is not None:

@@ -1,4 +1,4 @@
-"""Names of ROS 1: how a node resolves them, and what its command line and environment say about them."""
+"""Names of ROS: how a node resolves them, and what its command line and environment say about them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from libgz.base.errors import ParameterError
 
-__all__ = ["NodeNames", "frame_with_prefix", "read_names"]
+__all__ = ["NodeNames", "frame_with_prefix", "read_names", "read_names_of_ros2"]
 
 log = logging.getLogger("libgz.ros")
 
@@ -53,7 +53,7 @@ class NodeNames(NamedTuple):
         if name.startswith("/"):
             parts = name
         elif name.startswith("~"):
-            parts = f"{self.name}/{name[1:]}"
+            parts = f"{self.name}/{name[1:].lstrip('/')}"
         else:
             base = within if within.startswith("/") else f"{self.namespace}/{within}"
             parts = f"{base}/{name}"
@@ -90,6 +90,29 @@ def read_names(words: Sequence[str], address: str | None = None, name: str = "ga
     remappings = {own._full(a): own._full(b) for a, b in pairs if not a.startswith("_")}
     parameters = {a[1:]: b for a, b in pairs if a.startswith("_") and not a.startswith("__")}
     return own._replace(remappings=remappings, parameters=parameters)
+
+
+def read_names_of_ros2(words: Sequence[str], name: str = "gazebo") -> NodeNames:
+    """What the words of a command line say in ROS 2: after ``--ros-args``, ``-r a:=b``, ``-p name:=value``.
+
+    ``__node:=x``, ``__ns:=y`` and remappings ``a:=b`` are read without these words, too.
+
+    Args:
+        words: of the command line; those without ``:=`` are left out.
+        name: of the node, if no word says otherwise.
+    """
+    triples = [(before, *word.partition(":=")) for before, word in zip(["", *words], words, strict=False)]
+    pairs = [(before in ("-p", "--param"), left, right) for before, left, found, right in triples if found]
+    special = {left: right for parameter, left, right in pairs if not parameter}
+    space = "/" + special.get("__ns", "").strip("/")
+    own = special.get("__node") or special.get("__name") or name
+    plain = NodeNames(f"{space.rstrip('/')}/{own.strip('/')}", space, {}, {}, "", "", "")
+    remappings = {
+        plain._full(a): plain._full(b) for parameter, a, b in pairs if not parameter and not a.startswith("_")
+    }
+    return plain._replace(
+        remappings=remappings, parameters={left: right for parameter, left, right in pairs if parameter}
+    )
 
 
 def _master(special: Mapping[str, str]) -> str:

@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 from libgz.base.errors import ParameterError
 from libgz.ros.loop import Listener, Loop
 from libgz.ros.names import NodeNames
+from libgz.ros.packing import codec
 from libgz.ros.tcpros import U32, Caller, Feed, Reader
 from libgz.ros.types import MessageType, ServiceType
 from libgz.ros.xmlrpc import Server, XmlRpcError, call
@@ -39,10 +40,16 @@ class Publisher:
 
     def __init__(self, node: Node, topic: str, kind: MessageType, queue: int, latch: bool) -> None:
         self.node, self.topic, self.kind, self.queue, self.latch = node, topic, kind, queue, latch
+        self.codec = codec(kind)
         self.latched: bytes | None = None
         self.readers: tuple[Reader, ...] = ()
         self.listened = latch
         self.users = 0
+
+    @property
+    def subscribed(self) -> bool:
+        """Whether there are subscribers now."""
+        return bool(self.readers)
 
     def publish(self, body: bytes) -> None:
         """Queue a message for all subscribers; `Node.flush` sends it."""
@@ -73,7 +80,7 @@ class Subscriber:
     """A subscription of a node: its receivers get the bytes of each message, in the loop's thread."""
 
     def __init__(self, node: Node, topic: str, kind: MessageType) -> None:
-        self.node, self.topic, self.kind = node, topic, kind
+        self.node, self.topic, self.kind, self.codec = node, topic, kind, codec(kind)
         self.receivers: tuple[Callable[[bytes], Any], ...] = ()
         self.publishers: dict[str, Feed | None] = {}  # by address; None while it is being connected
 
@@ -90,6 +97,7 @@ class ServiceServer:
         self, name: str, kind: ServiceType, handle: Callable[[bytes, Callable[[bool, bytes], None]], bool]
     ) -> None:
         self.name, self.kind, self.request = name, kind, handle
+        self.codecs = codec(kind.request), codec(kind.response)
 
 
 class Node:
@@ -100,17 +108,17 @@ class Node:
 
     Args:
         names: its name, remappings and addresses.
-        notify: called, in the wire's thread, when subscribers have come or gone.
 
     Attributes:
+        notify: called, in the wire's thread, when subscribers have come or gone.
         registered: how often all was registered with a master.
         waiting: subscribers for whom messages wait.
         changed: publishers whose subscribers came or went.
     """
 
-    def __init__(self, names: NodeNames, notify: Callable[[], object] = lambda: None) -> None:
+    def __init__(self, names: NodeNames) -> None:
         self.names, self.name, self.master = names, names.name, names.master
-        self._notify = notify
+        self.notify: Callable[[], object] = _nobody
         self.registered = 0
         self.waiting: deque[Reader] = deque()
         self.changed: deque[Publisher] = deque()
@@ -256,7 +264,7 @@ class Node:
     def note_change(self, publisher: Publisher) -> None:
         """The subscribers of a topic have come or gone."""
         self.changed.append(publisher)
-        self._notify()
+        self.notify()
 
     def flush(self) -> None:
         """See that what waits is sent, in the loop's thread."""
@@ -482,6 +490,10 @@ class Node:
         feed = Feed(self._loop, sock, peer, header, subscriber.received, lambda: subscriber.publishers.pop(uri, None))
         subscriber.publishers[uri] = feed
         self._loop.call(feed.start)
+
+
+def _nobody() -> None:
+    """Nobody is to be told."""
 
 
 def _listed(found: Sequence[Publisher] | Sequence[Subscriber]) -> list[list[str]]:

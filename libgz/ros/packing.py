@@ -127,7 +127,7 @@ class Codec:
             self._elements[field.kind] = self._plan(field.kind, depth + 1)
         steps = self._elements[field.kind]
         if field.size is None:  # of a message that the type of ROS 1 does not have
-            return lambda _, out: _all(steps, message_type(field.kind)(), out)
+            return lambda _, out: _all(steps, message_type(field.kind, self.kind.ros)(), out)
         return _several(get, steps, field.size, self._cdr, self._width(field.kind))
 
     def _width(self, name: str) -> int | None:
@@ -212,7 +212,7 @@ def read_schema(
     found: dict[str, list[tuple[Field, str | None]]] = {}
     for name, fields in types.items():
         try:
-            own = kind if kind is not None and kind.name == name else message_type(name)
+            own = message_type_of(kind, name) if kind is not None else message_type(name)
             known = {field.name.lower(): field.name for field in own.fields}
         except NotFoundError:
             known = {}
@@ -235,7 +235,7 @@ def _described(name: str, text: str) -> Field:
 
 def message_type_of(kind: MessageType, name: str) -> MessageType:
     """A type by its name, that of a service's request or response included."""
-    return kind if name == kind.name else message_type(name)
+    return kind if name == kind.name else message_type(name, kind.ros)
 
 
 @cache

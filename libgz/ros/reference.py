@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from libgz.ros.api import SERVICES
+from libgz.ros.api2 import SERVICES2
 from libgz.ros.legacy.api import SERVICES as LEGACY_SERVICES
 from libgz.ros.legacy.kinds import KINDS
 from libgz.ros.plugin import Parameter, RosPlugin
@@ -53,9 +54,9 @@ def _default(value: Any) -> str:
     return ":"
 
 
-def service_table() -> str:
-    """A list of the services of /gazebo, in Markdown."""
-    return ", ".join(f"`{name}` ({kind.removeprefix('gazebo_msgs/')})" for name, kind in SERVICES.items())
+def service_table(services: Mapping[str, str]) -> str:
+    """A list of services, in Markdown."""
+    return ", ".join(f"`{name}` ({kind.removeprefix('gazebo_msgs/')})" for name, kind in services.items())
 
 
 def device_table() -> str:
@@ -86,7 +87,8 @@ def page(text: str) -> str:
     """A page with its tables as they should be."""
     tables = {
         "plugins": plugin_table(),
-        "services": service_table(),
+        "services": service_table(SERVICES),
+        "services2": service_table(SERVICES2),
         "devices": device_table(),
         "legacy services": legacy_service_table(),
     }

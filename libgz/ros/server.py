@@ -1,4 +1,4 @@
-"""Ros1: what a server needs to speak ROS 1: the session, its plugins instead of the stand-ins, its worlds."""
+"""Ros1, Ros2: what a server needs to speak ROS: the session, its plugins instead of the stand-ins, its worlds."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from pathlib import Path
 
 from libgz.classic.ros_names import Provider, providers
 from libgz.front import World
-from libgz.ros.names import read_names
+from libgz.ros.bridged import BridgedNode
+from libgz.ros.environment import find_python
+from libgz.ros.names import NodeNames, read_names, read_names_of_ros2
+from libgz.ros.node import Node
 from libgz.ros.session import Session
 from libgz.ros.world import RosWorld
 
-__all__ = ["PLUGINS", "STAND_INS", "Ros1"]
+__all__ = ["PLUGINS", "STAND_INS", "Ros1", "Ros2"]
 
 PLUGINS = Path(__file__).parent / "plugins"
 
@@ -35,19 +38,12 @@ STAND_INS = {
 }
 
 
-class Ros1(Session):
-    """ROS 1 of one server, from `with` to its end.
+class _Ros(Session):
+    """ROS of one server, from `with` to its end."""
 
-    Args:
-        words: of the command line: ``__name:=``, ``__ns:=``, ``_parameter:=``, remappings ``a:=b``.
-        address: where to listen, and what other computers call this one; None: as ROS_IP and ROS_HOSTNAME say, and if
-            they say nothing, loopback.
-    """
-
-    def __init__(self, words: Sequence[str], address: str | None = None) -> None:
-        super().__init__(read_names(words, address))
-        notice = f"they speak ROS 1 with the master at {self.names.master}: see docs/ros.md"
-        self._provider = Provider(PLUGINS, STAND_INS, notice)
+    def __init__(self, names: NodeNames, node: Node | BridgedNode, notice: str) -> None:
+        super().__init__(names, node)
+        self._provider = Provider(PLUGINS, STAND_INS, f"they speak {notice}: see docs/ros.md")
         providers.append(self._provider)
 
     def attach(self, core: World) -> None:
@@ -59,3 +55,33 @@ class Ros1(Session):
         if self._provider in providers:
             providers.remove(self._provider)
         super().close()
+
+
+class Ros1(_Ros):
+    """ROS 1.
+
+    Args:
+        words: of the command line: ``__name:=``, ``__ns:=``, ``_parameter:=``, remappings ``a:=b``.
+        address: where to listen, and what other computers call this one; None: as ROS_IP and ROS_HOSTNAME say, and if
+            they say nothing, loopback.
+    """
+
+    def __init__(self, words: Sequence[str], address: str | None = None) -> None:
+        names = read_names(words, address)
+        super().__init__(names, Node(names), f"ROS 1 with the master at {names.master}")
+
+
+class Ros2(_Ros):
+    """ROS 2, by a bridge with the user's own rclpy.
+
+    Args:
+        words: of the command line; those after ``--ros-args`` are read as nodes of ROS 2 read them.
+        python: that of ROS 2; None: as `libgz.ros.environment.find_python` finds it.
+
+    Raises:
+        LibraryError: there is none, or it has no rclpy.
+    """
+
+    def __init__(self, words: Sequence[str], python: Path | None = None) -> None:
+        names = read_names_of_ros2(words)
+        super().__init__(names, BridgedNode(names, python or find_python()), "ROS 2")

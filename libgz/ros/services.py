@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import GazeboError
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
-from libgz.ros.session import Later, Session, finite
+from libgz.ros.session import Later, Service, Session, finite
 from libgz.ros.types import Message, service_type
 from libgz.transport.tally import Tally
 
@@ -60,11 +60,17 @@ class Services:
         self.session, self.core = session, core
         self.jobs: list[_Job] = []
         self._table, self._refusals = table, Tally(100)
-        self._services = [session.serve(f"~{name}", kind, self._handler(name)) for name, kind in table.items()]
+        self._services: list[Service] = []
+        self.serve()
 
-    def _handler(self, name: str) -> Callable[[Any], Message | Later]:
+    def serve(self) -> None:
+        """Serve all."""
+        for name, kind in self._table.items():
+            self._services.append(self.session.serve(f"~{name}", kind, self.handler(name)))
+
+    def handler(self, name: str) -> Callable[[Any], Message | Later]:
         """What answers a service; a refusal is a response, too."""
-        method, response = getattr(self, f"_{name}"), service_type(self._table[name]).response
+        method, response = getattr(self, f"_{name}"), service_type(self._table[name], self.session.version).response
 
         def handle(request: Any) -> Message | Later:
             answer = response()
@@ -85,13 +91,15 @@ class Services:
         if self._refusals.due(text):
             log.error("%s%s", text, self._refusals.times(text))
         if hasattr(answer, "success"):
-            answer.success, answer.status_message = False, text
+            answer.success = False
+        if hasattr(answer, "status_message"):  # not all of ROS 2 have it
+            answer.status_message = text
         return answer  # type: ignore[no-any-return]
 
     def set_by_topic(self, name: str, state: Any) -> None:
         """Do what the message of a topic asks for, as the service of this name would."""
         request = service_type(self._table[name]).request(**{name.removeprefix("set_"): state})
-        answer: Any = self._handler(name)(request)
+        answer: Any = self.handler(name)(request)
         if not answer.success:
             self.session.log_refusal(name, answer.status_message)
 

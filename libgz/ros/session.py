@@ -14,9 +14,9 @@ import numpy as np
 
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, StateError
+from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
-from libgz.ros.packing import codec
 from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
 from libgz.simulation.event import AtEnd, Callback, unowned
 from libgz.transport.tally import Tally
@@ -37,7 +37,7 @@ def session() -> Session:
         StateError: there is none.
     """
     if not _sessions:
-        raise StateError("there is no ROS in this process; start the server with --ros1")
+        raise StateError("there is no ROS in this process; start the server with --ros1 or --ros2")
     return _sessions[-1]
 
 
@@ -70,14 +70,14 @@ class Publication:
         queue: int,
         latch: bool,
         changed: Callable[[], object] | None = None,
+        **more: Any,
     ) -> None:
         self.topic, self.kind = topic, kind
-        node = owner.node
-        publisher = self._publisher = node.advertise(topic, kind, queue, latch)
+        node: Any = owner.node
+        publisher = self._publisher = node.advertise(topic, kind, queue, latch, **more)
         if changed is not None:
             self.changed = Callback(f"the update of what topic {topic} needs", changed)
             owner.watchers.setdefault(publisher, WeakSet()).add(self)
-        self._codec = codec(kind)
         self._stamped = any(field.kind == "std_msgs/Header" and field.name == "header" for field in kind.fields)
         self._number = 0
         self._end = AtEnd(lambda: node.withdraw(publisher))
@@ -85,12 +85,12 @@ class Publication:
     @property
     def listened(self) -> bool:
         """Whether there are subscribers: without any, no message needs to be made."""
-        return self._publisher.listened
+        return bool(self._publisher.listened)
 
     @property
     def subscribed(self) -> bool:
         """Whether there are subscribers now; a topic that keeps its last message is `listened` to without any."""
-        return bool(self._publisher.readers)
+        return bool(self._publisher.subscribed)
 
     def publish(self, message: Any) -> None:
         """Send a message. Its bytes are made now; they leave after the step, in another thread."""
@@ -98,7 +98,7 @@ class Publication:
             message.header.seq = self._number
         self._number += 1
         if self._publisher.listened:
-            self._publisher.publish(self._codec.pack(message))
+            self._publisher.publish(self._publisher.codec.pack(message))
 
 
 class Subscription:
@@ -108,15 +108,15 @@ class Subscription:
     """
 
     def __init__(
-        self, owner: Session, topic: str, kind: MessageType, callback: Callable[[Any], object], queue: int
+        self, owner: Session, topic: str, kind: MessageType, callback: Callable[[Any], object], queue: int, **more: Any
     ) -> None:
-        self.topic, self.kind = topic, kind
-        self._session, self._codec = owner, codec(kind)
+        self.topic, self.kind, self._session = topic, kind, owner
         self._call = Callback(f"the callback of topic {topic}", callback)
         self._waiting: deque[Any] = deque(maxlen=max(queue, 1))
         self._listed = False  # among those for which messages wait
-        node, received = owner.node, self._received
-        subscriber = node.subscribe(topic, kind, received)
+        node: Any = owner.node
+        received = self._received
+        subscriber = self._subscriber = node.subscribe(topic, kind, received, **more)
         self._end = AtEnd(lambda: node.unsubscribe(subscriber, received))
 
     def end(self) -> None:
@@ -124,7 +124,7 @@ class Subscription:
         self._end.disconnect()
 
     def _received(self, body: bytes) -> None:
-        self._waiting.append(self._codec.unpack(body))
+        self._waiting.append(self._subscriber.codec.unpack(body))
         if not self._listed:
             self._listed = True
             self._session.waiting.append(self)
@@ -143,12 +143,13 @@ class Service:
     Requests are answered between steps, in the thread of the world.
     """
 
-    def __init__(self, owner: Session, name: str, kind: ServiceType, handler: Callable[[Any], Message | Later]) -> None:
+    def __init__(
+        self, owner: Session, name: str, kind: ServiceType, handler: Callable[[Any], Message | Later], **more: Any
+    ) -> None:
         self.name, self.kind = name, kind
         self._session, self._handler = owner, handler
-        self._request, self._response = codec(kind.request), codec(kind.response)
-        node = owner.node
-        server = node.serve(name, kind, self._received)
+        node: Any = owner.node
+        server = self._server = node.serve(name, kind, self._received, **more)
         self._end = AtEnd(lambda: node.stop_serving(server))
 
     def end(self) -> None:
@@ -165,7 +166,7 @@ class Service:
     def handle(self, body: bytes, answer: Callable[[bool, bytes], None]) -> None:
         """Answer a request now, or later."""
         try:
-            result = self._handler(self._request.unpack(body))
+            result = self._handler(self._server.codecs[0].unpack(body))
         except GazeboError as error:
             log.error("service %s: %s", self.name, error)
             answer(False, str(error).encode())
@@ -182,8 +183,8 @@ class Service:
     def answer(self, response: Message, answer: Callable[[bool, bytes], None]) -> None:
         """Send a response."""
         try:
-            answer(True, self._response.pack(response))
-        except GazeboError as error:
+            answer(True, self._server.codecs[1].pack(response))
+        except (GazeboError, IndexError) as error:
             log.error("service %s: %s", self.name, error)
             answer(False, str(error).encode())
 
@@ -193,20 +194,22 @@ class Session(Closing):
 
     Args:
         names: of its node.
+        node: of ROS 1, or of ROS 2 by a bridge.
 
     Attributes:
-        node: the node of ROS 1.
+        version: 1 or 2.
         interrupts: called, in the wire's thread, when something has come that waits for the end of a step.
     """
 
-    def __init__(self, names: NodeNames) -> None:
-        self.names = names
+    def __init__(self, names: NodeNames, node: Node | BridgedNode) -> None:
+        self.names, self.node = names, node
+        self.version = 2 if isinstance(node, BridgedNode) else 1
         self.interrupts: list[Callable[[], object]] = []
-        self.node = Node(names, self.interrupt)
+        node.notify = self.interrupt
         self.waiting: deque[Subscription] = deque()
         self.requests: deque[tuple[Service, bytes, Callable[[bool, bytes], None]]] = deque()
         self.later: list[tuple[Service, Later, Callable[[bool, bytes], None]]] = []
-        self.watchers: WeakKeyDictionary[Publisher, WeakSet[Publication]] = WeakKeyDictionary()
+        self.watchers: WeakKeyDictionary[Publisher | Channel, WeakSet[Publication]] = WeakKeyDictionary()
         self._transforms: Publication | None = None
         self._refusals = Tally(100)
         self.node.start()
@@ -254,6 +257,7 @@ class Session(Closing):
         latch: bool = False,
         space: str = "",
         changed: Callable[[], object] | None = None,
+        **more: Any,
     ) -> Publication:
         """Publish a topic.
 
@@ -264,18 +268,23 @@ class Session(Closing):
             latch: keep the last message for subscribers that come.
             space: a namespace.
             changed: called between steps when subscribers have come or gone.
+            more: of ROS 2: the node's settings and policies, as `BridgedNode.advertise` takes them.
         """
-        return Publication(self, self.resolve(topic, space), message_type(kind), queue, latch, changed)
+        found = self.resolve(topic, space)
+        return Publication(self, found, message_type(kind, self.version), queue, latch, changed, **more)
 
     def subscribe(
-        self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, space: str = ""
+        self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, space: str = "", **more: Any
     ) -> Subscription:
         """Subscribe to a topic; `callback` gets the messages between steps."""
-        return Subscription(self, self.resolve(topic, space), message_type(kind), callback, queue)
+        found = self.resolve(topic, space)
+        return Subscription(self, found, message_type(kind, self.version), callback, queue, **more)
 
-    def serve(self, name: str, kind: str, handler: Callable[[Any], Message | Later], space: str = "") -> Service:
+    def serve(
+        self, name: str, kind: str, handler: Callable[[Any], Message | Later], space: str = "", **more: Any
+    ) -> Service:
         """Serve a service; `handler` gets the requests between steps, and returns responses."""
-        return Service(self, self.resolve(name, space), service_type(kind), handler)
+        return Service(self, self.resolve(name, space), service_type(kind, self.version), handler, **more)
 
     @property
     def transforms(self) -> Publication:

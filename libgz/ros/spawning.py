@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from libgz.base.errors import ParameterError
 from libgz.classic.math import Pose3d
 from libgz.sdf.element import Element
@@ -29,14 +31,17 @@ def root_tag(text: str) -> str:
     return ""
 
 
-def prepare_model(text: str, name: str, pose: Pose3d, namespace: str) -> Element:
+def prepare_model(
+    text: str, name: str, pose: Pose3d, namespace: str, free: Callable[[str], str] | None = None
+) -> Element:
     """The document of a model or light, renamed, moved, and with a namespace for each plugin that has none.
 
     Args:
         text: SDF or URDF.
-        name: its new name.
+        name: its new name; empty to keep its own.
         pose: that of the frame in which the text's pose is, in the world.
         namespace: of the plugins; empty to leave them as they are.
+        free: for ROS 2: makes its own name one that no other has; the namespace replaces those that plugins have.
 
     Raises:
         ParameterError: there is no model in the text, or more than one.
@@ -49,18 +54,22 @@ def prepare_model(text: str, name: str, pose: Pose3d, namespace: str) -> Element
     if len(entities) != 1:
         raise ParameterError(f"the text has {len(entities)} models; one can be spawned at a time")
     entity = entities[0]
-    entity.set_attribute("name", name)
+    if name:
+        entity.set_attribute("name", name)
+    elif free is not None:
+        entity.set_attribute("name", free(entity.Get(str, "name")))
     own = entity.Get(Pose3d, "pose")
     entity.child("pose").Set(own + pose)
     if namespace:
-        _add_namespace(entity, namespace)
+        _add_namespace(entity, namespace, replaced=free is not None)
     return entity
 
 
-def _add_namespace(element: Element, namespace: str) -> None:
-    """Give each plugin in an element a namespace, unless it has one."""
+def _add_namespace(element: Element, namespace: str, replaced: bool) -> None:
+    """Give each plugin in an element a namespace; `replaced`: also those that have one."""
     for child in element.children:
-        if child.name == "plugin" and not child.HasElement("robotNamespace"):
-            child.AddElement("robotNamespace").Set(namespace)
-        else:
-            _add_namespace(child, namespace)
+        if child.name != "plugin":
+            _add_namespace(child, namespace, replaced)
+        elif replaced or not child.HasElement("robotNamespace"):
+            space = "robotNamespace"
+            (child.GetElement(space) if child.HasElement(space) else child.AddElement(space)).Set(namespace)

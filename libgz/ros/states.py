@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Listed", "States"]
 
+STATE_SIZE = 16  # numbers of a body that are read here
+
 
 class Listed(NamedTuple):
     """What a message lists.
@@ -59,7 +61,8 @@ class States:
     def send(self) -> None:
         """Publish."""
         listed = self._listed or self._list()
-        states = self._core.engine.states[self._rows]
+        table = self._core.engine.states
+        states = table[self._rows] if len(table) else np.zeros((len(self._rows), STATE_SIZE))
         poses: NDArray[np.float64] = np.empty((len(states), 7))
         twists: NDArray[np.float64] = np.empty((len(states), 6))
         poses[:, :3], poses[:, 3:6], poses[:, 6] = states[:, :3], states[:, 4:7], states[:, 3]

@@ -1,4 +1,8 @@
-"""Types of ROS messages and services: their fields, constants, MD5 sums and values, from `definitions.txt`."""
+"""Types of ROS messages and services: their fields, constants, MD5 sums and values.
+
+`definitions.txt` has those of ROS 1, most of which ROS 2 has, too; `definitions2.txt` those of ROS 2 that ROS 1 does
+not have, or has with other fields.
+"""
 
 from __future__ import annotations
 
@@ -138,10 +142,11 @@ class MessageType:
     Args:
         name: ``package/Name``.
         lines: its fields and constants, as in a definition.
+        ros: whose types those of its fields are: 1 or 2.
     """
 
-    def __init__(self, name: str, lines: list[str]) -> None:
-        self.name = name
+    def __init__(self, name: str, lines: list[str], ros: int = 1) -> None:
+        self.name, self.ros = name, ros
         self.constants = [_constant(line) for line in lines if "=" in line]
         self.fields = [parse_field(line) for line in lines if "=" not in line]
 
@@ -161,7 +166,7 @@ class MessageType:
     @cached_property
     def makers(self) -> list[tuple[str, Callable[[], Any]]]:
         """(name, makes the default value) of each field."""
-        return [(field.name, _maker(field)) for field in self.fields]
+        return [(field.name, _maker(field, self.ros)) for field in self.fields]
 
     @cached_property
     def md5_text(self) -> str:
@@ -171,7 +176,7 @@ class MessageType:
             if field.kind in NUMBERS or field.kind in (*TIMES, "string"):
                 lines.append(f"{_with_size(field)} {field.name}")
             else:
-                lines.append(f"{message_type(field.kind).md5} {field.name}")
+                lines.append(f"{message_type(field.kind, self.ros).md5} {field.name}")
         return "\n".join(lines)
 
     @cached_property
@@ -183,7 +188,7 @@ class MessageType:
     def text(self) -> str:
         """The definition with those of all types in it, as in the headers of connections and in bags."""
         parts = [self.own_text]
-        parts += [f"MSG: {other.name}\n{other.own_text}" for other in self._parts([])]
+        parts += [f"MSG: {other.name}\n{other.own_text}" for other in self.parts]
         return _RULE.join(parts)
 
     @property
@@ -192,14 +197,18 @@ class MessageType:
         lines = [f"{constant.kind} {constant.name}={constant.text}" for constant in self.constants]
         return "".join(f"{line}\n" for line in [*lines, *(f"{_with_size(f)} {f.name}" for f in self.fields)])
 
-    def _parts(self, found: list[MessageType]) -> list[MessageType]:
+    @property
+    def parts(self) -> list[MessageType]:
         """The types of its fields, and of theirs."""
+        return self._add_parts([])
+
+    def _add_parts(self, found: list[MessageType]) -> list[MessageType]:
         for field in self.fields:
             if field.kind not in NUMBERS and field.kind not in (*TIMES, "string"):
-                other = message_type(field.kind)
+                other = message_type(field.kind, self.ros)
                 if other not in found:
                     found.append(other)
-                    other._parts(found)
+                    other._add_parts(found)
         return found
 
 
@@ -209,12 +218,13 @@ class ServiceType:
     Args:
         name: ``package/Name``.
         request, response: lines of their definitions.
+        ros: 1 or 2.
     """
 
-    def __init__(self, name: str, request: list[str], response: list[str]) -> None:
-        self.name = name
-        self.request = MessageType(f"{name}Request", request)
-        self.response = MessageType(f"{name}Response", response)
+    def __init__(self, name: str, request: list[str], response: list[str], ros: int = 1) -> None:
+        self.name, self.ros = name, ros
+        self.request = MessageType(f"{name}Request", request, ros)
+        self.response = MessageType(f"{name}Response", response, ros)
 
     def __repr__(self) -> str:
         return f"<ServiceType {self.name}>"
@@ -252,12 +262,12 @@ def _md5(text: str) -> str:
     return hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()
 
 
-def _maker(field: Field) -> Callable[[], Any]:
+def _maker(field: Field, ros: int) -> Callable[[], Any]:
     if field.size:
         if field.kind in NUMBERS:
             kind, size = np.dtype(NUMBERS[field.kind]), field.size
             return lambda: np.zeros(size, kind)
-        make, count = _maker(field._replace(size=None)), field.size
+        make, count = _maker(field._replace(size=None), ros), field.size
         return lambda: [make() for _ in range(count)]
     if field.size == 0:
         return list
@@ -266,18 +276,24 @@ def _maker(field: Field) -> Callable[[], Any]:
         return lambda: zero
     if field.kind == "string":
         return str
-    return Stamp if field.kind in TIMES else message_type(field.kind)
+    return Stamp if field.kind in TIMES else message_type(field.kind, ros)
 
 
 @cache
-def _types() -> dict[str, MessageType | ServiceType]:
+def _types(ros: int) -> dict[str, MessageType | ServiceType]:
+    if ros == 1:
+        return _read("definitions.txt", 1)
+    return _types(1) | _read("definitions2.txt", 2)
+
+
+def _read(file: str, ros: int) -> dict[str, MessageType | ServiceType]:
     found: dict[str, MessageType | ServiceType] = {}
-    for name, lines in _paragraphs((files("libgz.ros") / "definitions.txt").read_text()):
+    for name, lines in _paragraphs((files("libgz.ros") / file).read_text()):
         if "---" in lines:
             at = lines.index("---")
-            found[name] = ServiceType(name, lines[:at], lines[at + 1 :])
+            found[name] = ServiceType(name, lines[:at], lines[at + 1 :], ros)
         else:
-            found[name] = MessageType(name, lines)
+            found[name] = MessageType(name, lines, ros)
     return found
 
 
@@ -288,30 +304,30 @@ def _paragraphs(text: str) -> Iterator[tuple[str, list[str]]]:
         yield name, [line.strip() for line in lines]
 
 
-def type_names() -> list[str]:
-    """All types of messages and services."""
-    return list(_types())
+def type_names(ros: int = 1) -> list[str]:
+    """All types of messages and services of ROS 1 or 2."""
+    return list(_types(ros))
 
 
-def message_type(name: str) -> MessageType:
-    """A type of messages by its name, ``package/Name``.
+def message_type(name: str, ros: int = 1) -> MessageType:
+    """A type of messages of ROS 1 or 2 by its name, ``package/Name``.
 
     Raises:
         NotFoundError: there is none.
     """
-    found = _types().get(name)
+    found = _types(ros).get(name)
     if not isinstance(found, MessageType):
-        raise NotFoundError(f"there is no message type {name!r}{nearest(name, _types())}")
+        raise NotFoundError(f"there is no message type {name!r}{nearest(name, _types(ros))}")
     return found
 
 
-def service_type(name: str) -> ServiceType:
-    """A type of services by its name, ``package/Name``.
+def service_type(name: str, ros: int = 1) -> ServiceType:
+    """A type of services of ROS 1 or 2 by its name, ``package/Name``.
 
     Raises:
         NotFoundError: there is none.
     """
-    found = _types().get(name)
+    found = _types(ros).get(name)
     if not isinstance(found, ServiceType):
-        raise NotFoundError(f"there is no service type {name!r}{nearest(name, _types())}")
+        raise NotFoundError(f"there is no service type {name!r}{nearest(name, _types(ros))}")
     return found

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import functools
+import logging
 import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.server import attach
 from libgz.ros.api import WorldApi
+from libgz.ros.api2 import WorldApi2
 from libgz.ros.legacy.api import LegacyApi, list_links, list_models
+from libgz.ros.legacy.api2 import LegacyApi2
 from libgz.ros.legacy.device import Devices
 from libgz.ros.plugin import Ticks
 from libgz.ros.services import Services
@@ -22,7 +25,12 @@ if TYPE_CHECKING:
     from libgz.front import World
     from libgz.simulation.entity import Entity
 
-__all__ = ["RosWorld"]
+__all__ = ["RosWorld", "classic_links", "classic_models"]
+
+log = logging.getLogger("libgz.ros")
+
+CLOCK1, CLOCK2 = ("~pub_clock_frequency", 0.0), ("~publish_rate", 10.0)  # parameter, default [Hz]; 0: each iteration
+STATES_RATE = 100.0  # [Hz] in ROS 2
 
 
 class RosWorld(Stateless):
@@ -37,11 +45,13 @@ class RosWorld(Stateless):
 
     def __init__(self, session: Session, core: World) -> None:
         self._session, self._core = session, core
+        more: dict[str, Any] = {"reliability": "best_effort"} if session.version == 2 else {}
         with unowned():
-            self._clock = session.publish("/clock", "rosgraph_msgs/Clock", 10)
+            self._clock = session.publish("/clock", "rosgraph_msgs/Clock", 1 if more else 10, **more)
         self._ticks = Ticks(0.0)
         self._time = message_type("rosgraph_msgs/Clock")()
         self._states: list[States] = []
+        self._states_ticks = Ticks(0.0)
         self._services: Services | None = None
         self._devices = Devices(session, core)
         core.companions.append(self)
@@ -51,17 +61,17 @@ class RosWorld(Stateless):
 
     def start(self) -> None:
         """Advertise topics and services; all models are loaded."""
-        session = self._session
-        frequency = session.parameter("~pub_clock_frequency", 0)
-        self._ticks = Ticks(float(frequency) if isinstance(frequency, int | float) else 0.0)
+        session, two = self._session, self._session.version == 2
+        self._ticks = Ticks(_rate(session, *(CLOCK2 if two else CLOCK1)))
+        self._states_ticks = Ticks(STATES_RATE if two else 0.0)
         if session.parameter("~enable_ros_network", True) is False:
             return
         era = _Classic(self._core) if self._core.sdf is not None else _Legacy(self._core)
         with unowned():
-            self._states = [
-                States(self._core, session.publish("~model_states", "gazebo_msgs/ModelStates", 10), era.models),
-                States(self._core, session.publish("~link_states", "gazebo_msgs/LinkStates", 10), era.links),
-            ]
+            prefix, depth = ("", 1) if two else ("~", 10)
+            models = session.publish(f"{prefix}model_states", "gazebo_msgs/ModelStates", depth)
+            links = session.publish(f"{prefix}link_states", "gazebo_msgs/LinkStates", depth)
+            self._states = [States(self._core, models, era.models), States(self._core, links, era.links)]
             self._services = era.serve(session)
 
     def model_added(self, model: Entity) -> None:
@@ -90,8 +100,9 @@ class RosWorld(Stateless):
         if self._clock.listened and self._ticks.due(now):
             set_stamp(self._time.clock, now)
             self._clock.publish(self._time)
-        for states in self._states:
-            if states.publication.listened:
+        wanted = [states for states in self._states if states.publication.listened]
+        if wanted and self._states_ticks.due(now):
+            for states in wanted:
                 states.send()
         if self._services is not None and self._services.jobs:
             self._services.apply(now)
@@ -121,22 +132,16 @@ class _Classic:
         self._world = attach(core).world
 
     def models(self) -> Listed:
-        """The models; their frames are not those of their first links."""
-        found = [model for model in self._world.Models() if model.GetLinks()]
-        return Listed(
-            [model.GetName() for model in found],
-            [model.GetLinks()[0].body for model in found],
-            [functools.partial(_row_of_pose, model) for model in found],
-        )
+        """The models."""
+        return classic_models(self._world)
 
     def links(self) -> Listed:
         """The links."""
-        found = [link for model in self._world.Models() for link in model.GetLinks()]
-        return Listed([link.GetScopedName() for link in found], [link.body for link in found], [])
+        return classic_links(self._world)
 
     def serve(self, session: Session) -> Services:
         """Serve its services."""
-        return WorldApi(session, self._world)
+        return (WorldApi2 if session.version == 2 else WorldApi)(session, self._world)
 
 
 class _Legacy:
@@ -155,7 +160,33 @@ class _Legacy:
 
     def serve(self, session: Session) -> Services:
         """Serve its services."""
-        return LegacyApi(session, self._core)
+        return (LegacyApi2 if session.version == 2 else LegacyApi)(session, self._core)
+
+
+def classic_models(world: Any) -> Listed:
+    """The models of a world of SDF; their frames are not those of their first links."""
+    found = [model for model in world.Models() if model.GetLinks()]
+    return Listed(
+        [model.GetName() for model in found],
+        [model.GetLinks()[0].body for model in found],
+        [functools.partial(_row_of_pose, model) for model in found],
+    )
+
+
+def classic_links(world: Any) -> Listed:
+    """The links of a world of SDF."""
+    found = [link for model in world.Models() for link in model.GetLinks()]
+    return Listed([link.GetScopedName() for link in found], [link.body for link in found], [])
+
+
+def _rate(session: Session, name: str, default: float) -> float:
+    """A rate among the parameters [Hz]."""
+    value = session.parameter(name, default)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        log.warning("ROS: parameter %s is %r; it must be a number", name, value)
+        return default
 
 
 def _row_of_pose(model: Any) -> tuple[float, ...]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import NotFoundError
 from libgz.base.geometry import (
@@ -18,7 +19,7 @@ from libgz.base.geometry import (
 )
 from libgz.physics.joint import AxisJoint, SliderJoint
 from libgz.ros.services import INERTIAL, RefusedError, Services
-from libgz.ros.session import Session, set_stamp
+from libgz.ros.session import Session, Subscription, set_stamp
 from libgz.ros.states import Listed
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from libgz.simulation.entity import Entity
     from libgz.simulation.world import World
 
-__all__ = ["SERVICES", "LegacyApi", "list_links", "list_models"]
+__all__ = ["SERVICES", "LegacyApi", "fill_state", "list_links", "list_models"]
 
 # Services of /gazebo -> their types.
 SERVICES = {
@@ -67,10 +68,18 @@ def list_links(core: World) -> Listed:
 class LegacyApi(Services):
     """Serves the services of /gazebo for a legacy world, and its topic set_model_state."""
 
+    services: ClassVar[Mapping[str, str]] = SERVICES
+
     def __init__(self, session: Session, core: World) -> None:
         self._asked: dict[str, int] = {}
-        super().__init__(session, core, SERVICES)
-        self._topic = session.subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10)
+        self._topics: list[Subscription] = []
+        super().__init__(session, core, self.services)
+
+    def serve(self) -> None:
+        """Serve, and subscribe."""
+        super().serve()
+        subscribe = self.session.subscribe
+        self._topics.append(subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10))
 
     def _on_model_state(self, state: Any) -> None:
         self.set_by_topic("set_model_state", state)
@@ -124,13 +133,18 @@ class LegacyApi(Services):
         self._asked[name] = answer.header.seq = self._asked.get(name, 0) + 1
         set_stamp(answer.header.stamp, self.core.GetSimTime())
         answer.header.frame_id = request.relative_entity_name
-        _fill_state(answer, model.GetBody(), frame)
+        fill_state(answer, model.GetBody(), frame)
         answer.success, answer.status_message = True, "GetModelState: got properties"
 
     def _set_model_state(self, request: Any, answer: Any) -> None:
         state = request.model_state
         model = self._model(state.model_name, "SetModelState: model does not exist")
         frame = self._frame(state.reference_frame, "SetModelState: specified reference frame entity does not exist")
+        self._set_state(model, state, frame)
+        answer.success, answer.status_message = True, "SetModelState: set model state done"
+
+    def _set_state(self, model: Entity, state: Any, frame: Body | None) -> None:
+        """Set pose and velocities of a model, given in a frame."""
         pose, linear, angular = _pose(state.pose), _vector(state.twist.linear), _vector(state.twist.angular)
         if frame is not None:
             place = frame.GetPose()
@@ -142,7 +156,6 @@ class LegacyApi(Services):
             if not body.dummy:
                 body.SetLinearVel(linear)
                 body.SetAngularVel(angular)
-        answer.success, answer.status_message = True, "SetModelState: set model state done"
 
     def _delete_model(self, request: Any, answer: Any) -> None:
         model = self._model(request.model_name, "DeleteModel: model does not exist")
@@ -156,12 +169,17 @@ class LegacyApi(Services):
     def _get_link_state(self, request: Any, answer: Any) -> None:
         body = self._body(request.link_name, "GetLinkState: link not found; links are named model::body")
         frame = self._frame(request.reference_frame, "GetLinkState: reference reference_frame not found")
-        _fill_state(answer.link_state, body, frame)
+        fill_state(answer.link_state, body, frame)
         answer.link_state.link_name, answer.link_state.reference_frame = request.link_name, request.reference_frame
         answer.success, answer.status_message = True, "GetLinkState: got state"
 
     def _apply_body_wrench(self, request: Any, answer: Any) -> None:
-        body = self._body(request.body_name, "ApplyBodyWrench: body does not exist; links are named model::body")
+        self._apply_wrench(request.body_name, request)
+        answer.success = True
+
+    def _apply_wrench(self, name: str, request: Any) -> None:
+        """Apply the wrench of a request to a body."""
+        body = self._body(name, "ApplyBodyWrench: body does not exist; links are named model::body")
         frame = self._frame(request.reference_frame, "ApplyBodyWrench: reference_frame not found")
         place = frame.GetPose() if frame is not None else GzPose()
         force, torque = (rotate(place.rot, _vector(part)) for part in (request.wrench.force, request.wrench.torque))
@@ -173,8 +191,7 @@ class LegacyApi(Services):
             body.AddForceAtPos(force.x, force.y, force.z, here.x + arm.x, here.y + arm.y, here.z + arm.z)
             body.AddTorque(*torque)
 
-        self.add_job(request.body_name, apply, request)
-        answer.success = True
+        self.add_job(name, apply, request)
 
     def _clear_body_wrenches(self, request: Any, _answer: Any) -> None:
         self.clear(request.body_name)
@@ -234,7 +251,7 @@ def _pose(value: Any) -> GzPose:
     return GzPose(_vector(value.position), GzQuatern(*parts))
 
 
-def _fill_state(target: Any, body: Body, frame: Body | None) -> None:
+def fill_state(target: Any, body: Body, frame: Body | None) -> None:
     """Set pose and twist of a body, relative to another one if that is given."""
     pose, linear, angular = body.GetPose(), body.GetPointVel(body.GetPosition()), body.GetAngularRate()
     if frame is not None:

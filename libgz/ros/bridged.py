@@ -1,0 +1,488 @@
+"""BridgedNode: the nodes of ROS 2 of a server, by a bridge: a process with the user's own rclpy, over a socketpair."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import os
+import socket
+import struct
+import subprocess
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from libgz.base.errors import GazeboError, LibraryError
+from libgz.ros.loop import Connection, Loop
+from libgz.ros.names import NodeNames
+from libgz.ros.packing import Codec, FormatError, read_schema
+from libgz.ros.types import MessageType, ServiceType
+
+__all__ = ["BridgedNode", "Channel", "NodeSettings"]
+
+log = logging.getLogger("libgz.ros")
+
+PROGRAM = Path(__file__).parent / "bridge" / "program.py"
+DECLARE, DROP, MESSAGE, ANSWER, HELLO, DECLARED, REFUSED, LISTENED, REQUEST = range(1, 10)  # sorts of frames
+HEAD = struct.Struct("<IBI")  # length of what follows it, sort, channel
+REST = HEAD.size - 4
+MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
+MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # of one publisher that may wait for the bridge
+START_PATIENCE, END_PATIENCE = 60.0, 3.0  # [s]
+FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again
+ROOT = ("/", "gazebo")  # the node of all that belongs to no plugin
+
+
+class NodeSettings(NamedTuple):
+    """The node of a plugin: its namespace, its name, and its own qualities of service.
+
+    Attributes:
+        qos: (topic as the plugin names it, ``publisher`` or ``subscription``) -> policies, times in seconds.
+    """
+
+    space: str
+    name: str
+    qos: Mapping[tuple[str, str], Mapping[str, Any]]
+
+
+class Channel:
+    """What is published, subscribed to or served; a number on the wire.
+
+    Attributes:
+        topic: the full name.
+        subscribed: whether there are subscribers, as far as the bridge says.
+        listened: the same, or that the topic keeps its last messages for those that come.
+        codecs: those of the message, or of request and response; empty until the bridge has said what their fields are.
+    """
+
+    def __init__(self, node: BridgedNode, verb: str, topic: str, kind: MessageType | ServiceType, about: Any) -> None:
+        self._node, self.verb, self.topic, self.kind, self.about = node, verb, topic, kind, about
+        self.number = 0
+        self.listened = self.subscribed = False
+        self.codecs: list[Codec] = []
+        self.receive: Callable[[bytes], Any] | None = None
+        self.serve: Callable[[bytes, Callable[[bool, bytes], None]], bool] | None = None
+        self.waiting = self.waiting_bytes = 0
+
+    @property
+    def codec(self) -> Codec:
+        """The codec of a topic's messages."""
+        return self.codecs[0]
+
+    def publish(self, body: bytes) -> None:
+        """Queue a message; `BridgedNode.flush` sends it."""
+        self._node.push(self, body)
+
+
+class BridgedNode:
+    """Nodes of ROS 2. A bridge that ends is started again, and all is declared to it once more.
+
+    Args:
+        names: of the server's own node.
+        python: the user's Python that has rclpy.
+
+    Attributes:
+        changed: channels whose subscribers came or went.
+        notify: called, in the loop's thread, when they did.
+        started: how often a bridge was started.
+        about: what the bridge said of itself.
+    """
+
+    def __init__(self, names: NodeNames, python: Path) -> None:
+        self.names, self.name, self.python = names, names.name, python
+        self.changed: deque[Channel] = deque()
+        self.notify: Callable[[], object] = _nobody
+        self.started = 0
+        self.about: dict[str, str] = {}
+        self.process: subprocess.Popen[bytes] | None = None
+        self._channels: dict[int, Channel] = {}
+        self._last = 0
+        self._link: _Link | None = None
+        self._ended = False
+        self._greeted = threading.Event()
+        self._broken = threading.Event()
+        self._loop = Loop("ros-bridge", self._send)
+        self._keeper = threading.Thread(target=self._keep, name="ros-bridge-keeper", daemon=True)
+
+    def start(self) -> None:
+        """Start the bridge, and wait until it speaks.
+
+        Raises:
+            LibraryError: it ends instead: there is no rclpy, for example.
+        """
+        self._loop.start()
+        self._open()
+        if not self._wait():
+            self.close()
+            raise LibraryError(
+                f"ROS 2 cannot start: {self.python} cannot run rclpy, see the lines above; source a ROS 2 whose Python "
+                "this is, or run `libgz ros venv`"
+            )
+        log.info("ROS 2: %s over %s", self.about.get("distribution") or "rclpy", self.about.get("middleware"))
+        self._keeper.start()
+
+    def _wait(self) -> bool:
+        """Wait for the greeting of a bridge that was started; False if it does not come."""
+        end = time.monotonic() + START_PATIENCE
+        while not self._greeted.wait(0.02):
+            if self._broken.is_set() or time.monotonic() > end or self._ended:
+                return False
+        return True
+
+    def close(self) -> None:
+        """End the bridge."""
+        if self._ended:
+            return
+        self._ended = True
+        self._broken.set()
+        if self._keeper.is_alive():
+            self._keeper.join(END_PATIENCE)
+        if self._link is not None:
+            self._loop.call(self._link.close)
+        self._loop.close()
+        self._end_process()
+
+    # Process -----------------------------------------------------------------------------------------------------
+
+    def _open(self) -> None:
+        """Start a bridge."""
+        ours, theirs = socket.socketpair()
+        self._greeted.clear()
+        self._broken.clear()
+        with theirs:
+            command = [str(self.python), str(PROGRAM), str(theirs.fileno())]
+            try:
+                self.process = subprocess.Popen(
+                    command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, cwd="/", env=environment()
+                )
+            except OSError as error:
+                ours.close()
+                self._broken.set()
+                log.error("ROS 2: %s cannot be run: %s", self.python, error.strerror)
+                return
+        self.started += 1
+        link = self._link = _Link(self._loop, ours, self)
+        self._loop.call(self._loop.add, link)
+
+    def _keep(self) -> None:
+        """Start the bridge again whenever it ends."""
+        pause = FIRST_PAUSE
+        while not self._ended:
+            if not self._broken.wait(1.0) or self._ended:
+                continue
+            self._end_process()
+            log.warning("ROS 2: the bridge has ended; it is started again in %g s", pause)
+            end = time.monotonic() + pause
+            while time.monotonic() < end and not self._ended:
+                time.sleep(0.02)
+            if not self._ended:
+                self._open()
+                pause = FIRST_PAUSE if self._wait() else min(2.0 * pause, LONGEST_PAUSE)
+
+    def _end_process(self) -> None:
+        process = self.process
+        if process is None:
+            return
+        try:
+            process.wait(END_PATIENCE if self._ended else 0.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+    def greeted(self, body: bytes) -> None:
+        """The bridge speaks: declare all."""
+        if self._greeted.is_set():
+            return
+        about = _parsed(body)
+        self.about = {str(key): str(value) for key, value in about.items()} if isinstance(about, dict) else {}
+        for channel in list(self._channels.values()):
+            self._declare(channel)
+        self._greeted.set()
+
+    def lost(self) -> None:
+        """The bridge is gone."""
+        for channel in list(self._channels.values()):
+            channel.waiting, channel.waiting_bytes, channel.codecs = 0, 0, []
+            self._hear(channel, False)
+        self._broken.set()
+
+    # Topics and services -----------------------------------------------------------------------------------------
+
+    def advertise(
+        self,
+        topic: str,
+        kind: MessageType,
+        queue: int = 100,
+        latch: bool = False,
+        settings: NodeSettings | None = None,
+        plain: str = "",
+        **qos: Any,
+    ) -> Channel:
+        """Publish a topic by its full name.
+
+        Args:
+            topic: the name.
+            kind: its type.
+            queue: the depth.
+            latch: whether it is transient local.
+            settings: the node that publishes it; None: that of the server.
+            plain: its name before it was resolved and remapped, for the settings.
+            qos: further policies.
+        """
+        given = {"depth": queue, **({"durability": "transient_local"} if latch else {}), **qos}
+        return self._open_channel("publish", topic, kind, settings, plain, given)
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: MessageType,
+        received: Callable[[bytes], Any],
+        queue: int = 10,
+        settings: NodeSettings | None = None,
+        plain: str = "",
+    ) -> Channel:
+        """Subscribe to a topic: `received` gets the bytes of each message, in the loop's thread."""
+        return self._open_channel("subscribe", topic, kind, settings, plain, {"depth": queue}, receive=received)
+
+    def serve(
+        self,
+        name: str,
+        kind: ServiceType,
+        handle: Callable[[bytes, Callable[[bool, bytes], None]], bool],
+        settings: NodeSettings | None = None,
+    ) -> Channel:
+        """Serve a service: `handle` gets each request and what takes the answer; it says whether it accepts it."""
+        return self._open_channel("serve", name, kind, settings, "", {}, serve=handle)
+
+    def _open_channel(
+        self,
+        verb: str,
+        topic: str,
+        kind: MessageType | ServiceType,
+        settings: NodeSettings | None,
+        plain: str,
+        qos: dict[str, Any],
+        receive: Callable[[bytes], Any] | None = None,
+        serve: Callable[[bytes, Callable[[bool, bytes], None]], bool] | None = None,
+    ) -> Channel:
+        space, _, own = self.name.rpartition("/")
+        place = (settings.space or "/", settings.name) if settings is not None else (space or "/", own)
+        if settings is not None:
+            qos |= settings.qos.get((plain, "subscription" if verb == "subscribe" else "publisher"), {})
+        about = {"verb": verb, "name": topic, "type": _full_name(kind), "node": place, "qos": qos}
+        channel = Channel(self, verb, topic, kind, about)
+        channel.receive, channel.serve = receive, serve
+        self._last += 1
+        channel.number = self._last
+        self._channels[channel.number] = channel
+        if self._greeted.is_set():
+            self._declare(channel)
+        return channel
+
+    def withdraw(self, channel: Channel) -> None:
+        """End what `advertise` or `serve` began."""
+        if self._channels.pop(channel.number, None) is not None and self._greeted.is_set():
+            self._post(DROP, channel.number, b"")
+
+    stop_serving = withdraw
+
+    def unsubscribe(self, channel: Channel, _received: Callable[[bytes], Any]) -> None:
+        """End what `subscribe` began."""
+        self.withdraw(channel)
+
+    def served(self, name: str) -> bool:
+        """Whether a service of a name is served."""
+        return any(one.verb == "serve" and one.topic == name for one in list(self._channels.values()))
+
+    def parameter(self, name: str) -> Any:
+        """A parameter that the command line gives the server's node; None if it gives none."""
+        return self.names.parameters.get(name.removeprefix(f"{self.name}/"))
+
+    def search_parameter(self, _name: str, _space: str) -> Any:
+        """None: ROS 2 has no parameters of namespaces."""
+        return None
+
+    # Wire --------------------------------------------------------------------------------------------------------
+
+    def _declare(self, channel: Channel) -> None:
+        self._post(DECLARE, channel.number, json.dumps(channel.about).encode())
+
+    def _post(self, sort: int, number: int, body: bytes) -> None:
+        """Send something small, from any thread."""
+        link = self._link
+        if link is not None:
+            link.queue.append(HEAD.pack(REST + len(body), sort, number) + body)
+            self._loop.wake()
+
+    def push(self, channel: Channel, body: bytes) -> None:
+        """Queue a message. The loop has to be woken afterwards."""
+        link = self._link
+        if link is None:
+            return
+        if channel.waiting >= MOST_WAITING or channel.waiting_bytes > MOST_BYTES:
+            self._loop.warn(f"slow {channel.topic}", "ROS 2: the bridge is too slow for %s; a message is left out",
+                            channel.topic)  # fmt: skip
+            return
+        channel.waiting += 1
+        channel.waiting_bytes += len(body)
+        link.messages.append((channel, body))
+
+    def flush(self) -> None:
+        """See that what waits is sent, in the loop's thread."""
+        if self._link is not None and self._link.messages and not self._loop.polling:
+            self._loop.wake()
+
+    def _send(self) -> bool:
+        link = self._link
+        if link is None or not (link.messages or link.queue):
+            return False
+        link.flush()
+        return True
+
+    def frame(self, sort: int, number: int, body: bytes) -> None:
+        """A frame came from the bridge, in the loop's thread."""
+        if sort == HELLO:
+            self.greeted(body)
+            return
+        channel = self._channels.get(number)
+        if channel is None:
+            return
+        if sort == MESSAGE and channel.receive is not None and channel.codecs:
+            try:
+                channel.receive(body)
+            except GazeboError as error:
+                self._loop.warn(
+                    f"bad {channel.topic}", "ROS 2: a message of %s is not obeyed: %s", channel.topic, error
+                )
+        elif sort == REQUEST and channel.serve is not None and len(body) >= 8 and channel.codecs:
+            self._request(channel.serve, number, body[:8], body[8:])
+        elif sort == LISTENED:
+            self._hear(channel, any(body))
+        elif sort == DECLARED:
+            self._learn(channel, body)
+        elif sort == REFUSED:
+            package, text = channel.about["type"].partition("/")[0], body.decode("utf-8", "replace")
+            if text.startswith("ModuleNotFoundError"):
+                self._loop.warn(
+                    package, "ROS 2: there is no package %s: topics and services of its types are left out", package
+                )
+            else:
+                self._loop.warn(f"refused {channel.topic}", "ROS 2: %s is left out: %s", channel.topic, text)
+
+    def _request(self, serve: Callable[[bytes, Callable[[bool, bytes], None]], bool], number: int, request: bytes,
+                 body: bytes) -> None:  # fmt: skip
+        def answer(good: bool, response: bytes) -> None:
+            self._post(ANSWER, number, request + bytes([good]) + response)
+
+        if not serve(body, answer):
+            answer(False, b"")
+
+    def _hear(self, channel: Channel, listened: bool) -> None:
+        channel.subscribed = listened
+        latched = channel.about["qos"].get("durability") == "transient_local"
+        listened = (listened or latched) and bool(channel.codecs)
+        if listened != channel.listened:
+            channel.listened = listened
+            self.changed.append(channel)
+            self.notify()
+
+    def _learn(self, channel: Channel, body: bytes) -> None:
+        """The bridge says what the fields of a channel's types are."""
+        kind = channel.kind
+        kinds = [kind] if isinstance(kind, MessageType) else [kind.request, kind.response]
+        try:
+            tables = _parsed(body)
+            if not isinstance(tables, list) or len(tables) != len(kinds):
+                raise FormatError("it does not say what the fields are")
+            channel.codecs = [_codec(one, table) for one, table in zip(kinds, tables, strict=True)]
+            self._hear(channel, False)
+        except GazeboError as error:
+            log.error("ROS 2: %s (%s) is left out: %s", channel.topic, channel.about["type"], error)
+
+
+class _Link(Connection):
+    """The connection to a bridge.
+
+    Attributes:
+        messages: those that wait, with their channels.
+    """
+
+    longest = MOST_FRAME
+
+    def __init__(self, loop: Loop, sock: socket.socket, node: BridgedNode) -> None:
+        super().__init__(loop, sock, "the bridge")
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 22)
+        self.deadline = None
+        self._node = node
+        self.messages: deque[tuple[Channel, bytes]] = deque()
+
+    def frame(self, body: bytes) -> None:
+        """A frame came."""
+        if len(body) < REST:
+            self.close("it sent a frame that is too short")
+            return
+        self._node.frame(body[0], int.from_bytes(body[1:REST], "little"), body[REST:])
+
+    def _next(self) -> bytes | None:
+        found = super()._next()
+        if found is not None:
+            return found
+        parts: list[bytes] = []
+        size = 0
+        while size < 1 << 18 and self.messages:
+            channel, body = self.messages.popleft()
+            channel.waiting -= 1
+            channel.waiting_bytes -= len(body)
+            parts += (HEAD.pack(REST + len(body), MESSAGE, channel.number), body)
+            size += len(body)
+        return b"".join(parts) if parts else None
+
+    def ended(self) -> None:
+        """The bridge is gone."""
+        self._node.lost()
+
+
+def _nobody() -> None:
+    """Nobody is to be told."""
+
+
+def environment() -> dict[str, str]:
+    """That of the bridge: the user's, without the current directory on the path of imports."""
+    found = dict(os.environ)
+    parts = [part for part in found.pop("PYTHONPATH", "").split(os.pathsep) if Path(part).is_absolute()]
+    if parts:
+        found["PYTHONPATH"] = os.pathsep.join(parts)
+    return found
+
+
+def _full_name(kind: MessageType | ServiceType) -> str:
+    """The name of a type in ROS 2, such as sensor_msgs/msg/Image."""
+    package, _, name = kind.name.partition("/")
+    return f"{package}/{'msg' if isinstance(kind, MessageType) else 'srv'}/{name}"
+
+
+def _codec(kind: MessageType, table: Any) -> Codec:
+    """The codec of a type with the fields that the bridge gives; its own are under an empty name.
+
+    Raises:
+        FormatError: the table is none.
+    """
+    valid = isinstance(table, dict) and all(
+        isinstance(fields, dict) and all(isinstance(text, str) for text in fields.values()) for fields in table.values()
+    )
+    if not valid or "" not in table:
+        raise FormatError("it does not say what the fields are")
+    named = {kind.name if name == "" else name: fields for name, fields in table.items()}
+    return Codec(kind, cdr=True, schema=read_schema(named, kind))
+
+
+def _parsed(body: bytes) -> Any:
+    try:
+        return json.loads(body)
+    except ValueError:
+        return None

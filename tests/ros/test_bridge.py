@@ -1,0 +1,209 @@
+"""ROS 2 by a bridge that the tests play: declarations, bytes, services, names, a bridge that ends; attacks."""
+
+import logging
+import struct
+import time
+
+import pytest
+from ros_bridge import ANSWER, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
+from ros_peers import wait_for
+from ros_types import JAZZY
+
+from libgz import World
+from libgz.base.errors import LibraryError
+from libgz.classic.server import attach
+from libgz.ros import bridged
+from libgz.ros.environment import find_python
+from libgz.ros.packing import Codec, read_schema
+from libgz.ros.server import Ros2
+from libgz.ros.types import message_type, service_type
+
+BOX = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
+EMPTY = "<sdf version='1.6'><world name='default'/></sdf>"
+
+
+def cdr(kind, table):
+    named = {kind.name if name == "" else name: rows for name, rows in table.items()}
+    return Codec(kind, cdr=True, schema=read_schema(named, kind))
+
+
+class Server:
+    """A world that speaks ROS 2 with the tests' graph."""
+
+    def __init__(self, graph, core, ros):
+        self.graph, self.core, self.ros = graph, core, ros
+
+    def topic(self, name):
+        """The next message of a topic."""
+        kind = message_type(wait_for(lambda: self.graph.declared.get(name))["type"].replace("/msg/", "/"), 2)
+        self.graph.listen(name)
+        self.graph.received[name].clear()
+        body = wait_for(lambda: self.graph.received[name], self.core.Step)[0]
+        return cdr(kind, fields(kind.name, "msg")[0]).unpack(body)
+
+    def call(self, name, kind, /, **values):
+        service = service_type(kind, 2)
+        request, response = fields(kind, "srv")
+        body = cdr(service.request, request).pack(service.request(**values))
+        answer = self.graph.call(name, body, self.core.Step)
+        assert answer[:1] == b"\1", answer
+        return cdr(service.response, response).unpack(answer[1:])
+
+
+@pytest.fixture
+def graph(tmp_path):
+    found = FakeGraph(tmp_path)
+    yield found
+    found.close()
+
+
+@pytest.fixture
+def start(graph, tmp_path):
+    closing = []
+
+    def start(world=EMPTY, *words):
+        ros = Ros2(words, graph.python)
+        closing.append(ros)
+        core = World(seed=1)
+        closing.append(core)
+        path = tmp_path / "test.world"
+        path.write_text(world)
+        core.LoadFile(path)
+        ros.attach(core)
+        core.Initialize()
+        return Server(graph, core, ros)
+
+    yield start
+    for one in reversed(closing):
+        one.close()
+
+
+def test_the_clock_is_best_effort_and_has_its_rate(start, graph):
+    server = start(EMPTY, "--ros-args", "-p", "publish_rate:=100.0")
+    declared = wait_for(lambda: graph.declared.get("/clock"))
+    assert declared["qos"] == {"depth": 1, "reliability": "best_effort"}
+    assert declared["node"] == ["/", "gazebo"]
+    for _ in range(20):
+        server.core.Step()
+    assert not graph.received["/clock"]  # nobody listens
+    server.topic("/clock")
+    begin, graph.received["/clock"][:] = server.core.GetSimTime(), []
+    for _ in range(1000):
+        server.core.Step()
+    wait_for(lambda: len(graph.received["/clock"]) >= 100)
+    assert len(graph.received["/clock"]) == 100
+    stamp = JAZZY.deserialize_cdr(graph.received["/clock"][0], "rosgraph_msgs/msg/Clock").clock
+    assert stamp.sec + stamp.nanosec * 1e-9 == pytest.approx(begin + 0.01, abs=0.01)
+
+
+def test_entities_are_spawned_asked_for_moved_and_deleted(start):
+    server = start()
+    text = f"<sdf version='1.6'><model name='x'><static>true</static>{BOX}</model></sdf>"
+    answer = server.call("/spawn_entity", "gazebo_msgs/SpawnEntity", name="crate", xml=text)
+    assert (answer.success, answer.status_message) == (True, "SpawnEntity: Successfully spawned entity [crate]")
+    again = server.call("/spawn_entity", "gazebo_msgs/SpawnEntity", name="crate", xml=text)
+    assert (again.success, again.status_message) == (False, "Entity [crate] already exists.")
+    for _ in range(2):  # without a name that of the text is used, with a number if it is taken
+        assert server.call("/spawn_entity", "gazebo_msgs/SpawnEntity", xml=text).success
+        server.core.Step()
+    listed = server.call("/get_model_list", "gazebo_msgs/GetModelList")
+    assert listed.model_names == ["crate", "x", "x_0"]
+    state = message_type("gazebo_msgs/EntityState", 2)(name="crate")
+    state.pose.position.x, state.pose.orientation.w = 3.0, 1.0
+    assert server.call("/set_entity_state", "gazebo_msgs/SetEntityState", state=state).success
+    found = server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name="crate", reference_frame="x")
+    assert found.success
+    assert found.state.pose.position.x == pytest.approx(3.0)
+    assert not server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name="nobody").success
+    state.pose.position.x = float("nan")
+    assert not server.call("/set_entity_state", "gazebo_msgs/SetEntityState", state=state).success
+    properties = server.call("/get_model_properties", "gazebo_msgs/GetModelProperties", model_name="crate")
+    assert (properties.canonical_body_name, properties.is_static) == ("l", True)
+    gone = server.call("/delete_entity", "gazebo_msgs/DeleteEntity", name="crate")
+    assert gone.status_message == "Successfully deleted entity [crate]"
+    wrong = server.call("/delete_entity", "gazebo_msgs/DeleteEntity", name="crate")
+    assert wrong.status_message == "Entity [crate] does not exist"
+    assert server.topic("/model_states").name == ["x", "x_0"]
+
+
+def test_physics_is_paused_and_reset(start):
+    server = start()
+    for _ in range(5):
+        server.core.Step()
+    server.call("/pause_physics", "std_srvs/Empty")
+    assert server.core.paused
+    server.call("/unpause_physics", "std_srvs/Empty")
+    assert not server.core.paused
+    server.call("/reset_simulation", "std_srvs/Empty")
+    assert server.core.GetSimTime() < 0.005
+
+
+def test_a_bridge_that_ends_is_started_again(start, graph, caplog):
+    server = start()
+    server.topic("/clock")
+    server.ros.node.process.kill()
+    wait_for(lambda: graph.links == 2 and "/clock" in graph.declared, server.core.Step)
+    server.topic("/clock")
+    assert "the bridge has ended" in caplog.text
+
+
+def test_types_that_the_bridge_does_not_have_are_named_once(start, graph, caplog):
+    graph.refused.add("gazebo_msgs")
+    server = start()
+    server.topic("/clock")
+    told = [one for one in caplog.messages if "there is no package gazebo_msgs" in one]
+    assert len(told) == 1
+
+
+def test_hostile_frames_are_left_out(start, graph, caplog):
+    caplog.set_level(logging.WARNING)
+    world = f"""<sdf version='1.6'><world name='default'><model name='robot'>{BOX}
+      <plugin name='drive' filename='libgazebo_ros_planar_move.so'/></model></world></sdf>"""
+    server = start(world)
+    number = graph.number("/cmd_vel")
+    service = graph.number("/pause_physics")
+    for body in (b"", b"\0\1\0\0", b"\xff" * 300, b"\0\1\0\0" + struct.pack("<6d", *[float("nan")] * 6)):
+        graph.send(MESSAGE, number, body)
+    graph.send(MESSAGE, 12345, b"x")
+    graph.send(99, number, b"x")
+    graph.send(LISTENED, graph.number("/clock"), b"")
+    graph.send(DECLARED, number, b"[{}]")
+    graph.send(DECLARED, number, b"\xff{")
+    graph.send(HELLO, 0, b"[]")
+    graph.send(REQUEST, service, b"1")
+    graph.send(REQUEST, service, b"12345678\xff")
+    graph.send(ANSWER, service, b"x")
+    server.topic("/clock")
+    x, y, _ = attach(server.core).world.ModelByName("robot").WorldPose().Pos()
+    assert abs(x) + abs(y) < 1e-3
+    assert "is not obeyed" in caplog.text
+    graph.socket.sendall(struct.pack("<IBI", 1 << 31, MESSAGE, number))  # a length beyond all bounds ends the bridge
+    wait_for(lambda: graph.links == 2, server.core.Step)
+
+
+def test_a_slow_bridge_costs_no_memory(start, graph, caplog):
+    server = start()
+    server.topic("/clock")
+    channel = next(one for one in server.ros.node._channels.values() if one.topic == "/clock")
+    with graph._lock:  # the graph answers nothing; and what it reads waits in its thread
+        graph.socket.settimeout(None)
+        for _ in range(bridged.MOST_WAITING + 100):
+            channel.publish(bytes(1 << 16))
+    assert channel.waiting_bytes <= bridged.MOST_BYTES + (1 << 16)
+    assert "too slow for /clock" in caplog.text
+
+
+def test_without_a_ros_the_error_says_what_to_do(monkeypatch, tmp_path, capfd):
+    for name in ("LIBGZ_ROS2_PYTHON", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    with pytest.raises(LibraryError, match="libgz ros venv"):
+        find_python()
+    bad = tmp_path / "python3"
+    bad.write_text("#!/bin/sh\necho no rclpy >&2; exit 1\n")
+    bad.chmod(0o755)
+    begin = time.monotonic()
+    with pytest.raises(LibraryError, match="cannot run rclpy"):
+        Ros2([], bad)
+    assert time.monotonic() - begin < bridged.START_PATIENCE
+    capfd.readouterr()

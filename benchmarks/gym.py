@@ -1,13 +1,16 @@
 """Environments: their steps per second against a bare loop that steps, commands and reads; processes; other engines.
 
 python benchmarks/gym.py            all parts
-python benchmarks/gym.py overhead   one of overhead, processes, engines
+python benchmarks/gym.py batch      one of overhead, processes, batch, engines
+python benchmarks/gym.py batch Balance ReachGoal    of these tasks only
 
 Times of one process are processor time, so that other programs matter little; those of processes are real time.
 """
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import statistics
 import sys
 import time
@@ -35,6 +38,10 @@ def bare(env: WorldEnv) -> Callable[[list[float]], object]:
             for write, value in zip(writers, values, strict=True):
                 write(value)
             world.step(count)
+        elif efforts := env._efforts(values):
+            world.engine.hold(efforts)
+            world.step(count)
+            world.engine.hold(())
         else:
             for _ in range(count):
                 for write, value in zip(writers, values, strict=True):
@@ -107,6 +114,81 @@ def processes() -> None:
         one, two = (statistics.median(column) for column in zip(*rounds, strict=True))
         best = max(pair[1] for pair in rounds) / max(pair[0] for pair in rounds)
         print(f"{name:18}{one:10.0f}{two:10.0f}{statistics.median(b / a for a, b in rounds):8.2f}{best:8.2f}")
+
+
+BATCH, BATCH_ROUNDS = 64, 15  # environments, and rounds of about 0.3 s on either side
+
+
+def turns(name: str, count: int, first: int) -> Callable[[int], object]:
+    """Environments that step one after the other; a function that does so many steps of each."""
+    envs: list[Any] = [gymnasium.make(f"libgz/{name}-v0").unwrapped for _ in range(count)]
+    for number, env in enumerate(envs):
+        env.reset(seed=first + number)
+    action = np.zeros(envs[0].action_space.shape, np.float32)
+
+    def run(steps: int) -> None:
+        for _ in range(steps):
+            for env in envs:
+                *_, ended, cut, _ = env.step(action)
+                if ended or cut:
+                    env.reset()
+
+    return run
+
+
+def serve(name: str, count: int, first: int, pipe: Any) -> None:
+    """A process with such environments."""
+    run = turns(name, count, first)
+    while steps := pipe.recv():
+        run(steps)
+        pipe.send(None)
+
+
+def batch() -> None:
+    """Steps per second of many environments of one process by threads, over those of as many processes as cores."""
+    cores = len(os.sched_getaffinity(0))
+    print(f"{'task':18}{'threads':>10}{'processes':>10}{'ratio':>8}   {BATCH} environments, {cores} cores")
+    for name in [task for task in libgz.gym.TASKS if task in sys.argv] or libgz.gym.TASKS:
+        share, pipes, workers = BATCH // cores, [], []
+        for number in range(cores):
+            ours, theirs = multiprocessing.Pipe()
+            arguments = (name, share, number * share, theirs)
+            workers.append(multiprocessing.Process(target=serve, args=arguments, daemon=True))
+            workers[-1].start()
+            pipes.append(ours)
+        envs = gymnasium.make_vec(f"libgz/{name}-v0", num_envs=share * cores)
+        envs.reset(seed=0)
+        actions = np.zeros(envs.action_space.shape, np.float32)
+
+        def by_threads(steps: int, envs: Any = envs, actions: Any = actions) -> None:
+            for _ in range(steps):
+                envs.step(actions)
+
+        def by_processes(steps: int, pipes: Any = pipes) -> None:
+            for pipe in pipes:
+                pipe.send(steps)
+            for pipe in pipes:
+                pipe.recv()
+
+        sides = [by_threads, by_processes]
+        start = time.perf_counter()
+        by_threads(5)
+        steps = max(1, round(1.5 / (time.perf_counter() - start)))
+        rounds = []
+        for number in range(BATCH_ROUNDS):
+            taken = {}
+            for side in sides if number % 2 else sides[::-1]:
+                start = time.perf_counter()
+                side(steps)
+                taken[side] = time.perf_counter() - start
+            rounds.append([share * cores * steps / taken[side] for side in sides])
+        envs.close()
+        for pipe, worker in zip(pipes, workers, strict=True):
+            pipe.send(0)
+            worker.join()
+        ours, theirs = (statistics.median(column) for column in zip(*rounds, strict=True))
+        ratio = statistics.median(one / other for one, other in rounds)
+        print(f"{name:18}{ours:10.0f}{theirs:10.0f}{ratio:8.2f}", flush=True)
 
 
 # One scene in all engines: a cart on a rail with two rods, 2 ms a step, ten steps for an action, a force on the cart.
@@ -203,6 +285,6 @@ def engines() -> None:
 
 
 if __name__ == "__main__":
-    parts = {"overhead": overhead, "processes": processes, "engines": engines}
-    for part in sys.argv[1:] or parts:
+    parts = {"overhead": overhead, "processes": processes, "batch": batch, "engines": engines}
+    for part in [one for one in sys.argv[1:] if one not in libgz.gym.TASKS] or parts:
         parts[part]()

@@ -107,6 +107,10 @@ class MobileRobot(Model):
             plan.call(self.drive)
             for device in self.devices:
                 self._plan_device(plan, device)
+        self.plan_act(plan)
+
+    def plan_act(self, plan: Plan) -> None:
+        """Describe what is done in each step, after the devices: `act`."""
         plan.do(self.act)
 
     def _plan_device(self, plan: Plan, device: Any) -> None:

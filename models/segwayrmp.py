@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Generic, NamedTuple
+from typing import Any, ClassVar, Generic, NamedTuple
 
 from libgz.base.geometry import GzColor, GzVector
-from libgz.base.law import Value, clamp, law, unrecorded, usually
+from libgz.base.law import Value, clamp, law, unrecorded, usually, where
 from libgz.base.records import numbers
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
@@ -22,6 +22,7 @@ from libgz.models.wheels import HARD, Tire
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
+from libgz.simulation.plan import Plan
 from libgz.worldfile.attributes import boolean
 
 TIRE = Tire(0.24, 0.05, 5.0, DARK, hard=True)
@@ -122,6 +123,21 @@ class SegwayRMP(DifferentialRobot):
 
     def run(self, speed: float, turn: float) -> None:
         """Nothing: `act` drives the wheels by torques."""
+
+    def plan_act(self, plan: Plan) -> None:  # noqa: D102
+        if self._velocity is not None:
+            super().plan_act(plan)
+            return
+        with plan.when(self._stands):
+            plan.do(self.act)
+
+    @law
+    def _stands(self) -> Any:
+        """Whether it is to balance; if not, the controller begins anew."""
+        stands = self.position.enabled & (self.motion.up[2] >= UPRIGHT)
+        for i in range(len(self._balance)):
+            self._balance[i] = where(stands, self._balance[i], 0.0)
+        return stands
 
     @law
     def act(self, step: float) -> None:

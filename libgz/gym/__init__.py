@@ -25,9 +25,13 @@ os.environ.setdefault("LP_NUM_THREADS", "0")
 
 from libgz.gym.env import WorldEnv
 from libgz.gym.tasks import TASKS
+from libgz.gym.vector import KINDS, WorldVectorEnv
 
-__all__ = ["TASKS", "WorldEnv"]
+__all__ = ["TASKS", "WorldEnv", "WorldVectorEnv"]
 
-gymnasium.register("libgz/World-v0", "libgz.gym.env:WorldEnv")
-for _name, _task in TASKS.items():
-    gymnasium.register(f"libgz/{_name}-v0", f"libgz.gym.tasks:{_task.__name__}")
+for _name, _kind in KINDS.items():
+    gymnasium.register(
+        f"libgz/{_name}-v0",
+        f"{_kind.__module__}:{_kind.__name__}",
+        vector_entry_point=f"libgz.gym.vector:{_name}",
+    )

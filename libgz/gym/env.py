@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import gymnasium
@@ -17,6 +17,8 @@ from libgz.base.errors import ClosedError, LibraryError, ParameterError, nearest
 from libgz.base.extras import install
 from libgz.base.geometry import GzPose
 from libgz.front import World
+from libgz.ode.context import HeldEffort
+from libgz.ode.crew import Task
 from libgz.physics.check import finite
 from libgz.study.distribution import Distribution
 from libgz.study.signals import Command, Reading, activate, commands_of, reading_of
@@ -304,21 +306,46 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             ParameterError: the action has another shape, or is not finite.
             gymnasium.error.ResetNeeded: `reset` was not called.
         """
+        world = self.world
+        for count in self._act(self._clipped(action)):
+            world.step(count)
+        return self._outcome(action)
+
+    def step_beside(self, action: Any) -> Task[Any]:
+        """`step`, for environments whose worlds step beside each other in a `Crew`."""
+        world = self.world
+        for count in self._act(self._clipped(action)):
+            yield from world.step_beside(count)
+        return self._outcome(action)
+
+    def _act(self, values: Sequence[Any]) -> Iterator[int]:
+        """Write an action; gives the numbers of steps that are then to be made."""
         if not self._started:
             self._check_open()
             raise gymnasium.error.ResetNeeded("call reset() before the first step()")
-        world, values = self.world, self._clipped(action)
         if self._update is not None:
-            self._update(world)
+            self._update(self.world)
         if self._lasting:
             for write, value in zip(self._writers, values, strict=True):
                 write(value)
-            world.step(self._count)
-        elif not self._hold(values):
+            yield self._count
+        elif efforts := self._efforts(values):
+            self.world.engine.hold(efforts)
+            try:
+                yield self._count
+            finally:
+                self.world.engine.hold(())
+            for joint, effort in zip(self._held or (), efforts, strict=True):
+                joint.was_held(effort.effort, self._count)
+        else:
             for _ in range(self._count):
                 for write, value in zip(self._writers, values, strict=True):
                     write(value)
-                world.Step()
+                yield 1
+
+    def _outcome(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """What `step` returns, after the steps."""
+        world = self.world
         self._steps += 1
         seen = self._observe()
         reward = 0.0 if self._reward is None else float(self._reward(world, seen, action))
@@ -328,19 +355,12 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             self.render()
         return seen, reward, ended, truncated, self._information()
 
-    def _hold(self, values: Sequence[Any]) -> bool:
-        """Do all steps of a period at once where actions are efforts that native code can hold; whether they are."""
+    def _efforts(self, values: Sequence[float]) -> list[HeldEffort]:
+        """The action as efforts that native code holds over the steps of a period; empty where it cannot."""
         if self._held is None:
-            return False
+            return []
         found = [joint.held_effort(value) for joint, value in zip(self._held, values, strict=True)]
-        efforts = [effort for effort in found if effort is not None]
-        if len(efforts) < len(found):
-            return False
-        with self.world.engine.holding(efforts):
-            self.world.step(self._count)
-        for joint, effort in zip(self._held, efforts, strict=True):
-            joint.was_held(effort.effort, self._count)
-        return True
+        return [effort for effort in found if effort is not None] if None not in found else []
 
     def _clipped(self, action: Any) -> list[Any]:
         """The numbers of an action within their bounds; whole ones rounded."""

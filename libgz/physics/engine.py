@@ -366,17 +366,11 @@ class Engine:
         """Contact points in the last step."""
         return int(self._context.contact_count)
 
-    @contextlib.contextmanager
-    def holding(self, efforts: Sequence[HeldEffort]) -> Iterator[None]:
-        """Apply efforts in each step meanwhile, in this order; see `Joint.held_effort`."""
-        self._held = (HeldEffort * len(efforts))(*efforts)
-        with self.lock:
-            self._context.held, self._context.held_count = ctypes.addressof(self._held), len(efforts)
-        try:
-            yield
-        finally:
-            with self.lock:
-                self._context.held_count, self._context.held, self._held = 0, None, ()
+    @exclusive
+    def hold(self, efforts: Sequence[HeldEffort]) -> None:
+        """Apply efforts in each step from now on, in this order, and no others; see `Joint.held_effort`."""
+        self._held = held = (HeldEffort * len(efforts))(*efforts)
+        self._context.held, self._context.held_count = ctypes.addressof(held), len(efforts)
 
     def drop_held(self, handle: int | None) -> None:
         """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""

@@ -392,6 +392,9 @@ class Joint:
         effort = finite(effort, "effort [N m or N]")
         return HeldEffort(self.id, int(self.kind), effort, (ctypes.c_void_p * 2)(*waking))
 
+    def was_held(self, effort: float, steps: int) -> None:
+        """Note an effort that was held for a number of steps; these joints keep none."""
+
     @property
     def setter(self) -> int:
         """The address of ODE's function that sets a parameter, for native updates."""

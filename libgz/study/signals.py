@@ -129,7 +129,7 @@ class Command:
         low, high: bounds.
         whole: whether it is an integer.
         lasts: whether it holds until the next one; else it is for one step.
-        joint: on which it is an effort, if that can be held for several steps; see `SdfJoint.held_effort`.
+        joint: on which it is an effort, if that can be held for several steps; see `held_effort` of the joint.
     """
 
     label: str
@@ -138,7 +138,7 @@ class Command:
     high: float
     whole: bool = False
     lasts: bool = True
-    joint: SdfJoint | None = field(default=None, repr=False)
+    joint: SdfJoint | HingeJoint | SliderJoint | None = field(default=None, repr=False)
 
 
 def split_signal(text: str) -> tuple[str, str]:
@@ -638,9 +638,9 @@ def _commands_on(thing: Any, name: str, label: str) -> list[Command]:
     if isinstance(thing, SdfJoint) and name in ("effort", "velocity"):
         return [_sdf_joint_command(thing, name, index, f"{label}[{index}]") for index in range(thing.dof)]
     if isinstance(thing, HingeJoint) and name == "effort":
-        return [Command(label, thing.SetTorque, *FREE, lasts=False)]
+        return [Command(label, thing.SetTorque, *FREE, lasts=False, joint=thing)]
     if isinstance(thing, SliderJoint) and name == "effort":
-        return [Command(label, thing.SetSliderForce, *FREE, lasts=False)]
+        return [Command(label, thing.SetSliderForce, *FREE, lasts=False, joint=thing)]
     if isinstance(thing, Entity | Body) and name in ("force", "torque"):
         body = thing if isinstance(thing, Body) else thing.GetBody()
         add = body.AddForce if name == "force" else body.AddTorque

@@ -13,16 +13,16 @@ def play(monkeypatch, name, alone):
         env.reset(seed=3)
         own = env.unwrapped
         if alone:
-            monkeypatch.setattr(own, "_hold", lambda values: False)
+            monkeypatch.setattr(own, "_efforts", lambda values: [])
         else:
-            monkeypatch.setattr(own.world, "Step", lambda: pytest.fail("a step is made alone"))
+            assert len(list(own._act(env.action_space.low))) == 1  # all steps of an action at once
         random = np.random.default_rng(1)
         low, high = env.action_space.low, env.action_space.high
         seen = [env.step(random.uniform(low, high))[0] for _ in range(30)]
         return np.array(seen), own.world.get_state()
 
 
-@pytest.mark.parametrize("name", ["PendulumSwingUp", "DoublePendulum"])
+@pytest.mark.parametrize("name", ["PendulumSwingUp", "DoublePendulum", "Balance"])
 def test_held_efforts_are_single_ones(monkeypatch, name):
     held, single = play(monkeypatch, name, False), play(monkeypatch, name, True)
     assert (held[0] == single[0]).all()
@@ -36,17 +36,17 @@ def test_an_effort_on_a_joint_that_goes_meanwhile_acts_no_more(monkeypatch):
         kept = world.events["WorldUpdateEnd"].Connect(
             lambda: [world.DeleteModel(model) for model in list(world.models)]
         )
-        env.unwrapped._hold([1.0])
+        env.step([1.0])
         assert not world.models
         kept.Disconnect()
         world.step(5)
 
 
-def test_a_limit_of_velocity_is_kept_step_by_step(monkeypatch):
+def test_a_limit_of_velocity_is_kept_step_by_step():
     with gymnasium.make("libgz/PendulumSwingUp-v0") as env:
         env.reset(seed=3)
         joint = env.unwrapped._held[0]
         assert joint.held_effort(1.0) is not None
         joint.axes[0].velocity = 0.5
         assert joint.held_effort(1.0) is None
-        assert not env.unwrapped._hold([1.0])
+        assert not env.unwrapped._efforts([1.0])

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import World
     from libgz.ros.bridged import NodeSettings
 
-__all__ = ["SERVICES2", "StateApi", "WorldApi2", "serve_free"]
+__all__ = ["SERVICES2", "STATES", "StateApi", "WorldApi2", "serve_free"]
 
 STATES = {"get_entity_state": "gazebo_msgs/GetEntityState", "set_entity_state": "gazebo_msgs/SetEntityState"}
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 from libgz.base.errors import ParameterError
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.own_node import OwnNode
 from libgz.ros.session import Publication, Service, Session, Subscription, session
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = [
     "NOISE",
     "OFFSETS",
+    "SAME",
     "Endpoint",
     "Parameter",
     "RosPlugin",
@@ -30,15 +32,25 @@ __all__ = [
     "set_twist",
 ]
 
+SAME = object()  # as in ROS 1
 TRUE, FALSE = ("true", "1", "yes"), ("false", "0", "no")
 
 
 class Parameter(NamedTuple):
-    """An element that a plugin reads: its default has the type of its value, or is the type, if it must be given."""
+    """An element that a plugin reads: its default has the type of its value, or is the type, if it must be given.
+
+    Attributes:
+        ros2: the default in ROS 2, where it is another one.
+    """
 
     name: str
     default: Any
     meaning: str
+    ros2: Any = SAME
+
+    def default_of(self, version: int) -> Any:
+        """The default in ROS 1 or 2."""
+        return self.default if version == 1 or self.ros2 is SAME else self.ros2
 
 
 class Endpoint(NamedTuple):
@@ -87,6 +99,8 @@ class RosPlugin:
         given: the values of the parameters, by name.
         ros: the session.
         space: the namespace.
+        two: whether it is ROS 2.
+        node: in ROS 2, the plugin's node.
     """
 
     parameters: ClassVar[tuple[Parameter, ...]] = ()
@@ -96,6 +110,9 @@ class RosPlugin:
     ros: Session
     given: Any
     space: str
+    two: bool
+    node: OwnNode
+    _prefix: str | None
 
     def open(self, sdf: Element, model: str) -> None:
         """Read the parameters.
@@ -109,16 +126,22 @@ class RosPlugin:
             StateError: there is no ROS in this process.
         """
         self.ros = session()
+        self.two = self.ros.version == 2
         self._remapped = _remappings(sdf)
-        sdf = ros_elements(sdf)
-        self.given = SimpleNamespace(**{one.name: _value(sdf, one) for one in self.parameters})
+        plugin, sdf = sdf, ros_elements(sdf)
+        self.given = SimpleNamespace(**{one.name: _value(sdf, one, self.ros.version) for one in self.parameters})
+        if self.two:
+            space = sdf.Get(str, "robotNamespace", "")[0].strip() or self.ros.names.namespace
+            self.node = OwnNode(plugin, space)
+            self.space, self._prefix = self.node.settings.space, None
+            return
         space = sdf.Get(str, "robotNamespace", "")[0].strip()
         if not sdf.HasElement("robotNamespace"):
             space = f"/{model}" if self.own_namespace else ""
         elif not space and self.own_namespace:
             space = f"/{model}"
         self.space = space.rstrip("/") or ("/" if space else "")
-        self._prefix: str | None = None
+        self._prefix = None
 
     def publish(
         self,
@@ -130,16 +153,25 @@ class RosPlugin:
         changed: Callable[[], object] | None = None,
     ) -> Publication:
         """Publish a topic; `within` is a namespace inside that of the robot."""
+        if self.two:
+            full, more = self.node.resolve(topic, within)
+            return self.ros.publish(full, kind, queue, latch, "", changed, **more)
         return self.ros.publish(self._name(topic), kind, queue, latch, self._space(within), changed)
 
     def subscribe(
         self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, within: str = ""
     ) -> Subscription:
         """Subscribe to a topic."""
+        if self.two:
+            full, more = self.node.resolve(topic, within)
+            return self.ros.subscribe(full, kind, callback, queue, **more)
         return self.ros.subscribe(self._name(topic), kind, callback, queue, self._space(within))
 
     def serve(self, name: str, kind: str, handler: Callable[[Any], Any], within: str = "") -> Service:
         """Serve a service."""
+        if self.two:
+            full, more = self.node.resolve(name, within)
+            return self.ros.serve(full, kind, handler, settings=more["settings"])
         return self.ros.serve(self._name(name), kind, handler, self._space(within))
 
     def frame(self, name: str) -> str:
@@ -167,17 +199,18 @@ def _remappings(sdf: Element) -> dict[str, str]:
     return found
 
 
-def _value(sdf: Element, parameter: Parameter) -> Any:
+def _value(sdf: Element, parameter: Parameter, version: int) -> Any:
     """The value of a parameter.
 
     Raises:
         ParameterError: it is missing, or no value of its type.
     """
-    kind = parameter.default if isinstance(parameter.default, type) else type(parameter.default)
+    default = parameter.default_of(version)
+    kind = default if isinstance(default, type) else type(default)
     if not sdf.HasElement(parameter.name):
-        if isinstance(parameter.default, type):
+        if isinstance(default, type):
             raise ParameterError(f"{sdf.where}: <plugin> has no <{parameter.name}>: {parameter.meaning}")
-        return parameter.default
+        return default
     text = sdf.Get(str, parameter.name).strip()
     if kind is bool:
         if text.lower() not in (*TRUE, *FALSE):

@@ -11,7 +11,7 @@ from libgz.ros.api import SERVICES
 from libgz.ros.api2 import SERVICES2
 from libgz.ros.legacy.api import SERVICES as LEGACY_SERVICES
 from libgz.ros.legacy.kinds import KINDS
-from libgz.ros.plugin import Parameter, RosPlugin
+from libgz.ros.plugin import SAME, Parameter, RosPlugin
 from libgz.ros.server import PLUGINS, STAND_INS
 from libgz.simulation.plugins import load_plugin
 
@@ -41,7 +41,10 @@ def plugin_table() -> str:
 
 
 def _described(parameter: Parameter) -> str:
-    return f"`{parameter.name}`{_default(parameter.default)} {parameter.meaning}".replace("|", "\\|")
+    text = f"`{parameter.name}`{_default(parameter.default)} {parameter.meaning}"
+    if parameter.ros2 is not SAME:
+        text += f"; in ROS 2{_default(parameter.ros2).rstrip(':') or ' empty'}"
+    return text.replace("|", "\\|")
 
 
 def _default(value: Any) -> str:

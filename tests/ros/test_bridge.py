@@ -3,6 +3,7 @@
 import logging
 import struct
 import time
+from pathlib import Path
 
 import pytest
 from ros_bridge import ANSWER, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
@@ -207,3 +208,46 @@ def test_without_a_ros_the_error_says_what_to_do(monkeypatch, tmp_path, capfd):
         Ros2([], bad)
     assert time.monotonic() - begin < bridged.START_PATIENCE
     capfd.readouterr()
+
+
+def test_plugins_have_nodes_names_and_qualities_of_ros2(start, graph):
+    server = start((Path(__file__).parent / "robot2.world").read_text())
+    scan = server.topic("/bot/scan")
+    assert scan.header.frame_id == "lidar"
+    assert min(scan.ranges) == pytest.approx(2.9, abs=0.02)
+    declared = graph.declared
+    assert declared["/bot/scan"]["node"] == ["/bot", "laser"]
+    assert declared["/bot/scan"]["qos"] == {
+        "depth": 2, "reliability": "best_effort", "history": "keep_last", "deadline": 0.25
+    }  # fmt: skip
+    cloud = server.topic("/cloud_driver/out")
+    assert (cloud.header.frame_id, cloud.width, cloud.point_step) == ("base", 30, 16)
+    sonar = server.topic("/sonar_driver/out")
+    assert (sonar.radiation_type, sonar.range) == (0, pytest.approx(2.9, abs=0.02))
+    imu = server.topic("/bot/imu/data")
+    assert imu.header.frame_id == "base"
+    assert imu.linear_acceleration.z == pytest.approx(9.8, abs=0.2)
+    fix = server.topic("/gps_driver/out")
+    assert (fix.latitude, fix.longitude) == (pytest.approx(50.0, abs=1e-3), pytest.approx(8.0, abs=1e-3))
+    assert server.topic("/gps_driver/vel").vector.z == pytest.approx(0.0, abs=0.1)
+    server.topic("/bumper_states")
+    assert server.topic("/joint_states").name == ["left_joint", "right_joint"]
+    assert server.topic("/truth").child_frame_id == "base"
+    assert server.topic("/wrench").header.frame_id == "left"
+    assert server.topic("/grasping").data is False
+    assert server.topic("/demo/model_states").name == ["ground", "wall", "robot"]
+    assert len(server.topic("/demo/link_states").name) == 5
+    depths = {
+        name: declared[name]["qos"]["depth"] for name in ("/bot/imu/data", "/bot/odom", "/joint_states", "/truth")
+    }
+    assert depths == {"/bot/imu/data": 5, "/bot/odom": 1, "/joint_states": 1000, "/truth": 5}
+    assert "/demo/get_entity_state" in declared
+    twist = message_type("geometry_msgs/Twist")()
+    twist.linear.x = 0.5
+    graph.publish("/bot/go", cdr(twist.kind, fields("geometry_msgs/Twist", "msg")[0]).pack(twist))
+    moved = attach(server.core).world.ModelByName("robot")
+    wait_for(lambda: moved.WorldPose().Pos().X() > 0.1, server.core.Step)
+    assert server.topic("/bot/odom").twist.twist.linear.x == pytest.approx(0.5, abs=0.05)
+    assert server.topic("/tf").transforms[0].child_frame_id == "base_footprint"
+    assert server.call("/switch", "std_srvs/SetBool", data=True).success
+    assert server.call("/demo/get_entity_state", "gazebo_msgs/GetEntityState", name="robot").success

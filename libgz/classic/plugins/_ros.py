@@ -14,7 +14,18 @@ if TYPE_CHECKING:
 __all__ = ["noisy", "ros_elements", "ros_joints", "ros_rate", "ros_topic"]
 
 # Elements of ROS 2 whose name in ROS is another one than the same words in camel case.
-RENAMED = {"max_wheel_torque": "wheelTorque", "max_wheel_acceleration": "wheelAcceleration"}
+RENAMED = {
+    "cx": "Cx",
+    "cy": "Cy",
+    "max_depth": "pointCloudCutoffMax",
+    "max_wheel_acceleration": "wheelAcceleration",
+    "max_wheel_torque": "wheelTorque",
+    "min_depth": "pointCloudCutoff",
+    "publish_odom": "publishTf",
+    "publish_odom_tf": "publishOdomTF",
+    "publish_rate": "odometryRate",
+    "publish_wheel_tf": "publishWheelTF",
+}
 
 
 def ros_elements(sdf: Element) -> Element:

@@ -19,8 +19,8 @@ __all__ = ["CAMERA", "CAMERA_ENDPOINTS", "DEPTH", "DEPTH_ENDPOINTS", "DepthCloud
 log = logging.getLogger("libgz.ros")
 
 CAMERA = (
-    Parameter("cameraName", "", "the namespace of its topics"),
-    Parameter("frameName", "/world", "frame of the images"),
+    Parameter("cameraName", "", "the namespace of its topics (in ROS 2 the sensor's name)"),
+    Parameter("frameName", "/world", "frame of the images", ros2=""),
     Parameter("imageTopicName", "image_raw", "images"),
     Parameter("cameraInfoTopicName", "camera_info", "calibration"),
     Parameter("updateRate", 0.0, "at most so many images a second [Hz]; 0: all"),
@@ -88,8 +88,9 @@ class RosCamera(RosSensor):
             baseline: instead of that of the parameter [m].
         """
         given, self.camera = self.given, camera
-        self.camera_space = f"{given.cameraName}{suffix}"
-        self.frame_name = self.frame(given.frameName)
+        space = given.cameraName or (self.sensor.Name() if self.two else "")
+        self.camera_space = f"{space}{suffix}"
+        self.frame_name = self.frame_of(given.frameName)
         self.baseline = given.hackBaseline if baseline is None else baseline
         self.images = self.advertise(given.imageTopicName, "sensor_msgs/Image", 2, self.camera_space)
         self.infos = self.advertise(given.cameraInfoTopicName, "sensor_msgs/CameraInfo", 2, self.camera_space)
@@ -146,7 +147,7 @@ class DepthCloud(RosCamera):
     def open_depths(self) -> None:
         """Advertise depths and points."""
         given, space = self.given, self.camera_space
-        self.depths = self.advertise(given.depthImageTopicName, "sensor_msgs/Image", 1, space)
+        self.depths = self.advertise(given.depthImageTopicName, "sensor_msgs/Image", 2, space)
         self.depth_infos = self.advertise(given.depthImageCameraInfoTopicName, "sensor_msgs/CameraInfo", 1, space)
         self.points = self.advertise(given.pointCloudTopicName, "sensor_msgs/PointCloud2", 1, space)
 

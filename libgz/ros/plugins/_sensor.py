@@ -10,7 +10,9 @@ from libgz.ros.session import Publication, set_stamp
 if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
-__all__ = ["RosSensor", "model_of"]
+__all__ = ["POINTS_DEPTH", "RosSensor", "model_of"]
+
+SENSOR_DEPTH, POINTS_DEPTH = 5, 1  # of the queues in ROS 2
 
 
 def model_of(sensor: Any) -> str:
@@ -34,11 +36,16 @@ class RosSensor(RosPlugin):
         self.ticks = Ticks(rate)
         self.publications: list[Publication] = []
 
-    def advertise(self, topic: str, kind: str, queue: int = 1, within: str = "") -> Publication:
+    def advertise(self, topic: str, kind: str, queue: int = 2, within: str = "") -> Publication:
         """Publish a topic; while it has subscribers, the sensor is active."""
-        found = self.publish(topic, kind, queue, within=within, changed=self.match_activity)
+        depth = SENSOR_DEPTH if self.two and queue != POINTS_DEPTH else queue
+        found = self.publish(topic, kind, depth, within=within, changed=self.match_activity)
         self.publications.append(found)
         return found
+
+    def frame_of(self, name: str) -> str:
+        """A frame; that of the sensor's link where none is given."""
+        return self.frame(name or str(self.sensor.ParentName()).rpartition("::")[2])
 
     def begin(self) -> None:
         """Begin; all topics are advertised."""

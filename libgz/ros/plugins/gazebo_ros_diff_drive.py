@@ -35,8 +35,8 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
         Parameter("wheelTorque", 5.0, "of each motor [N m]"),
         Parameter("updateRate", 100.0, "of commands and odometry [Hz]"),
         Parameter("odometrySource", "world", "world or encoder; in ROS 2, 1 or 0"),
-        Parameter("publishTf", True, "publish odometry"),
-        Parameter("publishOdomTF", True, "publish its transform"),
+        Parameter("publishTf", True, "publish odometry (in ROS 2 publish_odom)", ros2=False),
+        Parameter("publishOdomTF", True, "publish its transform (in ROS 2 publish_odom_tf)", ros2=False),
         Parameter("publishWheelTF", False, "publish the wheels' transforms"),
         Parameter("publishWheelJointState", False, "publish the wheels' joint states"),
     )
@@ -81,7 +81,7 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
         if not self.ticks.due(now):
             return
         self.stamp(now)
-        if self.publication is not None:
+        if self.publication is not None or self.given.publishOdomTF:
             self._publish(self.publication)
         if self.given.publishWheelTF:
             self.send_wheel_transforms([*self.left, *self.right])

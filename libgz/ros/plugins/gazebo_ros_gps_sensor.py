@@ -19,8 +19,8 @@ class GazeboRosGpsSensor(RosSensor, SensorPlugin):
 
     parameters = (
         Parameter("frameName", "", "frame of the positions (the link's name)"),
-        Parameter("topicName", "fix", "positions"),
-        Parameter("velocityTopicName", "vel", "velocities"),
+        Parameter("topicName", "fix", "positions", ros2="~/out"),
+        Parameter("velocityTopicName", "vel", "velocities", ros2="~/vel"),
     )
     endpoints = (
         Endpoint("publishes", "<topicName>", "sensor_msgs/NavSatFix"),

@@ -19,9 +19,9 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
 
     own_namespace = True
     parameters = (
-        Parameter("topicName", "imu_data", "measurements"),
-        Parameter("frameName", str, "the frame of the measurements"),
-        Parameter("updateRateHZ", 1.0, "at most so many a second [Hz]; 0: each measurement"),
+        Parameter("topicName", "imu_data", "measurements", ros2="~/out"),
+        Parameter("frameName", str, "the frame of the measurements (in ROS 2 the link's name)", ros2=""),
+        Parameter("updateRateHZ", 1.0, "at most so many a second [Hz]; 0: each measurement", ros2=0.0),
         NOISE,
         *OFFSETS,
         Parameter("initialOrientationAsReference", False, "orientations relative to the one at the start"),
@@ -36,7 +36,7 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
             sensor.SetWorldToReferenceOrientation(Quaterniond(1.0, 0.0, 0.0, 0.0))
         self.turn = Quaterniond(*self.given.rpyOffset)
         message = self.message = message_type("sensor_msgs/Imu")()
-        message.header.frame_id = self.given.frameName
+        message.header.frame_id = self.frame_of(self.given.frameName) if self.two else self.given.frameName
         for name in ("orientation", "angular_velocity", "linear_acceleration"):
             getattr(message, f"{name}_covariance")[::4] = self.given.gaussianNoise**2
         self.publication = self.advertise(self.given.topicName, "sensor_msgs/Imu")

@@ -29,7 +29,7 @@ class GazeboRosP3D(RosPlugin, ModelPlugin):
 
     parameters = (
         Parameter("bodyName", str, "the link"),
-        Parameter("topicName", str, "the poses"),
+        Parameter("topicName", str, "the poses", ros2="odom"),
         Parameter("frameName", "world", "the world, or a link of the model whose frame they are in"),
         Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
         NOISE,
@@ -54,7 +54,7 @@ class GazeboRosP3D(RosPlugin, ModelPlugin):
         message = self.message = message_type("nav_msgs/Odometry")()
         message.header.frame_id, message.child_frame_id = self.frame(given.frameName), given.bodyName
         message.pose.covariance[::7] = message.twist.covariance[::7] = given.gaussianNoise**2
-        self.publication = self.publish(given.topicName, "nav_msgs/Odometry")
+        self.publication = self.publish(given.topicName, "nav_msgs/Odometry", 5 if self.two else 1)
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def OnUpdate(self, info: UpdateInfo) -> None:

@@ -40,6 +40,7 @@ class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
         Endpoint("publishes", "<topicName>", "std_msgs/Bool"),
         Endpoint("serves", "on", "std_srvs/Empty"),
         Endpoint("serves", "off", "std_srvs/Empty"),
+        Endpoint("in ROS 2 serves", "switch", "std_srvs/SetBool"),
     )
 
     def Load(self, model: Model, sdf: Element) -> None:
@@ -49,7 +50,10 @@ class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
         self.link = named_link(model, ros_elements(sdf), "linkName" if given.linkName else "bodyName")
         self.fixed, self.enabled = {model.GetName(), *given.fixed}, False
         self.publication = self.publish(given.topicName, "std_msgs/Bool")
-        self.services = [self.serve(name, "std_srvs/Empty", self._switch(name == "on")) for name in ("on", "off")]
+        if self.two:
+            self.services = [self.serve("switch", "std_srvs/SetBool", self._switch_to)]
+        else:
+            self.services = [self.serve(name, "std_srvs/Empty", self._switch(name == "on")) for name in ("on", "off")]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def _switch(self, value: bool) -> Any:
@@ -60,6 +64,11 @@ class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
             return self.services[0].kind.response()
 
         return switch
+
+    def _switch_to(self, request: Any) -> Any:
+        same = self.enabled == bool(request.data)
+        self.enabled = bool(request.data)
+        return self.services[0].kind.response(success=not same, message="already so" if same else "")
 
     def Reset(self) -> None:
         """Switch off."""

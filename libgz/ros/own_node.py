@@ -1,0 +1,114 @@
+"""OwnNode: the node that a plugin is in ROS 2: its namespace, name, remappings and qualities of service."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from libgz.ros.bridged import NodeSettings
+
+if TYPE_CHECKING:
+    from libgz.sdf.element import Element
+
+__all__ = ["OwnNode"]
+
+log = logging.getLogger("libgz.ros")
+
+INVALID = re.compile(r"\W", re.ASCII)
+POLICIES = {
+    "reliability": ("reliable", "best_effort"),
+    "durability": ("volatile", "transient_local"),
+    "history": ("keep_last", "keep_all"),
+    "liveliness": ("automatic", "manual_by_topic"),
+}
+TIMES = ("deadline", "lifespan", "liveliness_lease_duration")  # [ms] in the file
+MOST_DEPTH = 100_000
+
+
+class OwnNode:
+    """The node of a plugin, from its element.
+
+    Args:
+        sdf: of the plugin.
+        space: the namespace, absolute.
+
+    Attributes:
+        settings: for the bridge.
+    """
+
+    def __init__(self, sdf: Element, space: str) -> None:
+        name, rules = sdf.Get(str, "name"), []
+        for before, after in _remappings(sdf):
+            if before == "__ns":
+                space = after
+            elif before in ("__node", "__name"):
+                name = after
+            else:
+                rules.append((before, after))
+        name = INVALID.sub("_", name) or "plugin"
+        self._space, self._name = _path(space), f"n{name}" if name[0].isdigit() else name
+        self._rules = {self.full(before): self.full(after) for before, after in rules}
+        qos = {(self.full(topic), side): given for topic, side, given in _qualities(sdf)}
+        self.settings = NodeSettings(self._space, self._name, qos)
+
+    def full(self, name: str, within: str = "") -> str:
+        """The full name of a topic or service, before remapping."""
+        if name.startswith("~"):
+            return _path(f"{self._space}/{self._name}/{name[1:]}")
+        return _path(name if name.startswith("/") else f"{self._space}/{within}/{name}")
+
+    def resolve(self, name: str, within: str = "") -> tuple[str, dict[str, Any]]:
+        """(the full name of a topic, remapped; what the bridge is told)."""
+        plain = self.full(name, within)
+        return self._rules.get(plain, plain), {"settings": self.settings, "plain": plain}
+
+
+def _path(name: str) -> str:
+    parts = (INVALID.sub("_", part) for part in name.split("/") if part)
+    return "/" + "/".join(parts)
+
+
+def _remappings(sdf: Element) -> Iterator[tuple[str, str]]:
+    """The `<remapping>` and `<argument>` elements of `<ros>`."""
+    for ros in sdf.named("ros"):
+        for one in (*ros.named("remapping"), *ros.named("argument")):
+            before, colon, after = one.Get(str).strip().partition(":=")
+            if colon:
+                yield before.strip(), after.strip()
+
+
+def _qualities(sdf: Element) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """(topic, publisher or subscription, policies) of the `<qos>` elements of `<ros>`."""
+    for topic in (one for ros in sdf.named("ros") for qos in ros.named("qos") for one in qos.named("topic")):
+        for side in ("publisher", "subscription"):
+            for given in topic.named(side):
+                yield topic.Get(str, "name"), side, dict(_policies(given))
+
+
+def _policies(given: Element) -> Iterator[tuple[str, Any]]:
+    for name, allowed in POLICIES.items():
+        for one in given.named(name):
+            text = one.Get(str).strip().lower()
+            if text in allowed:
+                yield name, text
+            elif text != "system":
+                log.warning("%s: <%s> is %r; it must be one of %s", one.where, name, text, ", ".join(allowed))
+    for one in given.named("history"):
+        if one.HasAttribute("depth"):
+            yield from _number("depth", one.Get(str, "depth"), one, 1)
+    for name in TIMES:
+        for one in given.named(name):
+            yield from _number(name, one.Get(str), one, 1000)
+
+
+def _number(name: str, text: str, one: Element, unit: int) -> Iterator[tuple[str, Any]]:
+    try:
+        value = int(text)
+    except ValueError:
+        value = -1
+    if 0 <= value <= MOST_DEPTH * unit:
+        yield name, value if unit == 1 else value / unit
+    else:
+        log.warning("%s: <%s> is %r; it must be a whole number", one.where, name, text)

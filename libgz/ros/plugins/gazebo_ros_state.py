@@ -1,0 +1,61 @@
+"""gazebo_ros_state: states of models, links and entities, in the namespace of the plugin; of ROS 2."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
+from libgz.ros.api2 import STATES, StateApi
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.states import Listed, States
+from libgz.ros.world import classic_links, classic_models
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import World
+    from libgz.sdf.element import Element
+
+
+class GazeboRosState(RosPlugin, WorldPlugin):
+    """Publishes the states of all models and links, and serves those of entities."""
+
+    STATE = ("ticks",)
+
+    parameters = (Parameter("updateRate", 100.0, "[Hz]; 0: each iteration"),)
+    endpoints = (
+        Endpoint("publishes", "model_states", "gazebo_msgs/ModelStates"),
+        Endpoint("publishes", "link_states", "gazebo_msgs/LinkStates"),
+        *(Endpoint("in ROS 2 serves", name, kind) for name, kind in STATES.items()),
+    )
+
+    def Load(self, world: World, sdf: Element) -> None:
+        """Advertise and serve."""
+        self.open(sdf, "")
+        self.world, self.ticks = world, Ticks(self.given.updateRate)
+        models, links = (self.publish(one.name, one.kind) for one in self.endpoints[:2])
+        self.states = [States(world.core, models, self._models), States(world.core, links, self._links)]
+        self.api = StateApi(self.ros, world, self.space, self.node.settings) if self.two else None
+        self.known: Any = None
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def _models(self) -> Listed:
+        return classic_models(self.world)
+
+    def _links(self) -> Listed:
+        return classic_links(self.world)
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Publish what has subscribers, if it is time."""
+        wanted = [one for one in self.states if one.publication.listened]
+        if not wanted or not self.ticks.due(self.world.core.GetSimTime()):
+            return
+        known = [id(model) for model in self.world.Models()]
+        for one in wanted:
+            if known != self.known:
+                one.forget()
+            one.send()
+        self.known = known if len(wanted) == len(self.states) else None
+
+
+GZ_REGISTER_WORLD_PLUGIN(GazeboRosState)

@@ -1,0 +1,191 @@
+"""Real nodes of ROS 2: TEST_ROS2 names the Python of a ready environment, such as one that `libgz ros venv` made."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from ros_peers import wait_for
+
+HERE = Path(__file__).parent
+PYTHON = os.environ.get("TEST_ROS2", "")
+
+WHY = "TEST_ROS2 names no Python that has rclpy; `libgz ros venv` makes one"
+pytestmark = pytest.mark.skipif(not PYTHON, reason=WHY)
+
+
+class Node:
+    """A process with rclpy."""
+
+    def __init__(self, environment):
+        program = HERE.parent / "ros2_node.py"
+        self.process = subprocess.Popen(
+            [PYTHON, program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, text=True, cwd="/"
+        )
+
+    def __getattr__(self, name):
+        def ask(**values):
+            self.process.stdin.write(json.dumps([name, values]) + "\n")
+            self.process.stdin.flush()
+            return json.loads(self.process.stdout.readline())
+
+        return ask
+
+    def close(self):
+        self.process.kill()
+        self.process.communicate()
+
+
+@pytest.fixture
+def environment():
+    domain = str(os.getpid() % 100 + 1)
+    return {
+        **os.environ,
+        "GAZEBO_MASTER_URI": "http://127.0.0.1:0",
+        "LIBGZ_ROS2_PYTHON": PYTHON,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": domain,
+    }
+
+
+@pytest.fixture
+def serve(environment, tmp_path):
+    """Runs a command with a world; gives a node beside it."""
+    running = []
+
+    def serve(world, *words, command="gzserver"):
+        code = f"import sys; from libgz.apps.{command} import main; sys.exit(main(sys.argv[1:]))"
+        log = (tmp_path / "server.log").open("w")
+        server = subprocess.Popen(
+            [sys.executable, "-P", "-c", code, "--ros2", str(world), *words], env=environment, stderr=log, stdout=log
+        )
+        node = Node(environment)
+        running.extend((node, server, log))
+        node.server = server
+        return node
+
+    yield serve
+    for one in running:
+        if isinstance(one, subprocess.Popen):
+            one.terminate()
+            one.wait(20)
+        else:
+            one.close()
+
+
+def bridge_of(server):
+    """The process id of a server's bridge."""
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if (
+                b"bridge/program.py" in path.read_bytes()
+                and f"\nPPid:\t{server.pid}\n" in (path.parent / "status").read_text()
+            ):
+                return int(path.parent.name)
+        except OSError:
+            continue
+    return None
+
+
+def test_one_topic_each_way_and_a_service(serve):
+    node = serve(HERE / "robot2.world")
+    assert node.first(topic="/clock", kind="rosgraph_msgs/msg/Clock", best_effort=True) is not None
+    assert node.first(topic="/clock", kind="rosgraph_msgs/msg/Clock", patience=2.0) is None  # it is best effort
+    assert node.publish(topic="/bot/go", kind="geometry_msgs/msg/Twist", values={"linear": {"x": 0.5}})
+    odometry = node.first(topic="/bot/odom", kind="nav_msgs/msg/Odometry")
+    assert odometry["twist"]["twist"]["linear"]["x"] == pytest.approx(0.5, abs=0.1)
+    assert node.call(service="/pause_physics", kind="std_srvs/srv/Empty", values={}) is not None
+
+
+TOPICS = {
+    "/bot/scan": ("sensor_msgs/msg/LaserScan", True),
+    "/cloud_driver/out": ("sensor_msgs/msg/PointCloud2", False),
+    "/sonar_driver/out": ("sensor_msgs/msg/Range", False),
+    "/bot/imu/data": ("sensor_msgs/msg/Imu", False),
+    "/gps_driver/out": ("sensor_msgs/msg/NavSatFix", False),
+    "/gps_driver/vel": ("geometry_msgs/msg/Vector3Stamped", False),
+    "/bumper_states": ("gazebo_msgs/msg/ContactsState", False),
+    "/joint_states": ("sensor_msgs/msg/JointState", False),
+    "/truth": ("nav_msgs/msg/Odometry", False),
+    "/wrench": ("geometry_msgs/msg/WrenchStamped", False),
+    "/grasping": ("std_msgs/msg/Bool", False),
+    "/tf": ("tf2_msgs/msg/TFMessage", False),
+    "/model_states": ("gazebo_msgs/msg/ModelStates", False),
+    "/demo/link_states": ("gazebo_msgs/msg/LinkStates", False),
+}
+
+
+@pytest.mark.trial
+def test_every_topic_service_and_node(serve):
+    node = serve(HERE / "robot2.world")
+    for topic, (kind, best_effort) in TOPICS.items():
+        assert node.first(topic=topic, kind=kind, best_effort=best_effort) is not None, topic
+    text = "<sdf version='1.6'><model name='x'><link name='l'/></model></sdf>"
+    spawn = {"service": "/spawn_entity", "kind": "gazebo_msgs/srv/SpawnEntity"}
+    assert node.call(**spawn, values={"name": "box", "xml": text})["success"]
+    assert not node.call(**spawn, values={"name": "box", "xml": text})["success"]
+    models = node.call(service="/get_model_list", kind="gazebo_msgs/srv/GetModelList", values={})["model_names"]
+    assert models == ["ground", "wall", "robot", "box"]
+    state = {"name": "box", "pose": {"position": {"x": 2.0}}}
+    set_state = {"service": "/set_entity_state", "kind": "gazebo_msgs/srv/SetEntityState"}
+    assert node.call(**set_state, values={"state": state})["success"]
+    found = node.call(service="/demo/get_entity_state", kind="gazebo_msgs/srv/GetEntityState", values={"name": "box"})
+    assert found["state"]["pose"]["position"]["x"] == pytest.approx(2.0)
+    assert node.call(service="/delete_entity", kind="gazebo_msgs/srv/DeleteEntity", values={"name": "box"})["success"]
+    for service in ("/pause_physics", "/unpause_physics", "/reset_world", "/reset_simulation"):
+        assert node.call(service=service, kind="std_srvs/srv/Empty", values={}) == {}
+    nodes, topics, services = node.graph()
+    assert {"/gazebo", "/bot/laser", "/bot/drive", "/joints", "/demo/state"} <= set(nodes)
+    assert set(TOPICS) <= set(topics)
+    assert "/apply_link_wrench" in services
+
+
+@pytest.mark.trial
+def test_15000_messages_at_1_khz_arrive_in_order(serve, tmp_path):
+    world = tmp_path / "fast.world"
+    slow = "<update_rate>50</update_rate>\n        <joint_name>"
+    world.write_text((HERE / "robot2.world").read_text().replace(slow, "<update_rate>1000</update_rate><joint_name>"))
+    node = serve(world)
+    node.listen(topic="/joint_states", kind="sensor_msgs/msg/JointState", depth=1000)
+    count, begin, end = node.count(topic="/joint_states", wanted=15_000, patience=120.0)
+    stamps = node.stamps(topic="/joint_states")
+    assert count >= 15_000
+    gaps = {after - before for before, after in pairwise(stamps)}
+    assert gaps == {1_000_000}, f"{count} messages in {end - begin:.1f} s"
+
+
+@pytest.mark.trial
+def test_a_bridge_that_is_killed_is_started_again(serve):
+    node = serve(HERE / "robot2.world")
+    node.listen(topic="/clock", kind="rosgraph_msgs/msg/Clock", best_effort=True)
+    assert node.count(topic="/clock", wanted=5)[0] >= 5
+    os.kill(wait_for(lambda: bridge_of(node.server)), 9)
+    begin = time.monotonic()
+    node.clear(topic="/clock")
+    count = node.count(topic="/clock", wanted=20)[0]
+    assert count >= 20, f"after {time.monotonic() - begin:.1f} s"
+    assert node.server.poll() is None
+    assert node.call(service="/pause_physics", kind="std_srvs/srv/Empty", values={}) == {}
+
+
+@pytest.mark.trial
+@pytest.mark.parametrize(
+    ("best_effort", "latched", "expected"), [(True, False, True), (False, False, False), (True, True, False)]
+)
+def test_qualities_of_service_match_as_declared(serve, best_effort, latched, expected):
+    node = serve(HERE / "robot2.world")
+    quality = {"best_effort": best_effort, "latched": latched, "patience": 20.0 if expected else 4.0}
+    found = node.first(topic="/bot/scan", kind="sensor_msgs/msg/LaserScan", **quality)
+    assert (found is not None) == expected
+
+
+@pytest.mark.trial
+def test_a_legacy_world_is_served(serve):
+    node = serve(HERE / "legacy.world", command="gazebo")
+    names = node.call(service="/get_model_list", kind="gazebo_msgs/srv/GetModelList", values={})["model_names"]
+    assert names
+    assert node.first(topic="/clock", kind="rosgraph_msgs/msg/Clock", best_effort=True) is not None

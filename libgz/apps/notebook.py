@@ -106,6 +106,7 @@ class WorldView(Closing):
         host: address to bind.
         port: first one that is tried.
         watch_only: nobody can control the world from the page.
+        skins: of the robots of worldfiles, "fine" or "plain".
 
     Attributes:
         viewer: shows the page.
@@ -126,6 +127,7 @@ class WorldView(Closing):
         host: str = "127.0.0.1",
         port: int = 8080,
         watch_only: bool = False,
+        skins: str = "fine",
     ) -> None:
         try:
             from libgz.view.local import LocalSource
@@ -134,7 +136,7 @@ class WorldView(Closing):
             raise LibraryError(f"the viewer needs the extra `view`: {install('view')} ({error})") from None
         self.world, self._size = world, (width, height)
         source = LocalSource(world)
-        self.viewer = Viewer(source, None if watch_only else _Controls(world), host=host, port=port)
+        self.viewer = Viewer(source, None if watch_only else _Controls(world), host=host, port=port, skins=skins)
         self.viewer.frame()
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="viewer", daemon=True)

@@ -43,6 +43,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--rate", type=number_above_zero("rate"), default=30.0, metavar="R", help="frames per second (default 30)"
     )
     parser.add_argument("--watch-only", action="store_true", help="nobody can control, whatever the address")
+    parser.add_argument(
+        "--skins",
+        choices=("fine", "plain"),
+        default="fine",
+        help="what robots of worldfiles look like: fine, or plain as cameras serve them (default fine)",
+    )
     parser.add_argument("--parent", type=int, help=argparse.SUPPRESS)  # end with this process
     parser.add_argument("--report-opened", action="store_true", help=argparse.SUPPRESS)  # print when a page is open
     add_view_options(parser, optional=False)
@@ -162,7 +168,7 @@ def run(options: argparse.Namespace) -> int:
     server_id = _server_id(options)
     with Observer(server_id, options.timeout) as observer:
         controls = ServerControls(server_id, frozenset() if options.watch_only else None)
-        with make_viewer(observer, controls, options, rate=options.rate) as viewer:
+        with make_viewer(observer, controls, options, rate=options.rate, skins=options.skins) as viewer:
             viewer.frame()
             print(f"open {viewer.url}", flush=True)
             if options.open:

@@ -14,6 +14,7 @@ import numpy as np
 
 from libgz.apps.dropped_mesh import keep_mesh
 from libgz.apps.editing import Editing, in_parent, pose_of
+from libgz.apps.probes import Probes
 from libgz.apps.stock import SHAPES, Stock, sdf_shape
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.base.files import is_file
@@ -81,8 +82,10 @@ class WorldControl:
             "reload": self._reload,
             "readings": self._readings,
             "problems": self._problems,
+            "probes": lambda _argument, content: self._probes.listed(str(content.get("name", ""))),
+            "values": self._values,
         }
-        self._stock = Stock(world)
+        self._stock, self._probes = Stock(world), Probes(world, self._node)
         self._editing = Editing(world, self.replaced, self._insert_now)
         self._verbs |= self._editing.verbs
         self._watch_only = watch_only
@@ -387,6 +390,12 @@ class WorldControl:
             what = {"text": text[:LONGEST_PROBLEM], "file": file, "line": line, "source": problem.source, "time": time}
             found.append({"number": number, "level": problem.severity, **what})
         return {"problems": found, "count": last if found else problems.count}
+
+    def _values(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
+        """Numbers of topics and plugins by their keys, and their sim time [s]."""
+        names = content.get("names")
+        values = self._probes.values(names if isinstance(names, list) else [])
+        return {"time": self.world.GetSimTime(), "values": values}
 
     def _publish(self, argument: str, content: dict[str, Any]) -> None:
         """Publish a message on a topic, as a client of classic would."""

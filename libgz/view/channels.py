@@ -24,6 +24,7 @@ from libgz.view.source import Controls, Overlay
 
 __all__ = ["Channels", "fields_of_interface"]
 
+VALUE_PERIOD = 0.05  # [s]
 IMAGE_PERIOD, READING_PERIOD, CONTACT_PERIOD, CONSOLE_PERIOD, OVERLAY_PERIOD = 0.2, 0.1, 0.2, 0.5, 0.25  # [s]
 CAMERAS = ("camera", "guicam", "stereo")
 MOST_IMAGES, MOST_RANGES, MOST_FIELDS = 32, 200, 200  # of all pages together
@@ -100,6 +101,10 @@ class Channels:
             return
         if names := self.wanted("fields"):
             self._show_fields(sorted(names)[:MOST_FIELDS], time, controls)
+            if "values" in can and self._is_due("values", VALUE_PERIOD, now):
+                probes = sorted(name for name in self._wanted_by_trusted("fields") if name.startswith("["))
+                if probes:
+                    self._ask("values", self._learn_values, names=probes[:MOST_FIELDS])
         images, ranges = self.wanted("images"), self.wanted("ranges")
         if images and self._is_due("images", IMAGE_PERIOD, now):
             self._show_images(sorted(images)[:MOST_IMAGES], controls, scene)
@@ -112,6 +117,16 @@ class Channels:
             self._ask("contacts", self._learn_contacts)
         if self.wanted("console") and "problems" in can and self._is_due("console", CONSOLE_PERIOD, now):
             self._ask("problems", self._learn_problems, since=self._seen)
+
+    def _wanted_by_trusted(self, channel: str) -> set[str]:
+        """The names that pages want of a channel whose address has the token."""
+        return {name for page in self._pages if page.may_control for name in page.wants.get(channel, ())}
+
+    def _learn_values(self, answer: Any) -> None:
+        """Numbers of topics and plugins."""
+        series = {key: [answer["time"], value] for key, value in answer["values"].items()}
+        if series:
+            self._post("fields", "values", json.dumps({"series": series}))
 
     def _learn_contacts(self, answer: Any) -> None:
         self._post("contacts", "contacts", json.dumps({"contacts": answer or []}))

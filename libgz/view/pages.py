@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import errno
 import logging
+import socket
 import threading
 import time
 import weakref
@@ -32,12 +33,34 @@ MOST_TRIES = 200  # ports
 MOST_WAITING = 400  # messages to a page that have not been sent
 LARGEST_WAITING = 64 << 20  # [byte] of them
 MOST_PENDING = 100  # messages of a page that have not been acted on: then no more are read
-FASTEST, FASTEST_WATCHER, BURST = 500.0, 20.0, 0.5  # messages of a page per second; for so long it may send more [s]
+FASTEST, FASTEST_WATCHER = 500.0, 20.0  # messages of a page per second; without the token
+FASTEST_WATCHERS = 300.0  # of all pages without the token together
+FASTEST_CONNECTIONS, BURST_OF_CONNECTIONS = 40.0, 100.0  # that are accepted per second, and at once
+BACKLOG = 256  # connections that wait for that
 PATIENCE = 10.0  # [s] for a page to read a message
 KEPT = 15.0  # [s] that a connection without a page stays open
 SILENCE = 20.0  # [s] for a connection to send its first request
 BEAT = 20.0  # [s] between two pings
 END = 3.0  # [s] for the port to close
+
+
+class Pace:
+    """Says how long to wait before something is done again.
+
+    Args:
+        rate: how often it may be done per second, on average.
+        burst: how often at once.
+    """
+
+    def __init__(self, rate: float, burst: float) -> None:
+        self._period, self._span = 1.0 / rate, burst / rate
+        self._busy = 0.0  # until when it has been done enough [s]
+
+    def next(self) -> float:
+        """It is done now; the time until it may be done again [s]."""
+        now = time.monotonic()
+        self._busy = max(self._busy, now - self._span) + self._period
+        return max(self._busy - now, 0.0)
 
 
 class Page:
@@ -49,6 +72,7 @@ class Page:
         visible: whether its user can see it.
         wants: names that it wants, by channel.
         pending: how many of its messages have not been acted on.
+        pace: at which its messages are read.
     """
 
     def __init__(self, number: int, may_control: bool, loop: asyncio.AbstractEventLoop) -> None:
@@ -59,13 +83,7 @@ class Page:
         self._waiting: dict[str, bytes | str] = {}
         self._filled = asyncio.Event()
         self._overflown = False
-        self._busy = 0.0
-
-    def pause(self) -> float:
-        """How long to wait until the next message is read [s]: a page may send some at once, not all the time."""
-        now = time.monotonic()
-        self._busy = max(self._busy, now - BURST) + 1.0 / (FASTEST if self.may_control else FASTEST_WATCHER)
-        return max(self._busy - now, 0.0)
+        self.pace = Pace(FASTEST, FASTEST / 2.0) if may_control else Pace(FASTEST_WATCHER, FASTEST_WATCHER / 2.0)
 
     def post(self, key: str, message: bytes | str) -> None:
         """Send a message; one of the same key that has not been sent is dropped for it. Safe in every thread."""
@@ -79,7 +97,7 @@ class Page:
         self._overflown |= len(self._waiting) > MOST_WAITING or sum(map(len, self._waiting.values())) > LARGEST_WAITING
         self._filled.set()
 
-    async def send_all(self, socket: web.WebSocketResponse, transport: asyncio.Transport | None) -> None:
+    async def send_all(self, channel: web.WebSocketResponse, transport: asyncio.Transport | None) -> None:
         """Send what is posted, until the page is closed or does not read; then the connection ends."""
         try:
             while not self._overflown:
@@ -89,9 +107,9 @@ class Page:
                     message = self._waiting.pop(next(iter(self._waiting)))
                     async with asyncio.timeout(PATIENCE):
                         if isinstance(message, bytes):
-                            await socket.send_bytes(message)
+                            await channel.send_bytes(message)
                         else:
-                            await socket.send_str(message)
+                            await channel.send_str(message)
         except (TimeoutError, ConnectionError, RuntimeError):
             pass
         self._waiting.clear()
@@ -136,7 +154,9 @@ class Pages(Closing):
         self._drawing = 0  # requests for portraits
         self._loop = asyncio.new_event_loop()
         self._server: web.Server
-        self._listener: asyncio.Server | None = None
+        self._listener: socket.socket | None = None
+        self._accepting: asyncio.Task[None] | None = None
+        self._watchers = Pace(FASTEST_WATCHERS, FASTEST_WATCHERS / 2.0)
         self._closed = False
         self._thread = threading.Thread(target=self._loop.run_forever, name="pages", daemon=True)
         self._thread.start()
@@ -173,14 +193,28 @@ class Pages(Closing):
         wanted = self.port
         for self.port in range(wanted, min(wanted + MOST_TRIES, 65536)) if wanted else (0,):
             try:
-                self._listener = await self._loop.create_server(self._protocol, self.gate.host, self.port)
-                self.port = self._listener.sockets[0].getsockname()[1]
+                [(family, *_), *_] = await self._loop.getaddrinfo(self.gate.host, self.port, type=socket.SOCK_STREAM)
+                self._listener = socket.create_server((self.gate.host, self.port), family=family, backlog=BACKLOG)
+                self._listener.setblocking(False)
+                self.port = self._listener.getsockname()[1]
+                self._accepting = self._loop.create_task(self._accept(self._listener))
                 return
             except OSError as error:
                 if error.errno != errno.EADDRINUSE:
                     place = f"{self.gate.host}, port {self.port},"
                     raise GazeboError(f"{place} cannot be bound: {error.strerror}") from None
         raise GazeboError(f"no port from {wanted} to {self.port} is free on {self.gate.host}")
+
+    async def _accept(self, listener: socket.socket) -> None:
+        """Accept connections, not faster than the pages that are open can bear: the others wait."""
+        pace = Pace(FASTEST_CONNECTIONS, BURST_OF_CONNECTIONS)
+        while True:
+            try:
+                connection, _ = await self._loop.sock_accept(listener)
+                await self._loop.connect_accepted_socket(self._protocol, connection)
+            except OSError as error:  # the other side has left, or there are no more descriptors
+                QUIET.debug("a connection was not accepted: %s", error)
+            await asyncio.sleep(pace.next())
 
     def _protocol(self) -> asyncio.BaseProtocol:
         if len(self._connections) >= MOST_CONNECTIONS:
@@ -220,21 +254,22 @@ class Pages(Closing):
             return web.Response(status=404, text="there is nothing here")
         may_control = self.gate.may_control(request)
         largest = LARGEST_MESSAGE if may_control else LARGEST_OF_WATCHERS
-        socket = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False)
-        await socket.prepare(request)
+        channel = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False)
+        await channel.prepare(request)
         self._count += 1
         page = Page(self._count, may_control, self._loop)
         self._pages[page.number] = page
-        self._sockets.add(socket)
-        sender = self._loop.create_task(page.send_all(socket, request.transport))
+        self._sockets.add(channel)
+        sender = self._loop.create_task(page.send_all(channel, request.transport))
         try:
             self._on_open(page)
-            async for raw in socket:
+            async for raw in channel:
                 message = read_message(raw.data) if raw.type == WSMsgType.TEXT else None
                 if message is not None:
                     page.pending += 1
                     self._on_message(page, message)
-                await asyncio.sleep(page.pause())
+                wait = page.pace.next()
+                await asyncio.sleep(wait if may_control else max(wait, self._watchers.next()))
                 most = MOST_PENDING if raw.data is None or len(raw.data) < LARGEST_OF_WATCHERS else 1
                 while page.pending >= most and not self._closed:
                     await asyncio.sleep(0.02)
@@ -243,7 +278,7 @@ class Pages(Closing):
             self._on_close(page)
             sender.cancel()
             await asyncio.gather(sender, return_exceptions=True)
-        return socket
+        return channel
 
     def close(self) -> None:
         """Close the port and all connections. Can be called twice."""
@@ -260,9 +295,12 @@ class Pages(Closing):
             self._loop.close()
 
     async def _end(self) -> None:
+        if self._accepting is not None:
+            self._accepting.cancel()
+            await asyncio.wait([self._accepting])
         if self._listener is not None:
             self._listener.close()
-        closing = [socket.close(code=WSCloseCode.GOING_AWAY) for socket in list(self._sockets)]
+        closing = [one.close(code=WSCloseCode.GOING_AWAY) for one in list(self._sockets)]
         with contextlib.suppress(Exception):
             await asyncio.wait_for(asyncio.gather(*closing, return_exceptions=True), END / 3.0)
         await self._server.shutdown(END / 3.0)

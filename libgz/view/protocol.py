@@ -12,9 +12,9 @@ The viewer sends binary messages, whose first four bytes are their kind; numbers
     uint32: kind. JSON, packed by zlib: the scene of docs/observer.md, with ``assets``: the addresses of the files that
     it names, relative to the page. An asset is an array file of the scene as it is, a mesh as GLB, or a texture.
 
-It sends JSON, too, an object with some of these keys: ``hello`` (title, abilities, and ``reason`` if the page only
-watches), ``control`` (here, other, canAsk, asked), ``robots`` (list, robot, speeds), ``status`` (text, level) with
-``log`` (begin, end, time) or null, ``contacts``, ``ranges``, ``rings``, ``series``, ``messages``, ``overlays``,
+It sends JSON, too, an object with some of these keys: ``hello`` (title, abilities, skins, and ``reason`` if the
+page only watches), ``control`` (here, other, canAsk, asked), ``robots`` (list, robot, speeds), ``status`` (text, level)
+with ``log`` (begin, end, time) or null, ``contacts``, ``ranges``, ``rings``, ``series``, ``messages``, ``overlays``,
 ``problem`` (text, level), ``answer`` (a number) with ``value`` or ``error``.
 
 A page sends JSON, an object with one of these keys: ``want`` (a channel) with ``names``, ``alive``, ``visible``,
@@ -80,6 +80,7 @@ VERBS = frozenset(
         "edit",
         "diff",
         "mesh",
+        "probes",
     }
 )
 

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from libgz.base.closing import Closing
-from libgz.base.errors import GazeboError, InterfaceError, ServerGoneError
+from libgz.base.errors import GazeboError, InterfaceError, ParameterError, ServerGoneError
 from libgz.transport.observer import ObservedState
 from libgz.view.assets import Assets
 from libgz.view.channels import Channels, fields_of_interface
@@ -32,17 +32,18 @@ __all__ = ["HOST", "PORT", "RATE", "Viewer"]
 log = logging.getLogger("libgz.view")
 
 HOST, PORT, RATE = "127.0.0.1", 8080, 30.0
+SKINS = ("fine", "plain")
 LONGEST_LOOK = 0.01  # [s] at what pages that only watch have sent, per frame
 LOG_PERIOD, RETRY = 0.25, 0.5  # [s]
+MOST_AT_ONCE = 20  # pages that only watch and get a state at the same time
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
 MOST_REQUESTS, MOST_OF_WATCHERS = 50, 10  # of all pages that have not been answered, when another one comes
 MOST_MESHES = 2  # the same, when a file of a user comes
 FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
 READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
-CAN_SHOW = frozenset(
-    {"interfaces", "publish", "contacts", "readings", "problems", "portrait"}
-)  # what pages offer because of it
+# What pages offer because of it.
+CAN_SHOW = frozenset({"interfaces", "publish", "contacts", "readings", "problems", "portrait", "probes"})
 # What a text that a page inserts may not have: it would run code, expand macros, or hide one of both.
 CODE = re.compile(r"plugin|xacro|<!", re.IGNORECASE)
 ENDED = "The server has ended. Waiting for the next one ..."
@@ -61,6 +62,7 @@ class Viewer(Closing):
         overlays: the panels of GUI plugins, by name.
         wait: whether a frame waits for the answers to its requests, as one of a recording does.
         token: of the address that can control; None for a new one.
+        skins: of the robots of worldfiles when a page opens, "fine" or "plain" ones, as cameras serve them.
 
     Attributes:
         failures: how many frames and actions ended with an error that is none of libgz.
@@ -69,6 +71,7 @@ class Viewer(Closing):
 
     Raises:
         GazeboError: no port is free.
+        ParameterError: there are no such skins.
     """
 
     def __init__(
@@ -82,7 +85,11 @@ class Viewer(Closing):
         overlays: Callable[[], Mapping[str, Overlay]] | None = None,
         wait: bool = False,
         token: str | None = None,
+        skins: str = SKINS[0],
     ) -> None:
+        if skins not in SKINS:
+            raise ParameterError(f"skins is {skins!r}; allowed are {' and '.join(SKINS)}")
+        self._skins = skins
         self._wait, self.failures = wait, 0
         self.source, self.controls, self.rate = source, controls, rate
         self._overlays = overlays
@@ -104,6 +111,7 @@ class Viewer(Closing):
         self._next_log = self._next_try = 0.0
         self._status = ""
         self._due = self._shown = 0.0
+        self._turn = 0  # of the pages that only watch
         self._gone = False
         self._ended = threading.Event()
         self.assets = Assets(source)
@@ -227,12 +235,22 @@ class Viewer(Closing):
             return
         if changed:
             self._state_message = state_message(state)
-            self._pages.post((page for page in self._pages if page.visible), "state", self._state_message)
+            self._pages.post(self._in_turn(), "state", self._state_message)
         if "seek" in self._can and now >= self._next_log and "status" not in self.channels.pending:
             self._next_log = now + LOG_PERIOD
             self._ask("status", self._learn_log)
         self._show_status("", "")
         self.channels.show(now, state.sim_time, self.controls, self._can, self.scene)
+
+    def _in_turn(self) -> list[Page]:
+        """The pages that get the present state: of many that only watch, others each time."""
+        seen = [page for page in self._pages if page.visible]
+        watching = [page for page in seen if not page.may_control]
+        if len(watching) <= MOST_AT_ONCE:
+            return seen
+        self._turn = (self._turn + MOST_AT_ONCE) % len(watching)
+        chosen = (watching[self._turn :] + watching)[:MOST_AT_ONCE]
+        return [*(page for page in seen if page.may_control), *chosen]
 
     def _show_scene(self, state: ObservedState) -> ObservedState:
         """Show the scene that belongs to the present state, which is returned."""
@@ -263,7 +281,8 @@ class Viewer(Closing):
     def _hail(self, page: Page) -> None:
         own = {"fields", "parts", "steer"} if "interfaces" in self._can else set()
         mine = sorted((self._can & (VERBS | CAN_SHOW)) | own | ({"press"} if self._overlays is not None else set()))
-        hello: dict[str, Any] = {"title": f"{self.scene.get('world', '')} - libgz", "abilities": mine}
+        title = f"{self.scene.get('world', '')} - libgz"
+        hello: dict[str, Any] = {"title": title, "abilities": mine, "skins": self._skins}
         if not page.may_control:
             hello["reason"] = WATCHING
         elif self.controls is None or not self._can:

@@ -232,3 +232,43 @@ def test_problems_are_told_once_with_their_place_and_time(tmp_path):
         assert error["time"] == pytest.approx(world.clock.sim_time, abs=0.1)
         for wrong in (-5, 10**30, "x", None):
             assert ask("problems", since=wrong)["count"] <= 2
+
+
+CLOCK = """from libgz.classic import plugin
+class Clock(plugin.WorldPlugin):
+    def Load(self, world, sdf):
+        self.turns, self._hidden, self.ready, self.name = 7.5, 1.0, True, "clock"
+plugin.GZ_REGISTER_WORLD_PLUGIN(Clock)
+"""
+
+
+def test_numbers_of_topics_and_plugins_are_read(tmp_path):
+    (tmp_path / "clock.py").write_text(CLOCK)
+    plugin = f"<plugin name='the clock' filename='{tmp_path}/libclock.so'/></world>"
+    with libgz.World.from_string(SDF.replace("</world>", plugin)) as world:
+        ask = Asker(world)
+        listed = ask("probes")
+        [clock] = [one for one in listed if one["group"] == "plugin the clock"]
+        assert clock["label"] == "turns"
+        stats = {one["label"]: one["key"] for one in listed if one["group"] == "topic /gazebo/w/world_stats"}
+        assert {"sim_time.sec", "iterations"} <= set(stats)
+        assert not [one for one in ask("probes", name="box") if one["group"] == "plugin the clock"]
+        wanted = [clock["key"], stats["iterations"]]
+        ask("values", names=wanted)
+        ask.step(400)
+        answer = ask("values", names=wanted)
+        assert answer["values"][clock["key"]] == 7.5
+        assert 0 < answer["values"][stats["iterations"]] <= world.iterations
+        assert answer["time"] > 0.0
+        secret = json.dumps(["plugin", "", "the clock", "_hidden"])
+        message = json.dumps(["topic", "/gazebo/w/world_stats", "sim_time"])
+        odd = [secret, message, "[", "[" * 100000, 7, '["topic", "/none", "x"]', "[]"]
+        assert ask("values", names=odd)["values"] == {}
+
+
+def test_numbers_of_legacy_models_are_read():
+    with libgz.World.from_file("worlds/pioneer2at.world") as world:
+        world.model("robot1").charge = 0.25
+        ask = Asker(world)
+        [charge] = ask("probes", name="robot1")
+        assert ask("values", names=[charge["key"]])["values"] == {charge["key"]: 0.25}

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import dataclasses
 import io
 import json
 import re
@@ -398,3 +399,36 @@ def test_an_address_of_another_machine_is_refused():
     with pytest.raises(GazeboError, match=r"192\.0\.2\.1, port 18380, cannot be bound"):
         Viewer(Nothing(), host="192.0.2.1", port=18380)
     assert not [thread for thread in threading.enumerate() if thread.name == "pages"]
+
+
+def test_a_pace_allows_some_at_once_and_no_more_on_average():
+    pace = pages.Pace(10.0, 5.0)
+    waits = [pace.next() for _ in range(9)]
+    assert waits[:5] == [0.0] * 5
+    assert 0.3 < waits[8] <= 0.4
+
+
+class Watching:
+    """What is like a page that only watches."""
+
+    may_control, visible = False, True
+
+    def __init__(self, number):
+        self.number, self.wants, self.states = number, {}, 0
+
+    def post(self, key, message):
+        self.states += key == "state"
+
+
+def test_many_that_watch_get_states_in_turn():
+    with Viewer(Nothing(), port=18960) as viewer:
+        crowd = [Watching(-number) for number in range(1, 51)]
+        master = Watching(-99)
+        master.may_control = True
+        for page in (*crowd, master):
+            viewer.show_to(page)
+        for number in range(50):
+            viewer.source.state = lambda number=number: dataclasses.replace(Nothing().state(), number=number)
+            viewer.frame()
+        assert master.states == 50
+        assert {page.states for page in crowd} == {20}

@@ -123,7 +123,7 @@ def shown(page, tmp_path, monkeypatch):
     page.evaluate(
         "libgz.store.select(null); libgz.store.setHandles({mode: 'none'}); libgz.store.setFollow(null);"
         "for (const name of libgz.store.switches) libgz.store.setSwitch(name, false);"
-        "for (const name of ['grid', 'shadows']) libgz.store.setSwitch(name, true)"
+        "for (const name of ['grid', 'shadows', 'skins']) libgz.store.setSwitch(name, true)"
     )
     Handler.served = None
     for world in worlds:
@@ -482,3 +482,38 @@ def test_nothing_is_rendered_while_nothing_changes(shown, page):
 def test_slow_frames_lower_the_quality(page):
     assert page.evaluate("ask.level(true, 8) < ask.level(true, 120)")
     assert page.evaluate("[ask.level(false, 8), ask.level(true, 1000)]") == [0, 6]
+
+
+def test_old_robots_have_fine_skins_that_can_be_switched_off(page, shown):
+    shown("pioneer2at.world")
+    forms = """libgz.stage.bodies.instances.filter((one) => libgz.store.entities.get(one.entity)?.id === "robot1")
+        .map((one) => one.batch.geometry.getAttribute("position").count)"""
+    crate = "libgz.stage.bodies.of.get(libgz.store.ids.get('crate')).length"
+    fine, around = page.evaluate(forms), page.evaluate("ask.bounds('robot1')")
+    assert page.evaluate(crate) == 1
+    page.evaluate("libgz.store.setSwitch('skins', false)")
+    plain = page.evaluate(forms)
+    assert len(fine) == len(plain) + 4  # rims
+    assert sum(fine) > sum(plain)
+    assert np.allclose(around, page.evaluate("ask.bounds('robot1')"), atol=0.005)
+    page.evaluate("libgz.store.setSwitch('skins', true)")
+    assert page.evaluate(forms) == fine
+
+
+def test_still_images_are_dark_where_surfaces_meet(page, shown):
+    shown("pioneer2at.world")
+    page.evaluate("libgz.store.view({ focus: libgz.store.ids.get('robot1') }), frames(60)")
+    look = """(still) => {
+        const { stage } = libgz, gl = stage.renderer.getContext();
+        stage._render(still);
+        const width = gl.drawingBufferWidth, height = gl.drawingBufferHeight;
+        const found = new Uint8Array(4 * width * height);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, found);
+        return [height, width, Array.from(found)];
+    }"""
+    found = [page.evaluate(look, still) for still in (False, True)]
+    moving, still = (np.reshape(pixels, (height, width, 4)).astype(int) for height, width, pixels in found)
+    darker = (moving - still)[..., :3].mean(axis=2)
+    assert darker.min() > -3.0  # nothing becomes brighter
+    share = np.mean(darker > 5.0)
+    assert 0.005 < share < 0.3  # some places, not the open ground

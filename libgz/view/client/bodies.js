@@ -1,6 +1,7 @@
 // Bodies: all shapes of the scene, as instances of forms, moved by the table of states.
 
 import { Box3, Color, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Vector3 } from "three";
+import { isDevice, piecesOf } from "libgz/finish.js";
 import { forget, formOf } from "libgz/forms.js";
 import { lookOf, SEEN_THROUGH } from "libgz/materials.js";
 
@@ -81,6 +82,7 @@ export class Bodies {
         wireframe: store.isOn("wireframe", entity.number),
         collisions: store.isOn("collisions", entity.number),
         transparent: store.isOn("transparent", entity.number),
+        skins: store.isOn("skins") && isDevice(scene, entity),
       };
       // An infinite plane of a classic world has a flat mesh beside it, which is seen.
       const plane = body.shapes.find((/** @type {any} */ shape) => shape.kind === "plane");
@@ -91,7 +93,7 @@ export class Bodies {
         for (const part of this._parts(shown, way)) {
           if (![...part.scale, ...part.pose].every(Number.isFinite)) continue;
           used.add(part.form.key);
-          const look = part.material ?? lookOf(shape, this.assets, way, part.form);
+          const look = part.material ?? lookOf(part.shape ?? shape, this.assets, way, part.form);
           if (ground && dark && !shape.texture) look.color = look.color.clone().multiplyScalar(DUSK);
           const shadows = shape.cast_shadows && look.opacity === 1 && shape.kind !== "plane";
           const key = `${part.form.key}|${look.key}|${shadows}`;
@@ -149,7 +151,7 @@ export class Bodies {
    * What a shape looks like: forms, with places and perhaps materials of their own.
    * @param {any} shape
    * @param {Showing} showing
-   * @returns {{form: Form, pose: number[], scale: [number, number, number], material?: import("libgz/materials.js").Look}[]}
+   * @returns {{form: Form, pose: number[], scale: [number, number, number], material?: import("libgz/materials.js").Look, shape?: any}[]}
    */
   _parts(shape, showing) {
     const wanted = showing.collisions ? shape.collides : shape.visible;
@@ -159,9 +161,12 @@ export class Bodies {
       const skin = shape.skin && this.assets.skin(shape.skin.file);
       if (skin) return skinParts(skin, shape, showing);
     }
+    const [sx, sy, sz] = showing.collisions ? [1, 1, 1] : shape.scale;
+    const pieces = showing.skins && !showing.collisions && !showing.wireframe && piecesOf(shape);
+    if (pieces) return pieces.map(({ form, paint }) => ({ form, pose: shape.pose, scale: [sx, sy, sz], shape: painted(shape, paint) }));
     const form = formOf(shape, (reference) => this.assets.arrays(reference));
     if (!form) return [];
-    const [x, y, z] = form.scale, [sx, sy, sz] = showing.collisions ? [1, 1, 1] : shape.scale;
+    const [x, y, z] = form.scale;
     return [{ form, pose: shape.pose, scale: [x * sx, y * sy, z * sz] }];
   }
 
@@ -261,6 +266,11 @@ export function placed(pose, start, into, factors = [1, 1, 1]) {
   position.set(pose[start], pose[start + 1], pose[start + 2]);
   rotation.set(pose[start + 4], pose[start + 5], pose[start + 6], pose[start + 3]);
   return into.compose(position, rotation, scale.set(factors[0], factors[1], factors[2]));
+}
+
+/** A shape in another paint. @param {any} shape @param {{color: number[], roughness: number, metalness: number}} paint */
+function painted(shape, { color, roughness, metalness }) {
+  return { ...shape, material: { ...shape.material, diffuse: [...color, 1] }, pbr: { roughness, metalness } };
 }
 
 /** A flat mesh of a classic world's ground, as large as the plane that things stand on. @param {any} mesh @param {any} plane */

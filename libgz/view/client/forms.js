@@ -29,7 +29,7 @@ const built = new Map();
  * @param {string} key
  * @param {() => BufferGeometry} build
  */
-function once(key, build) {
+export function once(key, build) {
   let geometry = built.get(key);
   if (!geometry) {
     geometry = build();
@@ -132,6 +132,40 @@ function box() {
     }
   }
   return geometryOf(positions, normals, texcoords, indices);
+}
+
+/**
+ * A box with round edges.
+ * @param {number[]} size [m]
+ * @param {number} edge radius of the edges [m]
+ */
+export function boxWithRoundEdges(size, edge) {
+  // Each face is a grid of directions, of which one half belongs to one end of each side: between the halves it is flat.
+  const steps = 3, turns = Array.from({ length: steps + 1 }, (_, i) => Math.tan((Math.PI / 4) * (i / steps)));
+  const along = [...turns.map((t) => [-1, -t]).reverse(), ...turns.map((t) => [1, t])];
+  const positions = [], normals = [], indices = [];
+  for (let axis = 0; axis < 3; axis++) {
+    for (const end of [-1, 1]) {
+      const first = positions.length / 3, u = (axis + 1) % 3, v = (axis + 2) % 3;
+      for (const [vEnd, vTurn] of along) {
+        for (const [uEnd, uTurn] of along) {
+          const ends = [0, 0, 0], normal = [0, 0, 0], length = Math.hypot(1, uTurn, vTurn);
+          [ends[axis], ends[u], ends[v]] = [end, uEnd, vEnd];
+          [normal[axis], normal[u], normal[v]] = [end / length, uTurn / length, vTurn / length];
+          for (let i = 0; i < 3; i++) positions.push(ends[i] * (size[i] / 2 - edge) + edge * normal[i]);
+          normals.push(...normal);
+        }
+      }
+      const row = along.length;
+      for (let j = 0; j + 1 < row; j++) {
+        for (let i = 0; i + 1 < row; i++) {
+          const a = first + j * row + i, [b, d] = end > 0 ? [a + 1, a + row] : [a + row, a + 1];
+          indices.push(a, b, a + row + 1, a, a + row + 1, d);
+        }
+      }
+    }
+  }
+  return geometryOf(positions, normals, null, indices);
 }
 
 /** A sphere of radius 1, its poles on z; the texture runs once around. */

@@ -111,6 +111,7 @@ export class Inspector {
     ];
     fill(this.root, ...root, element('p', { class: 'hint', text: 'Click a model in the view or in the tree to see more.' }));
     this.#addEditors('');
+    this.#addProbes('');
   }
 
   /** @param {number} number @param {Entity} entity */
@@ -160,6 +161,7 @@ export class Inspector {
       });
     this.#addEditors(entity.id);
     this.#addFields(entity);
+    this.#addProbes(entity.id);
   }
 
   /** @param {Entity} entity @param {string} name */
@@ -292,8 +294,9 @@ export class Inspector {
   /**
    * @param {string} title
    * @param {import('libgz/dom.js').Child[]} rows
+   * @param {boolean} [closed] whether it is always folded at first
    */
-  #section(title, rows) {
+  #section(title, rows, closed = false) {
     const some = rows.filter(Boolean);
     const body = element('div', { class: 'section-body' }, some);
     const root = element(
@@ -302,8 +305,10 @@ export class Inspector {
       element('summary', {}, icon('right'), title),
       body,
     );
-    root.open = !this.folded.has(title);
+    root.open = !closed && !this.folded.has(title);
     root.addEventListener('toggle', () => {
+      this.#wantFields();
+      if (closed) return;
       if (root.open) this.folded.delete(title);
       else this.folded.add(title);
       remember('inspector.folded', [...this.folded]);
@@ -505,6 +510,45 @@ export class Inspector {
     );
   }
 
+  /** The keys of the fields whose values are shown. */
+  fields() {
+    const rows = [...this.root.querySelectorAll('details[open] [data-series]')];
+    const keys = rows.map((row) => JSON.parse(row.getAttribute('data-series') ?? '[]'));
+    return keys.filter(([kind]) => kind === 'field').map(([, key]) => String(key));
+  }
+
+  #wantFields() {
+    this.workplace.store.want('fields', [...new Set([...(this.workplace.plots?.fields() ?? []), ...this.fields()])]);
+  }
+
+  /** The numbers of topics and plugins, which are read where they are plotted. @param {string} name of the entity; empty for the world */
+  #addProbes(name) {
+    const { workplace, shown } = this;
+    if (!workplace.store.control || !workplace.store.abilities.has('probes')) return;
+    void workplace.ask('probes', '-', { name }).then((/** @type {{ key: string, label: string, group: string }[] | undefined} */ answer) => {
+      if (this.shown !== shown || !Array.isArray(answer)) return;
+      /** @type {Map<string, Series[]>} */
+      const groups = new Map();
+      for (const { key, label, group } of answer) {
+        const some = groups.get(group) ?? [];
+        groups.set(group, some);
+        some.push({ key: keyOf('field', key), label: `${group.replace(/^\w+ /, '')} ${label}`, unit: '' });
+      }
+      for (const [group, some] of groups) {
+        // There may be many: the rows are made when the section is opened.
+        const place = element('div', {});
+        const section = this.#section(group, [place], true);
+        section.addEventListener('toggle', () => {
+          if (place.childElementCount) return;
+          fill(place, some.map((series) => this.#value(series, 3, series.label.split(' ').at(-1))));
+          this.#wantFields();
+          this.refresh();
+        });
+        this.root.append(section);
+      }
+    });
+  }
+
   /** The values of the interfaces' fields. @param {Entity} entity */
   #addFields(entity) {
     const { workplace } = this;
@@ -519,7 +563,7 @@ export class Inspector {
         some.map((field) => this.#value({ key: keyOf('field', field.key), label: field.label, unit: field.unit }, 3, field.label)),
       );
       this.root.querySelector('[data-section=Interfaces]')?.after(section);
-      store.want('fields', [...new Set([...(workplace.plots?.fields() ?? []), ...some.map((field) => field.key)])]);
+      this.#wantFields();
       this.refresh();
     });
   }

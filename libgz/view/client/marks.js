@@ -71,20 +71,51 @@ function put(array, at, values) {
   return changed;
 }
 
-/** Line segments whose number changes. */
-class Lines {
-  /** @param {number} color @param {number} width [px] @param {boolean} over what is in front of them */
-  constructor(color, width, over = false) {
-    this.color = new Color(color);
-    this.material = new LineMaterial({ color: 0xffffff, vertexColors: true, linewidth: width, transparent: true, depthTest: !over });
-    this.material.toneMapped = false;
-    this.mesh = new LineSegments2(new LineSegmentsGeometry(), this.material);
+/** What is made of pieces whose number changes. */
+class Counted {
+  /** @param {Mesh | LineSegments2} mesh that shows them */
+  constructor(mesh) {
+    this.mesh = mesh;
     this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = over ? 20 : 5;
     this.mesh.raycast = () => {};
     this.count = 0;
     this._shown = -1;
     this._changed = true;
+  }
+
+  clear() {
+    this.count = 0;
+  }
+
+  /** Show what was added; returns whether it is something else than before. */
+  show() {
+    const changed = this._changed || this.count !== this._shown;
+    this._changed = false;
+    this._shown = this.count;
+    this.mesh.visible = this.count > 0;
+    if (changed && this.count) this._send();
+    return changed;
+  }
+
+  /** @param {Float32Array} array @param {number} at @param {number[]} values */
+  _put(array, at, values) {
+    if (put(array, at, values)) this._changed = true;
+  }
+
+  /** Bring the buffers of the mesh up to date. */
+  _send() {}
+}
+
+/** Line segments. */
+class Lines extends Counted {
+  /** @param {number} color @param {number} width [px] @param {boolean} over what is in front of them */
+  constructor(color, width, over = false) {
+    const material = new LineMaterial({ color: 0xffffff, vertexColors: true, linewidth: width, transparent: true, depthTest: !over });
+    super(new LineSegments2(new LineSegmentsGeometry(), material));
+    this.color = new Color(color);
+    this.material = material;
+    this.material.toneMapped = false;
+    this.mesh.renderOrder = over ? 20 : 5;
     this._capacity = 0;
     this._grow(64);
   }
@@ -108,49 +139,28 @@ class Lines {
     this._capacity = capacity;
   }
 
-  clear() {
-    this.count = 0;
-  }
-
   /** @param {Vector3} from @param {Vector3} to @param {Color} color */
   add(from, to, color = this.color) {
     if (this.count === this._capacity) this._grow(2 * this._capacity);
     const at = 6 * this.count++, places = [from.x, from.y, from.z, to.x, to.y, to.z];
-    this._changed = put(/** @type {any} */ (this._places).array, at, places) || this._changed;
+    this._put(/** @type {any} */ (this._places).array, at, places);
     const colors = [color.r, color.g, color.b, color.r, color.g, color.b];
-    this._changed = put(/** @type {any} */ (this._colors).array, at, colors) || this._changed;
+    this._put(/** @type {any} */ (this._colors).array, at, colors);
   }
 
-  /** Show what was added; returns whether it is something else than before. */
-  show() {
-    const changed = this._changed || this.count !== this._shown;
-    this._changed = false;
-    this._shown = this.count;
-    if (!changed) return false;
-    this.mesh.visible = this.count > 0;
-    this.mesh.geometry.instanceCount = this.count;
+  _send() {
+    /** @type {LineSegmentsGeometry} */ (this.mesh.geometry).instanceCount = this.count;
     for (const buffer of [this._places, this._colors]) /** @type {InstancedInterleavedBuffer} */ (buffer).needsUpdate = true;
-    return true;
   }
 }
 
-/** Triangles that can be seen through, whose number changes. */
-class Faces {
+/** Triangles that can be seen through. */
+class Faces extends Counted {
   /** @param {number} color @param {number} opacity */
   constructor(color, opacity) {
-    this.material = new MeshBasicMaterial({ color, transparent: true, opacity, side: DoubleSide, depthWrite: false, toneMapped: false });
-    this.mesh = new Mesh(new BufferGeometry(), this.material);
-    this.mesh.frustumCulled = false;
+    super(new Mesh(new BufferGeometry(), new MeshBasicMaterial({ color, transparent: true, opacity, side: DoubleSide, depthWrite: false, toneMapped: false })));
     this.mesh.renderOrder = 4;
-    this.mesh.raycast = () => {};
     this._places = new Float32Array(9 * 256);
-    this.count = 0;
-    this._shown = -1;
-    this._changed = true;
-  }
-
-  clear() {
-    this.count = 0;
   }
 
   /** @param {Vector3} p @param {Vector3} q @param {Vector3} r */
@@ -160,17 +170,10 @@ class Faces {
       larger.set(this._places);
       this._places = larger;
     }
-    this._changed = put(this._places, 9 * this.count++, [p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z]) || this._changed;
+    this._put(this._places, 9 * this.count++, [p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z]);
   }
 
-  /** Show what was added; returns whether it is something else than before. */
-  show() {
-    const changed = this._changed || this.count !== this._shown;
-    this._changed = false;
-    this._shown = this.count;
-    if (!changed) return false;
-    this.mesh.visible = this.count > 0;
-    if (!this.count) return true;
+  _send() {
     let places = /** @type {BufferAttribute | undefined} */ (this.mesh.geometry.getAttribute("position"));
     if (!places || places.array !== this._places) {
       this.mesh.geometry.dispose();
@@ -179,7 +182,6 @@ class Faces {
     }
     this.mesh.geometry.setDrawRange(0, 3 * this.count);
     places.needsUpdate = true;
-    return true;
   }
 }
 

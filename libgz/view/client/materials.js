@@ -21,6 +21,7 @@ import { ownTexture } from "libgz/assets.js";
  * @property {boolean} wireframe
  * @property {boolean} collisions
  * @property {boolean} transparent
+ * @property {boolean} [skins] whether old devices have fine skins
  */
 
 const COLLISION = new Color(0xff8c1a); // of shapes that collide

@@ -98,9 +98,7 @@ export class Plots {
     show(this.hint, !this.plots.length);
     remember('plots', this.plots.map((plot) => plot.curves.map(({ key, label, unit }) => ({ key, label, unit }))));
     const { store } = this.workplace;
-    const shown = this.workplace.inspector?.root.querySelectorAll('[data-section=Fields] [data-series]') ?? [];
-    const fields = [...shown].map((row) => String(JSON.parse(row.getAttribute('data-series') ?? '[]')[1]));
-    store.want('fields', [...new Set([...this.fields(), ...fields])]);
+    store.want('fields', [...new Set([...this.fields(), ...(this.workplace.inspector?.fields() ?? [])])]);
   }
 
   #sample() {

@@ -18,6 +18,7 @@ import { Ground } from "libgz/ground.js";
 import { Handles } from "libgz/handles.js";
 import { Lights } from "libgz/lights.js";
 import { Marks } from "libgz/marks.js";
+import { Occlusion } from "libgz/occlusion.js";
 import { Outline } from "libgz/outline.js";
 import { isSoftware, Quality } from "libgz/quality.js";
 import { Skins } from "libgz/skins.js";
@@ -29,7 +30,7 @@ const CLICK = 5; // [px] that the pointer may move between press and release of 
 const HOVER = 40; // [ms] that the pointer rests before what is under it is looked for
 const REST = 500; // [ms] without changes until a still image is refined
 const LARGE = 15; // [m] from which a flat mesh is ground
-const SWITCHES_OF_SHAPES = ["hidden", "wireframe", "collisions", "transparent"];
+const SWITCHES_OF_SHAPES = ["hidden", "wireframe", "collisions", "transparent", "skins"];
 
 /** The 3D view. */
 export class Stage {
@@ -73,6 +74,7 @@ export class Stage {
     this.sky = new Sky();
     this.ground = new Ground();
     this.outline = new Outline(this.bodies, this.skins);
+    this.occlusion = new Occlusion();
     this.cameras = new Cameras(this.canvas, store, this.bodies, () => this.invalidate());
     this.marks = new Marks(store, this.bodies, this.assets, () => this.invalidate());
     this.handles = new Handles(this.cameras, this.canvas, store, () => this.invalidate());
@@ -430,13 +432,18 @@ export class Stage {
     else if (!this._frame) this._frame = requestAnimationFrame((time) => this._tick(time));
   }
 
-  _render() {
+  /** @param {boolean} still whether there is time for all that a frame can have */
+  _render(still = false) {
     const { camera, controls } = this.cameras;
     this.ground.follow(camera.position, this.renderer.getPixelRatio());
     const radius = Math.min(Math.max(1.4 * this.cameras.distance, 1.5), 120);
     if (this.lights.cover(controls.target, radius)) this.renderer.shadowMap.needsUpdate = true;
     this.marks.face(camera, this.renderer);
     this.renderer.render(this.scene, camera);
+    if (this._built && this.lights.shadows && (still || this.quality.level.fine)) {
+      const reach = Math.min(Math.max(0.09 * this.cameras.distance, 0.05), 2);
+      this.occlusion.render(this.renderer, this.scene, camera, [this.bodies.group, this.skins.group], reach);
+    }
     this.outline.render(this.renderer, camera);
   }
 
@@ -453,7 +460,7 @@ export class Stage {
     this.renderer.setPixelRatio(this.quality.still(this._ratio()));
     this.lights.resize(1024, true);
     this.renderer.shadowMap.needsUpdate = true;
-    this._render();
+    this._render(true);
   }
 
   _ratio() {
@@ -484,7 +491,7 @@ export class Stage {
   screenshot() {
     const former = this.renderer.getPixelRatio();
     this.renderer.setPixelRatio(Math.max(2, window.devicePixelRatio));
-    this._render();
+    this._render(true);
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("the browser gave no image"))), "image/png");
       this.renderer.setPixelRatio(former);

@@ -85,7 +85,7 @@ export class Store extends EventTarget {
     /** @type {View} */
     this.viewed = 'fit';
     /** @type {Set<string>} */
-    this.switches = new Set(['grid', 'shadows']);
+    this.switches = new Set(['grid', 'shadows', 'skins']);
 
     /** @type {{label: string, entity: string, kind: string}[]} */
     this.robots = [];
@@ -149,6 +149,7 @@ export class Store extends EventTarget {
       this.watchReason = hello.reason ?? undefined;
       if (!this.connected) {
         this.connected = true;
+        if (hello.skins === 'plain') this.setSwitch('skins', false);
         this.messages = [];
         for (const channel of this.wants.keys()) this.#sendWants(channel);
       }

@@ -31,7 +31,7 @@ export const SWITCHES = /** @type {const} */ ([
       ['transparent', 'Transparent', true],
     ],
   ],
-  ['View', [['grid', 'Grid', false], ['shadows', 'Shadows', false]]],
+  ['View', [['grid', 'Grid', false], ['shadows', 'Shadows', false], ['skins', 'Fine skins of old robots', false]]],
 ]);
 
 /** What needs an ability of the server. */
@@ -46,7 +46,10 @@ export function marks({ store }, entity) {
   const entries = /** @type {Entry[]} */ ([]);
   for (const [heading, switches] of SWITCHES) {
     const shown = switches.filter(
-      ([name, , single]) => (entity === undefined || single) && (!NEEDS[name] || store.abilities.has(NEEDS[name] ?? '')),
+      ([name, , single]) =>
+        (entity === undefined || single) &&
+        (!NEEDS[name] || store.abilities.has(NEEDS[name] ?? '')) &&
+        (name !== 'skins' || store.scene?.era !== 'classic'),
     );
     if (!shown.length) continue;
     entries.push({ heading });

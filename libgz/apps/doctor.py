@@ -53,6 +53,11 @@ EXTRAS = {
         "worlds run, and gzserver -r records state.log",
     ),
     "view": Extra(("aiohttp",), "running worlds in a browser", "everything else works"),
+    "notebook": Extra(
+        ("aiohttp", "anywidget"),
+        "world.view() over the channel of a notebook",
+        "with the extra view it opens a port of its own",
+    ),
     "gym": Extra(("gymnasium", "aiohttp"), "environments of Gymnasium", "everything else works"),
     "cluster": Extra(
         ("distributed", "pyarrow"), "sweeps on clusters, and as Parquet", "libgz sweep runs here, and writes CSV"

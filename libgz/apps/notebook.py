@@ -135,6 +135,7 @@ class WorldView(Closing):
         except ImportError as error:
             raise LibraryError(f"the viewer needs the extra `view`: {install('view')} ({error})") from None
         self.world, self._size = world, (width, height)
+        self._widget: Any = None
         source = LocalSource(world)
         self.viewer = Viewer(source, None if watch_only else _Controls(world), host=host, port=port, skins=skins)
         self.viewer.frame()
@@ -157,6 +158,20 @@ class WorldView(Closing):
 
     def __repr__(self) -> str:
         return f"<WorldView {self.url if self._thread.is_alive() else 'closed'}>"
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        """As a widget, where the extra `notebook` is installed and the notebook shows widgets; else as a frame."""
+        shown: dict[str, Any] = {"text/plain": repr(self), "text/html": self._repr_html_()}
+        try:
+            from libgz.view.notebook import NotebookWidget
+        except ImportError:
+            return shown
+        if self._widget is None:
+            width, height = self._size
+            self._widget = NotebookWidget(self.viewer, str(width), int(height))
+        bundle = self._widget._repr_mimebundle_()
+        widget = bundle[0] if isinstance(bundle, tuple) else bundle or {}
+        return {**widget, **shown}
 
     def _repr_html_(self) -> str:
         width, height = self._size

@@ -188,6 +188,10 @@ class Pages(Closing):
         """Count something as a page that is like one."""
         self._pages[page.number] = page
 
+    def part(self, page: Any) -> None:
+        """Count it no longer."""
+        self._pages.pop(page.number, None)
+
     async def _listen(self) -> None:
         self._server = web.Server(self._handle)
         wanted = self.port

@@ -15,7 +15,7 @@ from libgz.view.gate import CLIENT, policy, script_source
 from libgz.view.protocol import LONGEST_NAME, MOST_NAMES
 from libgz.view.viewer import Viewer
 
-__all__ = ["replay_page"]
+__all__ = ["frame_page", "replay_page"]
 
 CAMERAS, RANGES = ("camera", "guicam", "stereo"), ("laser", "sonar", "ir")
 RELATIVE = re.compile(r"""(\bfrom\s*|\bimport\s*)(["'])(\.{1,2}/[^"']+)\2""")
@@ -86,10 +86,17 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str, switches: 
             if asset is not None:
                 assets[name] = base64.b64encode(asset.body).decode()
     recording = {"title": title, "switches": shown, "moments": found, "assets": {k: v for k, v in assets.items() if v}}
-    return _page(title, json.dumps(recording).replace("<", "\\u003c"))
+    text = json.dumps(recording).replace("<", "\\u003c")
+    return _page(title, f'<script type="application/json" id="recording">{text}</script>')
 
 
-def _page(title: str, recording: str) -> str:
+@functools.cache
+def frame_page(title: str) -> str:
+    """A page for a frame, whose messages come over a port from the document around it."""
+    return _page(title, '<script type="application/json" id="port"></script>')
+
+
+def _page(title: str, content: str) -> str:
     """The page as one file: its modules are addresses of data in the import map."""
     imports = {name: _address(text, "text/javascript") for name, text in _modules()}
     scripts = json.dumps({"imports": imports})
@@ -103,7 +110,7 @@ def _page(title: str, recording: str) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f'<title>{html.escape(title)}</title><link rel="icon" href="{icon}"><style>{styles}</style>'
         f'<script type="importmap">{scripts}</script>'
-        f'<script type="application/json" id="recording">{recording}</script>'
+        f"{content}"
         f'<script type="module">{START}</script></head><body></body></html>\n'
     )
 

@@ -122,7 +122,7 @@ class Viewer(Closing):
             self._gate,
             port,
             lambda page: self.do(lambda: self._welcome(page)),
-            lambda page, message: self._queue(page).put(lambda: self._obey(page, message)),
+            self.hear,
             lambda page: self.do(lambda: self._leave(page)),
         )
         self.channels = Channels(self._pages, self._ask, overlays)
@@ -275,6 +275,20 @@ class Viewer(Closing):
     def show_to(self, page: Any) -> None:
         """Show all to what is like a page, such as a recorder."""
         self._pages.join(page)
+
+    def open(self, page: Any) -> None:
+        """A page of another channel than the port is opened; safe in every thread."""
+        self._pages.join(page)
+        self.do(lambda: self._welcome(page))
+
+    def hear(self, page: Any, message: dict[str, Any]) -> None:
+        """Do what a page wants, between two frames; safe in every thread."""
+        self._queue(page).put(lambda: self._obey(page, message))
+
+    def leave(self, page: Any) -> None:
+        """A page that was opened by `open` is closed; safe in every thread."""
+        self._pages.part(page)
+        self.do(lambda: self._leave(page))
 
     # Coming and going ------------------------------------------------------------------------------------------------
 

@@ -11,9 +11,10 @@ const ALIVE = 1000; // [ms] between two signs of life while the page is shown
 
 /** The socket; it connects again when it is lost. */
 export class Connection {
-  /** @param {Store} store */
-  constructor(store) {
+  /** @param {Store} store @param {(() => any) | null} [makeSocket] what there is instead of a WebSocket */
+  constructor(store, makeSocket = null) {
     this.store = store;
+    this.makeSocket = makeSocket;
     /** @type {WebSocket | null} */
     this.socket = null;
     this.wait = RETRY;
@@ -25,10 +26,7 @@ export class Connection {
   }
 
   async open() {
-    const address = new URL('socket', location.href);
-    address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-    address.search = address.hash = '';
-    const socket = (this.socket = new WebSocket(address));
+    const socket = (this.socket = /** @type {WebSocket} */ (this.makeSocket?.() ?? new WebSocket(socketAddress())));
     socket.binaryType = 'arraybuffer';
     /** @type {Promise<void>} one message after the other: some are unpacked first */
     let last = Promise.resolve();
@@ -89,4 +87,11 @@ export class Connection {
       this.send({ ask: verb, number: this.number, argument, content });
     });
   }
+}
+
+function socketAddress() {
+  const address = new URL('socket', location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  address.search = address.hash = '';
+  return address;
 }

@@ -1,0 +1,140 @@
+"""The page in a notebook, over the kernel's channel: what the widget sends, and the page with such a kernel."""
+
+import base64
+import json
+import queue
+import time
+from pathlib import Path
+
+import pytest
+from view_pages import PATIENCE, browser, needs_chromium, wait_for
+from view_sockets import scene_of, state_of
+
+import libgz
+from libgz.apps.notebook import WorldView
+
+pytest.importorskip("anywidget")
+SCRIPT = (Path(libgz.__file__).parent / "view" / "client" / "notebook.js").read_text()
+
+
+@pytest.fixture
+def view():
+    with libgz.World.from_file("worlds/pioneer2at.world") as world, WorldView(world, port=18970) as shown:
+        shown._repr_mimebundle_()
+        yield shown
+
+
+class Kernel:
+    """What is sent to a notebook's page, as the kernel's channel would."""
+
+    def __init__(self, view, monkeypatch):
+        self.sent = queue.Queue()
+        self.widget = view._widget
+        monkeypatch.setattr(self.widget, "send", lambda content, buffers=None: self.sent.put((content, buffers or [])))
+
+    def hear(self, **content):
+        self.widget._hear(self.widget, content, [])
+
+    def until(self, accept):
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            content, buffers = self.sent.get(timeout=PATIENCE)
+            if content.get("end"):
+                self.hear(view=content["view"], shown=True)
+            if accept(content, buffers):
+                return content, buffers
+        raise AssertionError("it was not sent")
+
+    def answer(self, view, number, verb, argument="-", **content):
+        ask = {"ask": verb, "number": number, "argument": argument, "content": content}
+        self.hear(view=view, text=json.dumps(ask))
+        wanted = f'"answer": {number}'
+        return json.loads(self.until(lambda message, _: wanted in message.get("text", ""))[0]["text"])
+
+
+def test_a_notebook_shows_a_widget_and_a_frame_where_there_is_none(view):
+    bundle = view._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert "<iframe" in bundle["text/html"]
+    assert view._repr_mimebundle_() == bundle
+
+
+def test_scene_states_and_answers_come_over_the_channel(view, monkeypatch):
+    kernel = Kernel(view, monkeypatch)
+    kernel.hear(view="a", open=True)
+    page, _ = kernel.until(lambda message, _: "page" in message)
+    assert 'id="port"' in page["page"]
+    _, [scene] = kernel.until(lambda _, buffers: buffers and buffers[0][0] == 3)
+    assert "robot1" in {entity["id"] for entity in scene_of(scene)["entities"]}
+    _, [state] = kernel.until(lambda _, buffers: buffers and buffers[0][0] == 1)
+    begin = state_of(state)[1][1]
+    assert kernel.answer("a", 1, "step", "5")["value"] is None
+    kernel.until(lambda _, buffers: buffers and buffers[0][0] == 1 and state_of(buffers[0])[1][1] > begin)
+    assert "no request" in kernel.answer("a", 2, "publish", "x")["error"]
+    for content in ({}, {"view": 7}, {"view": "a", "text": "{"}, {"view": "a", "text": 3}, {"view": "b", "text": "{}"}):
+        kernel.hear(**content)
+    kernel.hear(view="a", close=True)
+    kernel.hear(view="a", shown=True)
+    wait_for(lambda: view.viewer.pages == 0, "the page is closed")
+
+
+def test_a_page_that_shows_nothing_is_sent_no_more(view, monkeypatch):
+    kernel = Kernel(view, monkeypatch)
+    kernel.hear(view="a", open=True)
+    while "end" not in kernel.sent.get(timeout=PATIENCE)[0]:
+        pass
+    for _ in range(20):
+        view.world.step()
+        view.viewer.do(lambda: None)
+    time.sleep(0.3)
+    assert kernel.sent.empty()  # until the page says that it has shown the first ones
+    kernel.hear(view="a", shown=True)
+    kernel.until(lambda _, buffers: buffers and buffers[0][0] == 1)
+
+
+HOST = """async (script) => {
+    const module = await import(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
+    const heard = [];
+    window.sent = [];
+    const model = {
+        get: (name) => ({ width: "100%", height: 500 })[name],
+        send: (content) => window.sent.push(content),
+        on: (_, hear) => heard.push(hear),
+        off: (_, hear) => heard.splice(heard.indexOf(hear), 1),
+    };
+    window.hear = (content, data) => {
+        const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+        for (const one of heard) one(content, data.map((text) => new DataView(bytes(text).buffer)));
+    };
+    module.default.render({ model, el: document.body });
+}"""
+
+
+@needs_chromium
+def test_the_page_in_a_frame_shows_and_steps_the_world(view, monkeypatch):
+    kernel = Kernel(view, monkeypatch)
+    with browser() as chromium:
+        page = chromium.new_page(viewport={"width": 900, "height": 560})
+        errors = []
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.set_default_timeout(1000.0 * PATIENCE)
+        page.goto("about:blank")
+        page.evaluate(HOST, SCRIPT)
+
+        def passes(condition):
+            """Pass messages on in both directions; whether the page in the frame fulfils a condition."""
+            for content in page.evaluate("window.sent.splice(0)"):
+                kernel.hear(**content)
+            while not kernel.sent.empty():
+                content, buffers = kernel.sent.get()
+                page.evaluate("([c, d]) => hear(c, d)", [content, [base64.b64encode(one).decode() for one in buffers]])
+            frame = page.frames[-1]
+            return len(page.frames) > 1 and frame.evaluate(f"Boolean({condition})")
+
+        wait_for(lambda: passes("window.libgz?.workplace.stage.ready"), "the world is shown")
+        frame = page.frames[-1]
+        before = view.world.GetSimTime()
+        frame.get_by_role("button", name="Step", exact=True).click()
+        wait_for(lambda: passes(f"libgz.store.state.simTime > {before}"), "a step is made and shown")
+        assert frame.evaluate("libgz.store.control")
+        assert errors == []

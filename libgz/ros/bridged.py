@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from libgz.base.errors import GazeboError, LibraryError
-from libgz.ros.loop import Connection, Loop
+from libgz.ros.loop import Buffer, Connection, Loop
 from libgz.ros.names import NodeNames
 from libgz.ros.packing import Codec, FormatError, read_schema
 from libgz.ros.types import MessageType, ServiceType
@@ -73,8 +73,8 @@ class Channel:
         """The codec of a topic's messages."""
         return self.codecs[0]
 
-    def publish(self, body: bytes) -> None:
-        """Queue a message; `BridgedNode.flush` sends it."""
+    def publish(self, body: list[Buffer]) -> None:
+        """Send a message, given by its parts; nobody waits for a slow bridge."""
         self._node.push(self, body)
 
 
@@ -105,7 +105,7 @@ class BridgedNode:
         self._ended = False
         self._greeted = threading.Event()
         self._broken = threading.Event()
-        self._loop = Loop("ros-bridge", self._send)
+        self._loop = Loop("ros-bridge")
         self._keeper = threading.Thread(target=self._keep, name="ros-bridge-keeper", daemon=True)
 
     def start(self) -> None:
@@ -316,32 +316,25 @@ class BridgedNode:
         link = self._link
         if link is not None:
             link.queue.append(HEAD.pack(REST + len(body), sort, number) + body)
-            self._loop.wake()
+            self._loop.call(link.flush)
 
-    def push(self, channel: Channel, body: bytes) -> None:
-        """Queue a message. The loop has to be woken afterwards."""
+    def push(self, channel: Channel, body: list[Buffer]) -> None:
+        """Send a message of some parts, or queue it."""
         link = self._link
         if link is None:
+            return
+        size = sum(map(len, body))
+        parts = [HEAD.pack(REST + size, MESSAGE, channel.number), *body]
+        if not link.messages and link.send_at_once(parts, HEAD.size + size):
             return
         if channel.waiting >= MOST_WAITING or channel.waiting_bytes > MOST_BYTES:
             self._loop.warn(f"slow {channel.topic}", "ROS 2: the bridge is too slow for %s; a message is left out",
                             channel.topic)  # fmt: skip
             return
         channel.waiting += 1
-        channel.waiting_bytes += len(body)
-        link.messages.append((channel, body))
-
-    def flush(self) -> None:
-        """See that what waits is sent, in the loop's thread."""
-        if self._link is not None and self._link.messages and not self._loop.polling:
-            self._loop.wake()
-
-    def _send(self) -> bool:
-        link = self._link
-        if link is None or not (link.messages or link.queue):
-            return False
-        link.flush()
-        return True
+        channel.waiting_bytes += size
+        link.messages.append((channel, b"".join(body)))
+        self._loop.call(link.flush)
 
     def frame(self, sort: int, number: int, body: bytes) -> None:
         """A frame came from the bridge, in the loop's thread."""

@@ -9,8 +9,8 @@ import socket
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Hashable, Sequence
+from typing import Any, TypeAlias
 
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
@@ -19,29 +19,24 @@ __all__ = ["Connection", "Listener", "Loop"]
 
 log = logging.getLogger("libgz.ros")
 
+Buffer: TypeAlias = "bytes | memoryview"
+
 READ_SIZE = 1 << 18
 SEND_AT_ONCE = 1 << 18  # bytes that are joined for one call
 MOST_CONNECTIONS = 1024
-POLL_PERIOD = 1e-3  # [s] between two looks for data to send, while there are some again and again
-POLL_TIME = 0.05  # [s] without any, after which the thread waits to be woken: that costs the waking thread a switch
+PERIOD = 1.0  # [s] between two looks for peers that do not greet
 PAUSE = 0.25  # [s] without accepting, when no descriptors are left
 GREETING_TIME = 5.0  # [s] in which a peer must say what it wants
 
 
 class Loop:
-    """Waits for sockets in its thread. `call` and `wake` may be used from any thread, all else from that one.
+    """Waits for sockets in its thread. `call` may be used from any thread, all else from that one.
 
     Args:
         name: of the thread.
-        send: sends what waits; whether there was anything.
-
-    Attributes:
-        polling: whether the thread looks for what waits by itself, so that nobody needs to wake it for that.
     """
 
-    def __init__(self, name: str, send: Callable[[], bool]) -> None:
-        self._send = send
-        self.polling = False
+    def __init__(self, name: str) -> None:
         self._selector = selectors.DefaultSelector()
         self._inside, self._outside = socket.socketpair()
         for end in (self._inside, self._outside):
@@ -61,10 +56,9 @@ class Loop:
     def call(self, function: Callable[..., object], *values: Any) -> None:
         """Have a function called in the loop's thread, soon."""
         self._calls.append((function, values))
-        self.wake()
+        self._wake()
 
-    def wake(self) -> None:
-        """Let the thread look at once at what waits for it."""
+    def _wake(self) -> None:
         if not self._woken:
             self._woken = True
             with contextlib.suppress(OSError):
@@ -74,7 +68,7 @@ class Loop:
         """End the thread, and close all connections."""
         self._ended = True
         self._woken = False
-        self.wake()
+        self._wake()
         self._thread.join(2.0)
 
     def watch(self, one: Connection | Listener, events: int) -> None:
@@ -99,7 +93,7 @@ class Loop:
         self.remove(listener)
         self._paused[listener] = time.monotonic() + PAUSE
 
-    def warn(self, cause: str, text: str, *values: object) -> None:
+    def warn(self, cause: Hashable, text: str, *values: object) -> None:
         """Log what peers do again and again at growing counts only."""
         if self.tally.due(cause):
             log.warning(f"{text}%s", *values, self.tally.times(cause))
@@ -112,9 +106,8 @@ class Loop:
             self.connections.pop(one, None)
 
     def _run(self) -> None:
-        sent = 0.0
         while not self._ended:
-            for key, events in self._selector.select(POLL_PERIOD if self.polling else 1.0):
+            for key, events in self._selector.select(PERIOD):
                 if key.data is None:
                     with contextlib.suppress(OSError):
                         self._inside.recv(4096)
@@ -127,11 +120,6 @@ class Loop:
                     function(*values)
                 except Exception:
                     log.exception("ROS: a call failed")
-            if self._send():
-                sent, self.polling = time.monotonic(), True
-            elif self.polling and time.monotonic() - sent > POLL_TIME:
-                self.polling = False
-                self.polling = self._send()  # what came just before that
             self._expire()
         for connection in list(self.connections):
             connection.close()
@@ -212,6 +200,10 @@ class Listener:
 class Connection:
     """A socket that carries frames: their length as 32 bits, little endian, then their bytes.
 
+    The loop's thread reads and writes; `send_at_once` may be used from any thread, and sends what the socket takes
+    without waiting, so that neither threads nor copies lie between a message and its socket. What is left waits in
+    `queue`, for the loop's thread.
+
     Attributes:
         peer: the other end, for messages.
         deadline: when it is closed unless it has greeted [s]; None once it has.
@@ -230,6 +222,7 @@ class Connection:
         self._received = bytearray()
         self.queue: deque[bytes] = deque()
         self._rest: memoryview | None = None
+        self._using = threading.Lock()  # of the socket for writing, and of `_rest`
         self._writing = False
         self._closing = False
 
@@ -281,14 +274,8 @@ class Connection:
         if self.closed:
             return
         try:
-            while True:
-                if self._rest is None:
-                    data = self._next()
-                    if data is None:
-                        break
-                    self._rest = memoryview(data)
-                sent = self.socket.send(self._rest)
-                self._rest = self._rest[sent:] if sent < len(self._rest) else None
+            with self._using:
+                self._drain()
         except BlockingIOError:
             self._watch(writing=True)
             return
@@ -296,8 +283,46 @@ class Connection:
             self.close(str(error))
             return
         self._watch(writing=False)
-        if self._closing:
+        if self.queue:  # what came meanwhile
+            self.loop.call(self.flush)
+        elif self._closing:
             self.close()
+
+    def _drain(self) -> None:
+        while True:
+            if self._rest is None:
+                data = self._next()
+                if data is None:
+                    return
+                self._rest = memoryview(data)
+            sent = self.socket.send(self._rest)
+            self._rest = self._rest[sent:] if sent < len(self._rest) else None
+
+    def send_at_once(self, parts: Sequence[Buffer], size: int) -> bool:
+        """Send the parts of a frame, if nothing waits before it; whether that was done.
+
+        What the socket does not take now is copied, and sent later by the loop's thread.
+
+        Args:
+            parts: of the frame; their memory may change afterwards.
+            size: of all together [byte].
+        """
+        if self.queue or self._rest is not None or not self._using.acquire(blocking=False):
+            return False
+        try:
+            if self.queue or self._rest is not None or self.closed:
+                return self.closed
+            sent = self.socket.sendmsg(parts)
+            if sent < size:
+                self._rest = memoryview(b"".join(parts))[sent:]
+                self.loop.call(self.flush)
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            self.loop.call(self.close, str(error))
+        finally:
+            self._using.release()
+        return True
 
     def _next(self) -> bytes | None:
         """The bytes for the next call: frames that wait, joined while they are small."""
@@ -328,9 +353,10 @@ class Connection:
             return
         self.closed = True
         if reason:
-            log.warning("ROS: the connection of %s is closed: %s", self.peer, reason)
+            self.loop.warn(reason, "ROS: the connection of %s is closed: %s", self.peer, reason)
         self.loop.remove(self)
-        self.socket.close()
+        with self._using:
+            self.socket.close()
         self.ended()
 
     def ended(self) -> None:

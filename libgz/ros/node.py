@@ -14,7 +14,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from libgz.base.errors import ParameterError
-from libgz.ros.loop import Listener, Loop
+from libgz.ros.loop import Buffer, Listener, Loop
 from libgz.ros.names import NodeNames
 from libgz.ros.packing import codec
 from libgz.ros.tcpros import U32, Caller, Feed, Reader
@@ -51,17 +51,14 @@ class Publisher:
         """Whether there are subscribers now."""
         return bool(self.readers)
 
-    def publish(self, body: bytes) -> None:
-        """Queue a message for all subscribers; `Node.flush` sends it."""
-        data = U32.pack(len(body)) + body
+    def publish(self, body: list[Buffer]) -> None:
+        """Send a message, given by its parts, to all subscribers; nobody waits for a slow one."""
+        size = sum(map(len, body))
+        parts = [U32.pack(size), *body]
         if self.latch:
-            self.latched = data
-        readers = self.readers
-        for reader in readers:
-            reader.push(data)
-            if not reader.waiting:
-                reader.waiting = True
-                self.node.waiting.append(reader)
+            self.latched = b"".join(parts)
+        for reader in self.readers:
+            reader.push(parts, size + U32.size)
 
     def connected(self, reader: Reader) -> None:
         """A subscriber came."""
@@ -112,7 +109,6 @@ class Node:
     Attributes:
         notify: called, in the wire's thread, when subscribers have come or gone.
         registered: how often all was registered with a master.
-        waiting: subscribers for whom messages wait.
         changed: publishers whose subscribers came or went.
     """
 
@@ -120,7 +116,6 @@ class Node:
         self.names, self.name, self.master = names, names.name, names.master
         self.notify: Callable[[], object] = _nobody
         self.registered = 0
-        self.waiting: deque[Reader] = deque()
         self.changed: deque[Publisher] = deque()
         self._publishers: dict[str, Publisher] = {}
         self._subscribers: dict[str, Subscriber] = {}
@@ -131,7 +126,7 @@ class Node:
         self._complained = False
         self._connecting = threading.BoundedSemaphore(MOST_PUBLISHERS)
         self.first_look = threading.Event()
-        self._loop = Loop("ros-wire", self._send)
+        self._loop = Loop("ros-wire")
         self._listener = Listener(self._loop, names.address, self._accept)
         methods: dict[str, Callable[..., Any]] = {
             "getBusInfo": self._bus_info,
@@ -265,20 +260,6 @@ class Node:
         """The subscribers of a topic have come or gone."""
         self.changed.append(publisher)
         self.notify()
-
-    def flush(self) -> None:
-        """See that what waits is sent, in the loop's thread."""
-        if self.waiting and not self._loop.polling:
-            self._loop.wake()
-
-    def _send(self) -> bool:
-        """Send what waits; whether there was anything."""
-        count = len(self.waiting)
-        for _ in range(count):
-            reader = self.waiting.popleft()
-            reader.waiting = False
-            reader.connection.flush()
-        return count > 0
 
     def publication(self, topic: str) -> Publisher | None:
         """The publication of a topic."""

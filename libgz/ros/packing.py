@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from operator import attrgetter
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,8 +23,13 @@ MOST_NESTED = 16  # types in types
 # Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
 Schema = Mapping[str, Sequence[tuple[Field, str | None]]]
 
-Step = Callable[[Any, bytearray], None]
-_Run = list[tuple[str | None, str]]  # (attribute, letter) of single numbers that follow each other
+LARGE = 1 << 14  # [byte] from which the memory of numbers is sent as it is, not copied into the message
+FEW = 32  # numbers that are packed without numpy
+SHORT = 256  # letters of a text whose bytes are kept
+
+Buffer: TypeAlias = "bytes | memoryview"
+Step: TypeAlias = "Callable[[Any, _Output], None]"
+_Run: TypeAlias = list[tuple[str | None, str, int | None]]  # (attribute, letter, how many) of numbers in a row
 
 
 class FormatError(GazeboError):
@@ -54,13 +59,29 @@ class Codec:
         Raises:
             ParameterError: a value does not fit into its field.
         """
-        out = bytearray(CDR_HEADER if self._cdr else b"")
+        return b"".join(self.pack_parts(message))
+
+    def pack_parts(self, message: Any) -> list[Buffer]:
+        """The bytes of a message in parts: large arrays of numbers are their own memory, which is not copied.
+
+        Raises:
+            ParameterError: a value does not fit into its field.
+        """
+        out = _Output(CDR_HEADER if self._cdr else b"")
+        out.large = []
         try:
             for step in self._steps:
                 step(message, out)
         except (struct.error, ValueError, TypeError, OverflowError, AttributeError) as error:
             raise ParameterError(f"a {self.kind.name} cannot be packed: {error}") from error
-        return bytes(out)
+        if not out.large:
+            return [bytes(out)]
+        parts: list[Buffer] = []
+        begin = 0
+        for at, memory in out.large:
+            parts += [bytes(out[begin:at]), memory]
+            begin = at
+        return [*parts, bytes(out[begin:])]
 
     def unpack(self, data: bytes) -> Any:
         """The message of some bytes.
@@ -94,12 +115,12 @@ class Codec:
             raise FormatError(f"{self.kind.name} has types in more than {MOST_NESTED} levels")
         for field, attribute in self._fields(name):
             path = None if attribute is None else prefix + attribute
-            if field.size is None and field.kind in NUMBERS:
-                run.append((path, NUMBERS[field.kind]))
+            if field.kind in NUMBERS and (field.size is None or (field.size and path is not None)):
+                run.append((path, NUMBERS[field.kind], field.size))
             elif field.size is None and field.kind in TIMES:
                 letter = "i" if self._cdr or field.kind == "duration" else "I"
-                run.append((path and f"{path}.secs", letter))
-                run.append((path and f"{path}.nsecs", "I" if self._cdr else letter))
+                run.append((path and f"{path}.secs", letter, None))
+                run.append((path and f"{path}.nsecs", "I" if self._cdr else letter, None))
             elif field.size is None and field.kind != "string" and path is not None:
                 self._collect(field.kind, f"{path}.", steps, run, depth + 1)
             else:
@@ -108,7 +129,7 @@ class Codec:
 
     def _close(self, run: _Run, steps: list[Step]) -> None:
         if run:
-            steps.append(_run([path for path, _ in run], [letter for _, letter in run], self._cdr))
+            steps.append(_run(list(run), self._cdr))
             run.clear()
 
     def _step(self, field: Field, path: str | None, depth: int) -> Step:
@@ -118,11 +139,11 @@ class Codec:
         if field.kind == "string" and field.size is None:
             return _text(get, self._cdr)
         if field.kind == "string":
-            return _several(get, [_text(lambda value: value, self._cdr)], field.size or 0, self._cdr, None)
+            return _texts(get, field.size or 0, self._cdr)
         if field.kind in TIMES:
             letter = "i" if self._cdr or field.kind == "duration" else "I"
-            letters = [letter, "I" if self._cdr else letter]
-            return _several(get, [_run(["secs", "nsecs"], letters, self._cdr)], field.size or 0, self._cdr, None)
+            time: _Run = [("secs", letter, None), ("nsecs", "I" if self._cdr else letter, None)]
+            return _several(get, [_run(time, self._cdr)], field.size or 0, self._cdr, None)
         if field.kind not in self._elements:
             self._elements[field.kind] = self._plan(field.kind, depth + 1)
         steps = self._elements[field.kind]
@@ -249,64 +270,102 @@ def _absent(field: Field) -> Any:
     return "" if field.kind == "string" and field.size is None else [] if not field.size else [0] * field.size
 
 
-def _align(out: bytearray, size: int) -> None:
+class _Output(bytearray):
+    """The bytes of a message so far.
+
+    Attributes:
+        large: where the memory of large arrays belongs, and the memory; its size is a multiple of 8, which no alignment
+            depends on.
+    """
+
+    large: list[tuple[int, memoryview]]
+
+
+def _align(out: _Output, size: int) -> None:
     """Pad the bytes of CDR to a multiple of a size, counted from the end of its header."""
     out += bytes(-(len(out) - len(CDR_HEADER)) % size)
 
 
-def _run(paths: list[str | None], letters: list[str], cdr: bool) -> Step:
-    """Packs single numbers that follow each other."""
-    given = [path for path in paths if path is not None]
-    layouts = [struct.Struct(_layout(letters, offset if cdr else None)) for offset in (range(8) if cdr else (0,))]
+def _run(run: _Run, cdr: bool) -> Step:
+    """Packs numbers that follow each other: single ones, and arrays of a known size."""
+    given = [path for path, _, _ in run if path is not None]
+    layouts = [struct.Struct(_layout(run, offset if cdr else None)) for offset in (range(8) if cdr else (0,))]
     get: Any = attrgetter(*given) if given else None
-    if len(given) != len(paths):
+    arrays = [(at, _kind(letter), size) for at, (_, letter, size) in enumerate(run) if size is not None]
 
-        def some(message: Any, out: bytearray) -> None:
-            values = get(message) if given else ()
-            known = iter(values if len(given) > 1 else (values,))
-            numbers = [next(known) if path is not None else 0 for path in paths]
-            out += layouts[(len(out) - 4) % 8 if cdr else 0].pack(*numbers)
+    def full(message: Any) -> list[Any]:
+        """The values, those of fields that the message does not have included."""
+        values = get(message) if given else ()
+        known = iter(values if len(given) > 1 else (values,))
+        return [next(known) if path is not None else 0 for path, _, _ in run]
 
-        return some
-    if len(given) == 1:
+    whole = len(given) == len(run)
+    several = whole and len(run) > 1  # then the getter returns a tuple of all
+    if whole and not arrays and len(run) == 1:
 
-        def one(message: Any, out: bytearray) -> None:
+        def one(message: Any, out: _Output) -> None:
             out += layouts[(len(out) - 4) % 8 if cdr else 0].pack(get(message))
 
         return one
-    if cdr:
+    if whole and not arrays:
 
-        def aligned(message: Any, out: bytearray) -> None:
-            out += layouts[(len(out) - 4) % 8].pack(*get(message))
+        def plain(message: Any, out: _Output) -> None:
+            out += layouts[(len(out) - 4) % 8 if cdr else 0].pack(*get(message))
 
-        return aligned
-    pack = layouts[0].pack
+        return plain
 
-    def plain(message: Any, out: bytearray) -> None:
-        out += pack(*get(message))
+    def some(message: Any, out: _Output) -> None:
+        values = list(get(message)) if several else full(message)
+        for at, kind, size in arrays:
+            raw = _raw(values[at], kind)
+            if len(raw) != size * kind.itemsize:
+                raise ParameterError(f"a field has {len(raw) // kind.itemsize} values; it must have {size}")
+            values[at] = raw
+        out += layouts[(len(out) - 4) % 8 if cdr else 0].pack(*values)
 
-    return plain
+    return some
 
 
-def _layout(letters: list[str], offset: int | None) -> str:
+def _layout(run: _Run, offset: int | None) -> str:
     """The format of numbers; with an offset, that of CDR from there on."""
     parts, at = ["<"], offset
-    for letter in letters:
+    for _, letter, count in run:
+        size = struct.calcsize(f"<{letter}")
         if at is not None:
-            size = struct.calcsize(f"<{letter}")
             parts.append("x" * (-at % size))
-            at += -at % size + size
-        parts.append(letter)
+            at += -at % size + size * (1 if count is None else count)
+        parts.append(letter if count is None else f"{count * size}s")
     return "".join(parts)
+
+
+@cache
+def _kind(letter: str) -> np.dtype[Any]:
+    return np.dtype(letter).newbyteorder("<")
+
+
+@cache
+def _few(letter: str, count: int) -> struct.Struct:
+    return struct.Struct(f"<{count}{letter}")
+
+
+def _raw(values: Any, kind: np.dtype[Any]) -> bytes | memoryview:
+    """The bytes of numbers; of a large array, its memory."""
+    if isinstance(values, bytes):
+        return values if len(values) < LARGE else memoryview(values)
+    if type(values) is list and len(values) <= FEW and kind.kind != "b":
+        return _few(kind.char, len(values)).pack(*values)
+    array = np.asarray(values, kind)
+    if array.nbytes >= LARGE and array.flags.c_contiguous:
+        return memoryview(array).cast("B")  # type: ignore[arg-type]
+    return array.tobytes()
 
 
 def _numbers(get: Callable[[Any], Any], letter: str, size: int, cdr: bool) -> Step:
     """Packs several numbers: exactly `size`, or any number after their count."""
-    kind = np.dtype(letter).newbyteorder("<")
+    kind = _kind(letter)
 
-    def numbers(message: Any, out: bytearray) -> None:
-        values = get(message)
-        raw = values if isinstance(values, bytes) else np.asarray(values, kind).tobytes()
+    def numbers(message: Any, out: _Output) -> None:
+        raw = _raw(get(message), kind)
         count = len(raw) // kind.itemsize
         if not size:
             if cdr:
@@ -316,29 +375,56 @@ def _numbers(get: Callable[[Any], Any], letter: str, size: int, cdr: bool) -> St
             raise ParameterError(f"a field has {count} values; it must have {size}")
         if cdr and count:
             _align(out, kind.itemsize)
-        out += raw
+        if isinstance(raw, memoryview) and not len(raw) % 8:
+            out.large.append((len(out), raw))
+        else:
+            out += raw
 
     return numbers
+
+
+@lru_cache(4096)
+def _encoded(text: str, cdr: bool) -> bytes:
+    """A text with its length."""
+    raw = text.encode()
+    return U32.pack(len(raw) + 1) + raw + b"\0" if cdr else U32.pack(len(raw)) + raw
 
 
 def _text(get: Callable[[Any], Any], cdr: bool) -> Step:
     """Packs a text."""
 
-    def text(message: Any, out: bytearray) -> None:
-        raw = get(message).encode()
+    def text(message: Any, out: _Output) -> None:
         if cdr:
             _align(out, 4)
-            out += U32.pack(len(raw) + 1) + raw + b"\0"
-        else:
-            out += U32.pack(len(raw)) + raw
+        value = get(message)
+        out += _encoded(value, cdr) if len(value) < SHORT else _encoded.__wrapped__(value, cdr)
 
     return text
+
+
+def _texts(get: Callable[[Any], Any], size: int, cdr: bool) -> Step:
+    """Packs several texts."""
+
+    def texts(message: Any, out: _Output) -> None:
+        values = get(message)
+        if size and len(values) != size:
+            raise ParameterError(f"a field has {len(values)} values; it must have {size}")
+        if cdr:
+            _align(out, 4)
+        if not size:
+            out += U32.pack(len(values))
+        for value in values:
+            if cdr:
+                _align(out, 4)
+            out += _encoded(value, cdr) if len(value) < SHORT else _encoded.__wrapped__(value, cdr)
+
+    return texts
 
 
 def _several(get: Callable[[Any], Any], steps: list[Step], size: int, cdr: bool, width: int | None) -> Step:
     """Packs several values; `width` is the number of float64 numbers in each, if it has nothing else."""
 
-    def several(message: Any, out: bytearray) -> None:
+    def several(message: Any, out: _Output) -> None:
         values = get(message)
         if size and len(values) != size:
             raise ParameterError(f"a field has {len(values)} values; it must have {size}")
@@ -359,7 +445,7 @@ def _several(get: Callable[[Any], Any], steps: list[Step], size: int, cdr: bool,
     return several
 
 
-def _all(steps: list[Step], value: Any, out: bytearray) -> None:
+def _all(steps: list[Step], value: Any, out: _Output) -> None:
     for step in steps:
         step(value, out)
 

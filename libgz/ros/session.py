@@ -93,12 +93,12 @@ class Publication:
         return bool(self._publisher.subscribed)
 
     def publish(self, message: Any) -> None:
-        """Send a message. Its bytes are made now; they leave after the step, in another thread."""
+        """Send a message. Its bytes leave now, or in another thread where a subscriber is slow."""
         if self._stamped:
             message.header.seq = self._number
         self._number += 1
         if self._publisher.listened:
-            self._publisher.publish(self._publisher.codec.pack(message))
+            self._publisher.publish(self._publisher.codec.pack_parts(message))
 
 
 class Subscription:
@@ -328,7 +328,7 @@ class Session(Closing):
         return bool(self.node.changed or self.waiting or self.requests or self.later)
 
     def deliver(self) -> None:
-        """Deliver what came, and send what waits; in the thread of the world."""
+        """Deliver what came; in the thread of the world."""
         for _ in range(len(self.node.changed)):
             for publication in list(self.watchers.get(self.node.changed.popleft(), ())):
                 publication.changed()
@@ -339,7 +339,6 @@ class Session(Closing):
             service.handle(body, answer)
         if self.later:
             self._answer_later()
-        self.node.flush()
 
     def _answer_later(self) -> None:
         now = time.monotonic()

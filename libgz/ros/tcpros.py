@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 import socket
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.base.errors import GazeboError
-from libgz.ros.loop import Connection, Loop
+from libgz.ros.loop import Buffer, Connection, Loop
 
 if TYPE_CHECKING:
     from libgz.ros.types import MessageType, ServiceType
@@ -126,7 +126,7 @@ class Caller(Connection):
             self._open_topic(fields)
 
     def _refuse(self, text: str) -> None:
-        log.warning("ROS: %s is refused: %s", self.peer, text)
+        self.loop.warn(text, "ROS: %s is refused: %s", self.peer, text)
         self.queue.append(encode_header({"error": text}))
         self.finish()
 
@@ -141,7 +141,6 @@ class Caller(Connection):
             given = f"{fields.get('type')} [{fields.get('md5sum')}]"[:200]
             self._refuse(f"topic {topic} has type {kind.name} [{kind.md5}], not {given}")
             return
-        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, WAITING)
         answer = {
             "callerid": self._node.name,
             "latching": str(int(sink.latch)),
@@ -207,27 +206,28 @@ class Caller(Connection):
 
 
 class Reader:
-    """A subscriber: messages wait here until the loop's thread sends them. Of those too many, the oldest are dropped.
+    """A subscriber: messages that its socket does not take wait here. Of those too many, the oldest are dropped.
 
     Attributes:
         dropped: how many were dropped.
-        waiting: whether the loop's thread will look at it.
     """
 
     def __init__(self, connection: Caller, sink: Sink) -> None:
         self.connection, self.sink = connection, sink
         self.dropped = 0
-        self.waiting = False
         self._most = max(sink.queue, LEAST_QUEUE)
         self._queue = connection.queue
 
-    def push(self, data: bytes) -> None:
-        """Queue a message; from any one thread. The loop has to be woken afterwards."""
+    def push(self, parts: Sequence[Buffer], size: int) -> None:
+        """Send a message of some parts, or queue it; from any one thread."""
+        if self.connection.send_at_once(parts, size):
+            return
         queue = self._queue
-        queue.append(data)
+        queue.append(b"".join(parts))
+        self.connection.loop.call(self.connection.flush)
         most = self._most
-        if len(data) * most > WAITING:
-            most = max(self.sink.queue, WAITING // len(data), 2)
+        if size * most > WAITING:
+            most = max(self.sink.queue, WAITING // size, 2)
         while len(queue) > most:
             try:
                 queue.popleft()
@@ -235,7 +235,8 @@ class Reader:
                 break
             self.dropped += 1
             if self.dropped == 1:
-                log.warning("ROS: %s reads %s too slowly; messages are dropped", self.connection.peer, self.sink.topic)
+                text = "ROS: %s reads %s too slowly; messages are dropped"
+                self.connection.loop.warn(("slow", self.sink.topic), text, self.connection.peer, self.sink.topic)
 
 
 class Feed(Connection):

@@ -108,7 +108,7 @@ class RosWorld(Stateless):
             self._services.apply(now)
 
     def step(self, paused: bool) -> None:
-        """Deliver what came during the step, and send what it made."""
+        """Publish what devices have measured, and deliver what has come."""
         self._devices.step()
         self._session.deliver()
 
@@ -119,7 +119,6 @@ class RosWorld(Stateless):
 
     def close(self) -> None:
         """The world ends: so do its topics and services."""
-        self._session.node.flush()
         if self._core.lock.interrupt in self._session.interrupts:
             self._session.interrupts.remove(self._core.lock.interrupt)
         self._states, self._services = [], None

@@ -6,6 +6,8 @@ import contextlib
 import http.client
 import http.server
 import logging
+import math
+import operator
 import socket
 import threading
 import time
@@ -27,6 +29,8 @@ MOST_ANSWER = 1 << 24  # bytes; a robot description is the longest
 MOST_REQUEST = 1 << 20
 MOST_THREADS = 32
 PATIENCE = 5.0  # [s]
+QUICK = 0.3  # [s] that a request takes at most; a slower one makes room for others that wait
+WAITING = 2.0  # [s] that a request waits for one of the threads
 PAUSE = 0.25  # [s] when no descriptors are left
 
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError, LookupError)
@@ -107,7 +111,7 @@ class Server:
 class _HttpServer(http.server.ThreadingHTTPServer):
     daemon_threads = True
     block_on_close = False
-    request_queue_size = 64
+    request_queue_size = 128  # a node that subscribes to all topics asks for all of them at the same time
     functions: Mapping[str, Callable[..., Any]]
 
     def __init__(self, *values: Any) -> None:
@@ -137,20 +141,23 @@ class _HttpServer(http.server.ThreadingHTTPServer):
         return not refused
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        """Serve a connection, unless there are too many."""
-        if self._free.acquire(blocking=False):
-            self._since[request] = time.monotonic()
-            super().process_request(request, client_address)
-            return
-        text = "ROS: %d requests are under way; one of %s is refused"
-        self.warn("many", text, MOST_THREADS, client_address[0])
-        self.shutdown_request(request)
-        self._close_slow()
+        """Serve a connection as soon as one of the threads is free."""
+        end = time.monotonic() + WAITING
+        while not self._free.acquire(timeout=QUICK):
+            self._close_slowest()
+            if time.monotonic() > end:
+                text = "ROS: %d requests are under way; one of %s is refused"
+                self.warn("many", text, MOST_THREADS, client_address[0])
+                self.shutdown_request(request)
+                return
+        self._since[request] = time.monotonic()
+        super().process_request(request, client_address)
 
-    def _close_slow(self) -> None:
-        """Close the requests that come byte by byte, for others that wait."""
-        latest = time.monotonic() - PATIENCE
-        for request in [request for request, since in list(self._since.items()) if since < latest]:
+    def _close_slowest(self) -> None:
+        """Close the request that has taken longest, such as one that comes byte by byte: others wait."""
+        request, since = min(list(self._since.items()), key=operator.itemgetter(1), default=(None, math.inf))
+        if request is not None and since < time.monotonic() - QUICK:
+            self._since.pop(request, None)
             with contextlib.suppress(OSError):
                 request.shutdown(socket.SHUT_RDWR)
 
@@ -192,6 +199,7 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         self.send_response(http.HTTPStatus.OK)
         self.send_header("Content-Type", "text/xml")
         self.send_header("Content-Length", str(len(answer)))
+        self.send_header("Connection", "close")  # a kept connection would keep its thread
         self.end_headers()
         self.wfile.write(answer)
         self.wfile.flush()

@@ -189,7 +189,7 @@ def test_a_slow_bridge_costs_no_memory(start, graph, caplog):
     with graph._lock:  # the graph answers nothing; and what it reads waits in its thread
         graph.socket.settimeout(None)
         for _ in range(bridged.MOST_WAITING + 100):
-            channel.publish(bytes(1 << 16))
+            channel.publish([bytes(1 << 16)])
     assert channel.waiting_bytes <= bridged.MOST_BYTES + (1 << 16)
     assert "too slow for /clock" in caplog.text
 

@@ -122,8 +122,9 @@ class RosCamera(RosSensor):
         camera = self.camera
         encoding, size = ENCODINGS.get(camera.ImageFormat(), ("rgb8", 3))
         width, height = camera.ImageWidth(), camera.ImageHeight()
+        data = camera.pixels.reshape(-1) if encoding == "rgb8" else camera.ImageData()
         found: Any = message_type("sensor_msgs/Image")(
-            width=width, height=height, encoding=encoding, step=size * width, data=camera.ImageData()
+            width=width, height=height, encoding=encoding, step=size * width, data=data
         )
         self.stamp(found)
         found.header.frame_id = self.frame_name

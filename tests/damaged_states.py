@@ -57,7 +57,10 @@ def opened(value: Any) -> Any:
 def damage(rng: random.Random, data: bytes) -> tuple[bytes, str]:
     """A state with something wrong in it, and what that is."""
     tree = opened(data)
-    holder, i = rng.choice(list(tree.places()))
+    places = list(tree.places()) if isinstance(tree, Opened) else []
+    if not places:
+        return data, "nothing"
+    holder, i = rng.choice(places)
     value = holder.items[i]
     if isinstance(value, Opened) and value.items and rng.random() < 0.7:
         items, at = value.items, rng.randrange(len(value.items))

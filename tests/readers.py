@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import re
+import struct
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -75,6 +76,7 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
 }
 ASSETS = tuple(ASSET_WORLDS)
 SAVED = ("state", "mcap")  # what libgz itself wrote while a world ran
+MAGIC, CHUNK, DATA_END = b"\x89MCAP0\r\n", 0x06, 0x0F  # of an MCAP file
 KINDS = ("legacy", "sdf", "xacro", *ASSETS, *SAVED)
 TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl")
 WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
@@ -89,7 +91,7 @@ def seeds(kind: str) -> list[bytes]:
         files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
         return [path.read_bytes() for path in files]
     if kind in SAVED:
-        return [_log()] if kind == "mcap" else [_world(path).get_state() for path in STATE_WORLDS]
+        return [_log(), uncompressed(_log())] if kind == "mcap" else [_world(path).get_state() for path in STATE_WORLDS]
     if kind == "xacro":
         return [(ROOT / "tests" / "data" / "urdf" / "features.xacro").read_bytes()]
     return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
@@ -171,6 +173,25 @@ def _log() -> bytes:
                 world.Step()
                 log.take()
         return path.read_bytes()
+
+
+def uncompressed(log: bytes) -> bytes:
+    """A log whose chunks are neither compressed nor have check sums, without a summary: its content can be mutated."""
+    import zstandard
+
+    found, at = bytearray(MAGIC), len(MAGIC)
+    while at < len(log) - len(MAGIC):
+        opcode, size = struct.unpack_from("<BQ", log, at)
+        content = log[at + 9 : at + 9 + size]
+        if opcode == DATA_END:
+            break
+        if opcode == CHUNK:
+            begin = 28 + 4 + len("zstd") + 8
+            data = zstandard.ZstdDecompressor().decompress(content[begin:])
+            content = content[:24] + struct.pack("<IIQ", 0, 0, len(data)) + data
+        found += struct.pack("<BQ", opcode, len(content)) + content
+        at += 9 + size
+    return bytes(found)
 
 
 def _read_log(path: Path) -> None:

@@ -54,6 +54,7 @@ FORMAT = "1"  # of the log
 LARGE, BEGINNING = 512, 256  # [byte]
 LARGEST_FILE = 64 << 20  # [byte] of textures and skins that are kept in the log
 PIPE_SIZE = 1 << 20  # [byte]
+LATEST = 2**63 - 1  # [ns] of a record
 SEND_PERIOD = 0.01  # [s] between two calls of the system, each of which wakes the writer
 SEND_SIZE = PIPE_SIZE // 2  # [byte] that are sent at once
 PATIENCE = 60.0  # [s] for the writer to finish
@@ -196,7 +197,7 @@ class Capture(Closing):
             before = b""
             if self._frames:
                 before, self._frames = b"".join(self._frames), []
-            log_time, sim_time = round(self._time * 1e9), round(world.clock.sim_time * 1e9)
+            log_time, sim_time = (min(round(time * 1e9), LATEST) for time in (self._time, world.clock.sim_time))
             waiting = self._changes.record(log_time, max(sim_time, 0), first, before, after)
         now = time.monotonic()
         if now - self._sent >= SEND_PERIOD or waiting > SEND_SIZE:

@@ -25,6 +25,7 @@ __all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite
 
 log = logging.getLogger("libgz.ros")
 
+LATEST = 2.0**31 - 1.0  # [s] of a stamp
 MOST_REQUESTS = 256  # that may wait for the step
 
 _sessions: list[Session] = []
@@ -359,8 +360,8 @@ class Session(Closing):
 
 
 def set_stamp(stamp: Stamp, seconds: float) -> None:
-    """Set a time [s], to the nanosecond."""
-    total = round(seconds * 1e9)
+    """Set a time [s], to the nanosecond, or the latest one that stamps can hold."""
+    total = round(min(seconds, LATEST) * 1e9)
     stamp.secs, stamp.nsecs = divmod(total, 1_000_000_000)
 
 

@@ -21,6 +21,8 @@ from libgz.classic.msgs.message import Message
 
 __all__ = ["Convert", "ConvertIgn", "CreateRequest", "Init", "Set", "Stamp"]
 
+_LATEST = 2**31 - 1  # [s] that msgs.Time can hold
+
 # Request numbers start at a random one, so that two programs do not accept each other's responses.
 _request_ids = itertools.count(random.SystemRandom().randrange(1, 1 << 30))
 
@@ -132,9 +134,10 @@ def _set_color(msg: Any, value: Any) -> None:
 
 def _set_time(msg: Any, value: Any) -> None:
     if isinstance(value, (int, float)):
-        msg.sec, msg.nsec = divmod(round(value * 1e9), 1_000_000_000)
+        seconds, msg.nsec = divmod(round(value * 1e9), 1_000_000_000)
     else:
-        msg.sec, msg.nsec = value.sec, value.nsec
+        seconds, msg.nsec = value.sec, value.nsec
+    msg.sec = max(-_LATEST, min(_LATEST, seconds))  # sim time is beyond that where a client sets steps of 1e9 s
 
 
 def _set_plane(msg: Any, value: Any) -> None:

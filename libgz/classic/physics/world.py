@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Joint", "Link", "Model", "World"]
 
+_LATEST = 2.0**31 - 1.0  # [s]
+
 NO_HIT = 1000.0  # [m] the range of rays that look for the entity below, and their distance without a hit
 
 
@@ -90,8 +92,8 @@ class World(Base):
     # Time --------------------------------------------------------------------------------------------------------
 
     def SimTime(self) -> Time:
-        """The sim time, pauses excluded."""
-        return Time(self.core.GetSimTime())
+        """The sim time, pauses excluded; within +-2^31 s, as a Time of Gazebo."""
+        return Time(max(-_LATEST, min(_LATEST, self.core.GetSimTime())))
 
     GetSimTime = SimTime
 

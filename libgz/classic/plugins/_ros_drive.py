@@ -81,6 +81,6 @@ class RosDrive(PositionDrive):
         super().exchange(now)
         x, y, yaw = self.odometry
         message = msgs.PoseStamped()
-        message.time.sec, message.time.nsec = int(now), round(now % 1.0 * 1e9)
+        msgs.Set(message.time, now)
         msgs.Set(message.pose, Pose3d(x, y, 0.0, 0.0, 0.0, yaw))
         self.publisher.Publish(message)

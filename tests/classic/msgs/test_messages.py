@@ -339,6 +339,13 @@ def test_set_and_convert():
         msgs.ConvertIgn(msgs.Model())
 
 
+def test_times_that_a_message_cannot_hold_are_the_latest():
+    for value in (152e9, Time(152_000_000_000, 5)):
+        message = msgs.Time()
+        msgs.Set(message, value)
+        assert message.sec == 2**31 - 1
+
+
 def test_stamps_and_requests():
     header = msgs.Header()
     msgs.Stamp(header)

@@ -25,7 +25,9 @@ from pathlib import Path
 
 import aiohttp
 import numpy as np
+import page_attacks
 from laser_robots import ratio_text
+from page_attacks import ATTACKS
 from PIL import Image
 
 import libgz
@@ -234,44 +236,6 @@ def pages():
 
 # Attacks -------------------------------------------------------------------------------------------------------------
 
-ATTACKER = r"""
-import os, socket, sys, time
-port, kind = int(sys.argv[1]), sys.argv[2]
-greeting = (f"GET /socket HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-            "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n").encode()
-def frame(payload, length=None):
-    return b"\x81\xff" + (length or len(payload)).to_bytes(8, "big") + bytes(4) + payload
-data = {
-    "silent": b"", "half": b"GET / HTTP/1.1\r\nHost: 127", "garbage": os.urandom(65536), "lazy": greeting,
-    "giant": greeting + frame(b"x" * 65536, 1 << 62),
-    "flood": greeting + frame(b'{"ask": "describe", "number": 1, "content": {"name": "robot1"}}') * 2000,
-    "deep": greeting + frame(b'{"ask":' + b"[" * 100000),
-}[kind]
-opened = []
-while True:
-    one = socket.socket()
-    one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    one.settimeout(0.2)
-    try:
-        one.connect(("127.0.0.1", port))
-        one.sendall(data)
-        opened.append(one)
-    except OSError:
-        one.close()
-    if len(opened) > 250:
-        opened.pop(0).close()
-    time.sleep(0.005)
-"""
-ATTACKS = {
-    "silent": "connections that send nothing",
-    "half": "connections that send half a request",
-    "garbage": "connections that send garbage",
-    "lazy": "pages that read nothing",
-    "giant": "pages that announce frames of 4 EB",
-    "flood": "pages that ask without an end",
-    "deep": "pages that nest messages",
-}
-
 
 def attacks():
     """Measure what a page gets, and what the viewer takes, under each attack."""
@@ -299,8 +263,8 @@ async def _attacked(server, viewer, page, observer):
     receiving = asyncio.create_task(page.receive())
     await asyncio.sleep(4.0)
     port = page.url.split("/")[2].rpartition(":")[2]
-    for kind, what in {"": "no attack", **ATTACKS}.items():
-        attacker = subprocess.Popen([sys.executable, "-c", ATTACKER, port, kind]) if kind else None
+    for kind, (what, _) in {"": ("no attack", []), **ATTACKS}.items():
+        attacker = subprocess.Popen([sys.executable, page_attacks.__file__, port, kind]) if kind else None
         await asyncio.sleep(1.0)
         step, share, frames = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
         if attacker is not None:

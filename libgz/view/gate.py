@@ -9,7 +9,7 @@ import ipaddress
 import re
 import secrets
 from pathlib import Path
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, urlencode, urlsplit
 
 from aiohttp import web
 
@@ -116,10 +116,12 @@ class Gate:
         """The response to a request that is not refused and opens no socket. It may take as long as reading a mesh."""
         if request.method not in ("GET", "HEAD"):
             return _response(405, "only GET is answered here")
-        given = parse_qs(request.query_string).get("token", [""])[0]
+        options = parse_qs(request.query_string)
+        given = options.pop("token", [""])[0]
         if request.path == "/" and given:
             where = f"/{self.token}/" if self._right(given) else "/"
-            return _response(302, "", {"Location": where})
+            rest = urlencode(options, doseq=True)
+            return _response(302, "", {"Location": f"{where}?{rest}" if rest else where})
         path = self.local_path(request)
         if path == "/":
             host = request.headers.get("Host", "")

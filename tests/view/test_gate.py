@@ -101,6 +101,7 @@ def test_the_token_is_in_the_address_and_nowhere_else(viewer):
     token = token_of(viewer)
     assert get(viewer, f"/?token={token}")[1]["Location"] == f"/{token}/"
     assert get(viewer, "/?token=wrong")[1]["Location"] == "/"
+    assert get(viewer, f"/?token={token}&quality=best")[1]["Location"] == f"/{token}/?quality=best"
     for path in ("/", f"/{token}/"):
         status, headers, body = get(viewer, path)
         assert status == 200

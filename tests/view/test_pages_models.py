@@ -49,7 +49,7 @@ def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tm
         line.get_by_role("button", name="Record 60 s").click()
         button(page, "Insert").click()
         page.get_by_label("Search models").fill("shrimp")
-        page.get_by_role("option", name="Shrimp").click()
+        page.get_by_role("option", name="Shrimp", exact=True).click()
         wait_for(lambda: "shrimp1" in ids(observer), "the insertion")
         begin = observer.state().sim_time
         wait_for(lambda: observer.state().sim_time > begin + 1.0, "a second")
@@ -189,6 +189,55 @@ def test_fields_of_interfaces_are_plotted_and_warnings_listed(chromium, tmp_path
         page.keyboard.down("w")
         until(page, "(workplace => workplace.plots.plots[0].curves[0].values.at(-1) > 0.1)(libgz.workplace)")
         page.keyboard.up("w")
+        assert not page.errors
+        page.close()
+
+
+CLOCK = """from libgz.classic import plugin
+class Clock(plugin.WorldPlugin):
+    turns = 0
+    def Load(self, world, sdf):
+        self.turns = 12.5
+plugin.GZ_REGISTER_WORLD_PLUGIN(Clock)
+"""
+DROP = """([name, text]) => {
+    const data = new DataTransfer();
+    data.items.add(new File([text], name));
+    const what = { dataTransfer: data, bubbles: true, cancelable: true, clientX: 640, clientY: 300 };
+    document.querySelector("#view-area").dispatchEvent(new DragEvent("drop", what));
+}"""
+CORNERS = "v 0 0 0\nv 0.4 0 0\nv 0 0.4 0\nv 0 0 0.4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"  # of a tetrahedron [m]
+
+
+def test_the_catalogue_shows_models_and_takes_meshes_and_numbers_of_plugins_are_plotted(
+    chromium, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "clock.py").write_text(CLOCK)
+    file, server_id = tmp_path / "arm.world", new_id()
+    file.write_text(ARM.replace("</world>", f"<plugin name='clock' filename='{tmp_path}/libclock.so'/></world>"))
+    with served("-s", server_id, "-d", 0, file) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
+        page = opened(chromium, url, (1280, 800))
+        page.evaluate(DROP, ["My part.obj", CORNERS])
+        wait_for(lambda: "mesh_my_part" in ids(observer), "the mesh is inserted")
+        until(page, "libgz.store.entities.get(libgz.store.selection?.entity)?.id === 'mesh_my_part'")
+        button(page, "Undo").click()
+        wait_for(lambda: "mesh_my_part" not in ids(observer), "it is gone")
+        button(page, "Insert").click()
+        page.get_by_label("Search models").fill("mesh my")
+        card = page.get_by_role("option", name="mesh_my_part")
+        card.locator(".card-portrait.shown").wait_for()  # with its image
+        assert card.locator("img").evaluate("(image) => image.naturalWidth") == 256
+        assert page.get_by_role("option").count() == 1
+        card.click()
+        wait_for(lambda: "mesh_my_part" in ids(observer), "the model of the catalogue is inserted")
+
+        page.evaluate("libgz.store.select(null)")
+        page.locator("[data-section='plugin clock'] [data-series]").drag_to(page.locator(".plots-panel"))
+        until(page, "libgz.workplace.plots.plots[0]?.curves[0].values.at(-1) === 12.5")
+        page.locator("[data-section='topic /gazebo/default/world_stats'] > summary").click()
+        button(page, "Plot /gazebo/default/world_stats iterations").click()
+        until(page, "libgz.workplace.plots.plots[0].curves[1]?.values.at(-1) > 0")
         assert not page.errors
         page.close()
 

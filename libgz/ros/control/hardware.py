@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
@@ -31,6 +31,34 @@ def shortest_angle(begin: float, end: float) -> float:
     return math.remainder(end - begin, 2.0 * math.pi)
 
 
+class SoftLimits(NamedTuple):
+    """A `<safety_controller>`: the velocity becomes smaller towards two positions inside the limits.
+
+    The formulas are those of joint_limits_interface.
+
+    Attributes:
+        lower, upper: where the velocity towards the limits has become zero [rad] or [m].
+        k_position: allowed velocity per distance [1/s].
+        k_velocity: allowed effort per velocity [N m s/rad] or [N s/m].
+    """
+
+    lower: float
+    upper: float
+    k_position: float
+    k_velocity: float
+
+    def velocities(self, position: float, most: float) -> tuple[float, float]:
+        """The least and the largest velocity at a position, within a limit."""
+        low, high = (_within(-self.k_position * (position - end), -most, most) for end in (self.lower, self.upper))
+        return low, high
+
+    def efforts(self, position: float, velocity: float, most_velocity: float, most: float) -> tuple[float, float]:
+        """The least and the largest effort at a position and a velocity, within a limit."""
+        band = self.velocities(position, most_velocity)
+        low, high = (_within(-self.k_velocity * (velocity - end), -most, most) for end in band)
+        return low, high
+
+
 class SimJoint:
     """A joint that a transmission drives.
 
@@ -50,6 +78,7 @@ class SimJoint:
             self.lower, self.upper = _number(limit, "lower", -math.inf), _number(limit, "upper", math.inf)
         self.most_effort = _number(limit, "effort", math.inf) if limit is not None else math.inf
         self.most_velocity = _number(limit, "velocity", math.inf) if limit is not None else math.inf
+        self.soft = _soft_limits(described) if math.isfinite(self.lower) else None
         self.position, self.velocity, self.effort = joint.Position(0), 0.0, 0.0
         self.command: float | None = None
         self._wanted: float | None = None  # position of the last step, where the velocity is limited
@@ -87,27 +116,36 @@ class SimJoint:
         elif self.interface == POSITION:
             self._move(max(self.lower, min(self.upper, command)), elapsed)
         else:
-            command = max(-self.most_velocity, min(self.most_velocity, command))
+            command = _within(command, *self._velocities(self.position))
             if self._pid is None:
                 self.joint.SetParam("vel", 0, command)
             else:
                 self.joint.SetForce(0, self._effort(self._pid.command(command - self.velocity, elapsed)))
 
+    def _velocities(self, position: float) -> tuple[float, float]:
+        """The least and the largest velocity at a position."""
+        if self.soft is not None:
+            return self.soft.velocities(position, self.most_velocity)
+        return -self.most_velocity, self.most_velocity
+
     def _effort(self, effort: float) -> float:
-        """An effort within its limit, that does not push beyond a limit of the position."""
+        """An effort within its limit, that pushes beyond no limit of position or velocity."""
         least, most = -self.most_effort, self.most_effort
-        if self.position < self.lower:
+        if self.soft is not None and self.interface == EFFORT:
+            return _within(effort, *self.soft.efforts(self.position, self.velocity, self.most_velocity, most))
+        if self.position < self.lower or self.velocity < -self.most_velocity:
             least = 0.0
-        elif self.position > self.upper:
+        if self.position > self.upper or self.velocity > self.most_velocity:
             most = 0.0
-        return max(least, min(most, effort))
+        return _within(effort, least, most)
 
     def _move(self, wanted: float, elapsed: float) -> None:
         """Set the position, or move to it by the PID gains."""
-        if math.isfinite(self.most_velocity):
+        if math.isfinite(self.most_velocity) or self.soft is not None:
             before = self.position if self._wanted is None else self._wanted
-            way = self.most_velocity * elapsed
-            wanted = max(before - way, min(before + way, wanted))
+            slowest, fastest = self._velocities(before)
+            wanted = _within(wanted, before + slowest * elapsed, before + fastest * elapsed)
+            wanted = _within(wanted, self.lower, self.upper)
         self._wanted = wanted
         if self._pid is None:
             self.joint.SetPosition(0, wanted, True)
@@ -183,6 +221,20 @@ def _driven(transmission: etree._Element) -> tuple[str, str] | None:
 def _pid(gains: Any, name: str, where: str) -> RosPid | None:
     found = gains.get(name) if isinstance(gains, Mapping) else None
     return RosPid(found, where) if isinstance(found, Mapping) else None
+
+
+def _soft_limits(described: etree._Element | None) -> SoftLimits | None:
+    """The `<safety_controller>` of a joint; None if it has none."""
+    found = described.find("safety_controller") if described is not None else None
+    if found is None:
+        return None
+    names = ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity")
+    return SoftLimits(*(_number(found, name, 0.0) for name in names))
+
+
+def _within(value: float, low: float, high: float) -> float:
+    """A value within two bounds; where they cross, the upper one, as the original has it."""
+    return min(max(value, low), high)
 
 
 def _number(element: etree._Element, key: str, default: float) -> float:

@@ -6,6 +6,7 @@ import sys
 import time
 
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 PATIENCE = 30.0  # [s]
@@ -38,12 +39,14 @@ def fill(message, values):
 class Tester:
     def __init__(self):
         self.node = rclpy.create_node("tester")
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(self.node)
         self.heard, self.subscriptions = {}, {}
 
     def spin(self, condition, patience=PATIENCE):
         end = time.monotonic() + patience
         while not condition() and time.monotonic() < end:
-            rclpy.spin_once(self.node, timeout_sec=0.05)
+            self.executor.spin_once(timeout_sec=0.05)
         return bool(condition())
 
     def listen(self, topic, kind, depth=10, best_effort=False, latched=False):

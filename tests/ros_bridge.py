@@ -79,6 +79,10 @@ class FakeGraph:
         if sort == DECLARE:
             about = json.loads(body)
             package, kind, name = about["type"].split("/")
+            if kind == "action":  # a part of one, such as Name.Impl.SendGoalService
+                owner, _, part = name.split(".")
+                name = f"{owner}_{part.removesuffix('Service')}"
+                kind = "srv" if part.endswith("Service") else "msg"
             self.declared[about["name"]] = {**about, "number": number}
             if package in self.refused:
                 self.send(REFUSED, number, f"ModuleNotFoundError: No module named '{package}'".encode())

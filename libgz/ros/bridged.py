@@ -34,7 +34,8 @@ MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
 MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # of one publisher that may wait for the bridge
 START_PATIENCE, END_PATIENCE = 60.0, 3.0  # [s]
 FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again
-ROOT = ("/", "gazebo")  # the node of all that belongs to no plugin
+# Parts of actions, by the ends of their types' names.
+PARTS = {"FeedbackMessage": "FeedbackMessage", "GetResult": "GetResultService", "SendGoal": "SendGoalService"}
 
 
 class NodeSettings(NamedTuple):
@@ -101,6 +102,7 @@ class BridgedNode:
         self.process: subprocess.Popen[bytes] | None = None
         self._channels: dict[int, Channel] = {}
         self._last = 0
+        self._lacking: set[str] = set()
         self._link: _Link | None = None
         self._ended = False
         self._greeted = threading.Event()
@@ -244,9 +246,11 @@ class BridgedNode:
         queue: int = 10,
         settings: NodeSettings | None = None,
         plain: str = "",
+        **qos: Any,
     ) -> Channel:
         """Subscribe to a topic: `received` gets the bytes of each message, in the loop's thread."""
-        return self._open_channel("subscribe", topic, kind, settings, plain, {"depth": queue}, receive=received)
+        given = {"depth": queue, **qos}
+        return self._open_channel("subscribe", topic, kind, settings, plain, given, receive=received)
 
     def serve(
         self,
@@ -293,6 +297,10 @@ class BridgedNode:
     def unsubscribe(self, channel: Channel, _received: Callable[[bytes], Any]) -> None:
         """End what `subscribe` began."""
         self.withdraw(channel)
+
+    def lacks(self, package: str) -> bool:
+        """Whether the bridge has said that it has no package of this name."""
+        return package in self._lacking
 
     def served(self, name: str) -> bool:
         """Whether a service of a name is served."""
@@ -360,6 +368,7 @@ class BridgedNode:
         elif sort == REFUSED:
             package, text = channel.about["type"].partition("/")[0], body.decode("utf-8", "replace")
             if text.startswith("ModuleNotFoundError"):
+                self._lacking.add(package)
                 self._loop.warn(
                     package, "ROS 2: there is no package %s: topics and services of its types are left out", package
                 )
@@ -456,6 +465,9 @@ def environment() -> dict[str, str]:
 def _full_name(kind: MessageType | ServiceType) -> str:
     """The name of a type in ROS 2, such as sensor_msgs/msg/Image."""
     package, _, name = kind.name.partition("/")
+    owner, _, part = name.rpartition("_")
+    if part in PARTS:
+        return f"{package}/action/{owner}.Impl.{PARTS[part]}"
     return f"{package}/{'msg' if isinstance(kind, MessageType) else 'srv'}/{name}"
 
 

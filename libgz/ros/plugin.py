@@ -100,7 +100,7 @@ class RosPlugin:
         ros: the session.
         space: the namespace.
         two: whether it is ROS 2.
-        node: in ROS 2, the plugin's node.
+        own_node: in ROS 2, the plugin's node.
     """
 
     parameters: ClassVar[tuple[Parameter, ...]] = ()
@@ -111,7 +111,7 @@ class RosPlugin:
     given: Any
     space: str
     two: bool
-    node: OwnNode
+    own_node: OwnNode
     _prefix: str | None
 
     def open(self, sdf: Element, model: str) -> None:
@@ -132,8 +132,8 @@ class RosPlugin:
         self.given = SimpleNamespace(**{one.name: _value(sdf, one, self.ros.version) for one in self.parameters})
         if self.two:
             space = sdf.Get(str, "robotNamespace", "")[0].strip() or self.ros.names.namespace
-            self.node = OwnNode(plugin, space)
-            self.space, self._prefix = self.node.settings.space, None
+            self.own_node = OwnNode(plugin, space)
+            self.space, self._prefix = self.own_node.settings.space, None
             return
         space = sdf.Get(str, "robotNamespace", "")[0].strip()
         if not sdf.HasElement("robotNamespace"):
@@ -154,7 +154,7 @@ class RosPlugin:
     ) -> Publication:
         """Publish a topic; `within` is a namespace inside that of the robot."""
         if self.two:
-            full, more = self.node.resolve(topic, within)
+            full, more = self.own_node.resolve(topic, within)
             return self.ros.publish(full, kind, queue, latch, "", changed, **more)
         return self.ros.publish(self._name(topic), kind, queue, latch, self._space(within), changed)
 
@@ -163,14 +163,14 @@ class RosPlugin:
     ) -> Subscription:
         """Subscribe to a topic."""
         if self.two:
-            full, more = self.node.resolve(topic, within)
+            full, more = self.own_node.resolve(topic, within)
             return self.ros.subscribe(full, kind, callback, queue, **more)
         return self.ros.subscribe(self._name(topic), kind, callback, queue, self._space(within))
 
     def serve(self, name: str, kind: str, handler: Callable[[Any], Any], within: str = "") -> Service:
         """Serve a service."""
         if self.two:
-            full, more = self.node.resolve(name, within)
+            full, more = self.own_node.resolve(name, within)
             return self.ros.serve(full, kind, handler, settings=more["settings"])
         return self.ros.serve(self._name(name), kind, handler, self._space(within))
 

@@ -36,7 +36,9 @@ class Server:
 
     def topic(self, name):
         """The next message of a topic."""
-        kind = message_type(wait_for(lambda: self.graph.declared.get(name))["type"].replace("/msg/", "/"), 2)
+        kind = message_type(
+            wait_for(lambda: self.graph.declared.get(name), self.core.Step)["type"].replace("/msg/", "/"), 2
+        )
         self.graph.listen(name)
         self.graph.received[name].clear()
         body = wait_for(lambda: self.graph.received[name], self.core.Step)[0]
@@ -251,3 +253,89 @@ def test_plugins_have_nodes_names_and_qualities_of_ros2(start, graph):
     assert server.topic("/tf").transforms[0].child_frame_id == "base_footprint"
     assert server.call("/switch", "std_srvs/SetBool", data=True).success
     assert server.call("/demo/get_entity_state", "gazebo_msgs/GetEntityState", name="robot").success
+
+
+ARM = """<sdf version='1.6'><world name='default'><gravity>0 0 0</gravity><model name='arm'>
+  <link name='base'/><link name='tip'><inertial><mass>1</mass></inertial></link>
+  <joint name='fix' type='fixed'><parent>world</parent><child>base</child></joint>
+  <joint name='elbow' type='revolute'><parent>base</parent><child>tip</child><axis><xyz>0 0 1</xyz>
+    <limit><lower>-3</lower><upper>3</upper></limit></axis></joint>
+  <plugin name='control' filename='libgazebo_ros2_control.so'><parameters>{file}</parameters></plugin>
+  </model></world></sdf>"""
+ROBOT = """<robot name='arm'><joint name='elbow' type='revolute'><limit lower='-3' upper='3' effort='50' velocity='10'/>
+  </joint><ros2_control name='sim' type='system'><joint name='elbow'><command_interface name='position'/>
+  <command_interface name='velocity'/><state_interface name='position'/></joint></ros2_control></robot>"""
+CONTROL = """
+controller_manager:
+  ros__parameters:
+    update_rate: 200
+    states: {type: joint_state_broadcaster/JointStateBroadcaster}
+    mover: {type: forward_command_controller/ForwardCommandController}
+    follower: {type: joint_trajectory_controller/JointTrajectoryController}
+mover: {ros__parameters: {joints: [elbow], interface_name: velocity}}
+follower: {ros__parameters: {joints: [elbow], command_interfaces: [position], state_interfaces: [position]}}
+"""
+
+
+def describe_robot(server, graph):
+    text = message_type("std_msgs/String")(data=ROBOT)
+    body = cdr(text.kind, fields("std_msgs/String", "msg")[0]).pack(text)
+    assert wait_for(lambda: graph.declared.get("/robot_description"))["qos"]["durability"] == "transient_local"
+    graph.publish("/robot_description", body)
+    wait_for(lambda: "/controller_manager/list_controllers" in graph.declared, server.core.Step)
+
+
+def manage(server, service, kind, /, **values):
+    return server.call(f"/controller_manager/{service}", f"controller_manager_msgs/{kind}", **values)
+
+
+def test_controllers_of_ros2_are_loaded_configured_and_switched(start, graph, tmp_path):
+    (tmp_path / "control.yaml").write_text(CONTROL)
+    server = start(ARM.format(file=tmp_path / "control.yaml"))
+    describe_robot(server, graph)
+    for name in ("states", "mover", "follower"):
+        assert manage(server, "load_controller", "LoadController", name=name).ok
+        assert not manage(server, "load_controller", "LoadController", name=name).ok
+        assert manage(server, "configure_controller", "ConfigureController", name=name).ok
+    assert manage(server, "switch_controller", "SwitchController", activate_controllers=["states", "mover"]).ok
+    listed = manage(server, "list_controllers", "ListControllers").controller
+    assert {one.name: one.state for one in listed} == {"states": "active", "mover": "active", "follower": "inactive"}
+    assert next(one for one in listed if one.name == "mover").claimed_interfaces == ["elbow/velocity"]
+    array = message_type("std_msgs/Float64MultiArray")(data=[0.5])
+    server.topic("/clock")
+    graph.publish("/mover/commands", cdr(array.kind, fields("std_msgs/Float64MultiArray", "msg")[0]).pack(array))
+    joint = attach(server.core).world.ModelByName("arm").GetJoint("elbow")
+    wait_for(lambda: joint.Position(0) > 0.05, server.core.Step)
+    states = server.topic("/joint_states")
+    assert states.name == ["elbow"]
+    assert states.velocity[0] == pytest.approx(0.5, abs=0.01)
+    switched = {"activate_controllers": ["follower"], "deactivate_controllers": ["mover"]}
+    assert manage(server, "switch_controller", "SwitchController", **switched).ok
+    identity = list(range(16))
+    goal = message_type("control_msgs/FollowJointTrajectory_Goal", 2)()
+    point = message_type("trajectory_msgs/JointTrajectoryPoint")(positions=[1.0])
+    point.time_from_start.nsecs = 200_000_000
+    goal.trajectory.joint_names, goal.trajectory.points = ["elbow"], [point]
+    uuid = message_type("unique_identifier_msgs/UUID", 2)(uuid=identity)
+    action = "/follower/follow_joint_trajectory/_action"
+    kind = "control_msgs/FollowJointTrajectory"
+    assert graph.declared[f"{action}/send_goal"]["type"] == f"control_msgs/action/{kind[13:]}.Impl.SendGoalService"
+    assert server.call(f"{action}/send_goal", f"{kind}_SendGoal", goal_id=uuid, goal=goal).accepted
+    assert server.call(f"{action}/get_result", f"{kind}_GetResult", goal_id=uuid).status == 4  # succeeded
+    assert joint.Position(0) == pytest.approx(1.0, abs=0.01)
+    wrong = message_type("trajectory_msgs/JointTrajectory")(joint_names=["knee"], points=[point])
+    goal.trajectory = wrong
+    uuid.uuid = identity[::-1]
+    assert not server.call(f"{action}/send_goal", f"{kind}_SendGoal", goal_id=uuid, goal=goal).accepted
+    cancelled = server.call(f"{action}/cancel_goal", "action_msgs/CancelGoal")
+    assert cancelled.return_code == 1  # nothing runs
+
+
+def test_controllers_start_by_themselves_where_nobody_could_start_them(start, graph, tmp_path):
+    graph.refused.add("controller_manager_msgs")
+    text = CONTROL.replace("    follower: {type: joint_trajectory_controller/JointTrajectoryController}\n", "")
+    (tmp_path / "control.yaml").write_text(text)
+    server = start(ARM.format(file=tmp_path / "control.yaml"))
+    describe_robot(server, graph)
+    assert server.topic("/joint_states").name == ["elbow"]
+    assert "/mover/commands" in graph.declared

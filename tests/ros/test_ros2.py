@@ -150,7 +150,7 @@ def test_15000_messages_at_1_khz_arrive_in_order(serve, tmp_path):
     slow = "<update_rate>50</update_rate>\n        <joint_name>"
     world.write_text((HERE / "robot2.world").read_text().replace(slow, "<update_rate>1000</update_rate><joint_name>"))
     node = serve(world)
-    node.listen(topic="/joint_states", kind="sensor_msgs/msg/JointState", depth=1000)
+    node.listen(topic="/joint_states", kind="sensor_msgs/msg/JointState", depth=20_000)
     count, begin, end = node.count(topic="/joint_states", wanted=15_000, patience=120.0)
     stamps = node.stamps(topic="/joint_states")
     assert count >= 15_000

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from libgz.ros.plugin import Ticks
-from libgz.ros.session import Session, finite, set_stamp
-from libgz.ros.types import message_type
+from libgz.ros.session import Later, Session, finite, set_stamp
+from libgz.ros.types import Message, message_type, service_type
 
-__all__ = ["ActionServer", "Goal"]
+__all__ = ["ActionServer", "ActionServer2", "Goal"]
 
 STATUS = message_type("actionlib_msgs/GoalStatus")
 REJECTED = 5
@@ -20,7 +20,7 @@ MOST_KEPT = 20  # goals that are over, in the status
 class Goal:
     """A goal of a client: `message` is what it wants."""
 
-    def __init__(self, server: ActionServer, identity: Any, message: Any) -> None:
+    def __init__(self, server: ActionServer | ActionServer2, identity: Any, message: Any) -> None:
         self._server, self.identity, self.message = server, identity, message
         self.status = 1  # active
 
@@ -58,6 +58,7 @@ class ActionServer:
         cancel: Callable[[Goal], object],
     ) -> None:
         self._now, self._accept, self._cancel = now, accept, cancel
+        self.feedback_type = message_type(f"{kind}Feedback")
         self.goal: Goal | None = None
         self._over: list[Goal] = []
         self._ticks = Ticks(STATUS_RATE)
@@ -126,4 +127,114 @@ class ActionServer:
             setattr(message.result, name, value)
         set_stamp(message.header.stamp, self._now())
         self._results.publish(message)
+        self.send_status()
+
+
+# Statuses of goals in ROS 1 -> in ROS 2.
+STATUSES = {1: 2, 2: 5, 3: 4, 4: 6, 5: 6}
+KEPT = 900.0  # [s] that a client may ask for a result later
+NONE_TO_CANCEL = 1  # of action_msgs/CancelGoal
+
+
+class ActionServer2:
+    """Serves an action of ROS 2, with one goal at a time; a new goal preempts the last one.
+
+    Args:
+        session: where.
+        name: of the action.
+        kind: such as ``control_msgs/FollowJointTrajectory``.
+        now: gives the sim time [s].
+        accept: takes a goal; it ends the goal at once if it refuses it.
+        cancel: the goal is cancelled, or another one came; it ends the goal.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        name: str,
+        kind: str,
+        now: Callable[[], float],
+        accept: Callable[[Goal], object],
+        cancel: Callable[[Goal], object],
+    ) -> None:
+        self._now, self._accept, self._cancel = now, accept, cancel
+        self.feedback_type = message_type(f"{kind}_Feedback", 2)
+        self.goal: Goal | None = None
+        self._over: dict[bytes, tuple[int, Any]] = {}  # statuses and results of goals that are over
+        own = f"{name}/_action"
+        self._feedback = session.publish(f"{own}/feedback", f"{kind}_FeedbackMessage", 10)
+        self._states = session.publish(f"{own}/status", "action_msgs/GoalStatusArray", 1, latch=True)
+        self._sent, self._result = (service_type(f"{kind}_{one}", 2) for one in ("SendGoal", "GetResult"))
+        self._services = [
+            session.serve(f"{own}/send_goal", f"{kind}_SendGoal", self._on_goal),
+            session.serve(f"{own}/cancel_goal", "action_msgs/CancelGoal", self._on_cancel),
+            session.serve(f"{own}/get_result", f"{kind}_GetResult", self._on_result),
+        ]
+
+    def _on_goal(self, request: Any) -> Message:
+        goal = Goal(self, bytes(request.goal_id.uuid), request.goal)
+        answer: Any = self._sent.response()
+        set_stamp(answer.stamp, self._now())
+        if not finite(request):
+            return answer  # type: ignore[no-any-return]
+        before = self.goal
+        self.goal = goal
+        if before is not None and before.active:
+            self._cancel(before)
+        self._accept(goal)
+        answer.accepted = goal.status != REJECTED
+        if not answer.accepted:
+            self._over.pop(goal.identity, None)
+        self.send_status()
+        return answer  # type: ignore[no-any-return]
+
+    def _on_cancel(self, request: Any) -> Message:
+        answer: Any = service_type("action_msgs/CancelGoal", 2).response(return_code=NONE_TO_CANCEL)
+        goal, wanted = self.goal, bytes(request.goal_info.goal_id.uuid)
+        if goal is not None and goal.active and (not any(wanted) or wanted == goal.identity):
+            answer.return_code, answer.goals_canceling = 0, [self._info(goal)]
+            self._cancel(goal)
+        return answer  # type: ignore[no-any-return]
+
+    def _on_result(self, request: Any) -> Message | Later:
+        identity = bytes(request.goal_id.uuid)
+        known = identity in self._over or (self.goal is not None and self.goal.identity == identity)
+
+        def poll() -> Message | None:
+            if identity not in self._over:
+                return None
+            status, result = self._over[identity]
+            return self._result.response(status=status, result=result)  # type: ignore[no-any-return]
+
+        return Later(poll, KEPT, self._result.response()) if known else self._result.response()
+
+    def _info(self, goal: Goal) -> Any:
+        info = message_type("action_msgs/GoalInfo", 2)()
+        info.goal_id.uuid = list(goal.identity)
+        return info
+
+    def update(self) -> None:
+        """Nothing: the status is published when it changes."""
+
+    def send_status(self) -> None:
+        """Publish the status of the goal."""
+        if self.goal is not None:
+            one = message_type("action_msgs/GoalStatus", 2)(
+                goal_info=self._info(self.goal), status=STATUSES[self.goal.status]
+            )
+            self._states.publish(self._states.kind(status_list=[one]))
+
+    def send_feedback(self, goal: Goal, feedback: Any) -> None:
+        """Publish how far a goal is."""
+        if self._feedback.listened:
+            message = self._feedback.kind(feedback=feedback)
+            message.goal_id.uuid = list(goal.identity)
+            self._feedback.publish(message)
+
+    def report(self, goal: Goal, _text: str, result: dict[str, Any]) -> None:
+        """Keep the result of a goal."""
+        while len(self._over) >= MOST_KEPT:
+            del self._over[next(iter(self._over))]
+        made = message_type(f"{self._result.name.removesuffix('_GetResult')}_Result", 2)(**result)
+        self._over[goal.identity] = STATUSES[goal.status], made
         self.send_status()

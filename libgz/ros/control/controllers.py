@@ -7,17 +7,17 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from libgz.base.errors import ParameterError
-from libgz.ros.control.action import ActionServer, Goal
+from libgz.ros.control.action import ActionServer, ActionServer2, Goal
 from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
 from libgz.ros.control.pid import RosPid, number_of
 from libgz.ros.control.trajectory import Trajectory
 from libgz.ros.plugin import Ticks
 from libgz.ros.session import Session, finite, set_stamp
-from libgz.ros.types import message_type
 
 __all__ = ["CONTROLLERS", "Controller"]
 
 ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3  # of actionlib_msgs/GoalStatus
+COMMANDS = {1: "command", 2: "commands"}  # topics in ROS 1 and 2
 INTERFACES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
 
 
@@ -73,8 +73,8 @@ class Controller:
             raise ParameterError(f"controller {self.name}: its joints are {names!r}; they must be names")
         found = []
         for name in names:
-            joint = self.hardware.joints.get(name)
-            if joint is None or joint.interface != self.interface:
+            joint = self.hardware.claim(name, self.interface)
+            if joint is None:
                 known = [one.name for one in self.hardware.joints.values() if one.interface == self.interface]
                 raise ParameterError(
                     f"controller {self.name}: there is no joint {name!r} with {self.interface}; "
@@ -145,7 +145,7 @@ class Commands(Controller):
             self._pids = [self.pid("pid")]
         kind = "std_msgs/Float64MultiArray" if self.group else "std_msgs/Float64"
         self._wanted: list[float] | None = None
-        self._commands = self.session.subscribe(f"{self.name}/command", kind, self._on_command)
+        self._commands = self.session.subscribe(f"{self.name}/{COMMANDS[self.session.version]}", kind, self._on_command)
         self._states = None
         if self.target and not self.group:
             self._states = self.session.publish(f"{self.name}/state", "control_msgs/JointControllerState", 1)
@@ -268,6 +268,10 @@ class JointTrajectories(Follower):
         self._trajectory: Trajectory | None = None
         self._goal: Goal | None = None
         self._ticks = Ticks(number_of(self.values, "state_publish_rate", 50.0, self.name))
+        self.open()
+
+    def open(self) -> None:
+        """Subscribe and serve."""
         kind = "control_msgs/JointTrajectoryControllerState"
         self._states = self.session.publish(f"{self.name}/state", kind, 1)
         kind = "trajectory_msgs/JointTrajectory"
@@ -275,7 +279,7 @@ class JointTrajectories(Follower):
         self._service = self.session.serve(
             f"{self.name}/query_state", "control_msgs/QueryTrajectoryState", self._on_query
         )
-        self._action = ActionServer(
+        self._action: ActionServer | ActionServer2 = ActionServer(
             self.session,
             f"{self.name}/follow_joint_trajectory",
             "control_msgs/FollowJointTrajectory",
@@ -419,7 +423,7 @@ class JointTrajectories(Follower):
         ]
         self._states.publish(message)
         if goal is not None:
-            feedback = message_type("control_msgs/FollowJointTrajectoryFeedback")(
+            feedback = self._action.feedback_type(
                 header=message.header,
                 joint_names=message.joint_names,
                 desired=message.desired,
@@ -441,7 +445,7 @@ class Gripper(Follower):
         self._effort = number_of(self.values, "max_effort", 0.0, self.name)
         self._wanted, self._moved, self._goal = 0.0, 0.0, None
         kind = "control_msgs/GripperCommand"
-        self._action = ActionServer(
+        self._action: ActionServer | ActionServer2 = ActionServer(
             self.session, f"{self.name}/gripper_cmd", kind, self.now, self._on_goal, self._on_cancel
         )
 

@@ -185,6 +185,11 @@ class RobotHardware:
             pid = _pid(gains, name, f"{space}/gazebo_ros_control/pid_gains/{name}") if interface != EFFORT else None
             self.joints[name] = SimJoint(joint, interface, described.get(name), pid)
 
+    def claim(self, name: str, interface: str) -> SimJoint | None:
+        """The joint of a name, for a controller that commands it by an interface; None if there is none."""
+        joint = self.joints.get(name)
+        return joint if joint is not None and joint.interface == interface else None
+
     def read(self) -> None:
         """Read the states of all joints."""
         for joint in self.joints.values():

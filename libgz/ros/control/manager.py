@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 from libgz.base.errors import GazeboError, nearest
 from libgz.ros.control.controllers import CONTROLLERS, Controller
@@ -36,7 +36,13 @@ class ControllerManager:
         session: for parameters, topics and services.
         space: the robot's namespace.
         now: gives the sim time [s].
+
+    Attributes:
+        services: their names -> their types.
+        controllers: names -> those that were loaded.
     """
+
+    services: ClassVar[Mapping[str, str]] = SERVICES
 
     def __init__(self, hardware: RobotHardware, session: Session, space: str, now: Callable[[], float]) -> None:
         self._hardware, self._session, self._space, self._now = hardware, session, space, now
@@ -44,15 +50,15 @@ class ControllerManager:
         self._kinds: dict[str, str] = {}
         self._services = [
             session.serve(f"{space}/controller_manager/{name}", f"controller_manager_msgs/{kind}", self._handler(name))
-            for name, kind in SERVICES.items()
+            for name, kind in self.services.items()
         ]
 
     def _handler(self, name: str) -> Callable[[Any], Any]:
         method = getattr(self, f"_{name}")
-        response = f"controller_manager_msgs/{SERVICES[name]}"
+        response = service_type(f"controller_manager_msgs/{self.services[name]}", self._session.version).response
 
         def handle(request: Any) -> Any:
-            return service_type(response).response(**method(request))
+            return response(**method(request))
 
         return handle
 
@@ -149,8 +155,12 @@ class ControllerManager:
         self._stop(stop)
         for name in start:
             self.controllers[name].state = "running"
+            self.started(self.controllers[name])
             self.controllers[name].starting()
         return {"ok": True}
+
+    def started(self, controller: Controller) -> None:
+        """A controller begins to run."""
 
     def _known(self, names: Sequence[str], *states: str) -> list[str]:
         """The controllers of some names that are in one of some states; others are logged."""

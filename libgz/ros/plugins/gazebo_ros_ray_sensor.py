@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
@@ -79,12 +80,13 @@ class GazeboRosRaySensor(RosSensor, SensorPlugin):
     def _fill_range(self, message: Any) -> None:
         message.range = float(min(self.sensor.ranges(), default=math.inf))
 
-    def _points(self) -> np.ndarray[Any, np.dtype[np.float32]]:
+    def _points(self) -> NDArray[np.float32]:
         """Rows of x, y, z [m] and intensity of what is seen."""
         points = scan_points(self.sensor, self.along)
         strength = np.asarray(self.sensor.intensities(), np.float64)
         seen = np.isfinite(points).all(axis=1) & (strength >= self.given.minIntensity)
-        return np.column_stack([points, strength])[seen].astype(np.float32)
+        rows: NDArray[np.float32] = np.column_stack([points, strength])[seen].astype(np.float32)
+        return rows
 
     def _fill_pointcloud(self, message: Any) -> None:
         rows, point = self._points(), message_type("geometry_msgs/Point32")

@@ -1,0 +1,323 @@
+"""ros2_control: the robot's joints, controllers and controller manager as ROS 2 has them."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.ros.control.action import ActionServer2
+from libgz.ros.control.controllers import Controller, GroupCommands, JointStates, JointTrajectories
+from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
+from libgz.ros.control.manager import ControllerManager
+from libgz.ros.session import Session
+from libgz.ros.types import message_type
+from libgz.sdf.xml import parse_document
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Model
+
+__all__ = ["SERVICES", "ControllerManager2", "RobotHardware2", "read_parameters"]
+
+log = logging.getLogger("libgz.ros")
+
+INTERFACES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
+SERVICES = {
+    "configure_controller": "ConfigureController",
+    "list_controller_types": "ListControllerTypes",
+    "list_controllers": "ListControllers",
+    "list_hardware_interfaces": "ListHardwareInterfaces",
+    "load_controller": "LoadController",
+    "switch_controller": "SwitchController",
+    "unload_controller": "UnloadController",
+}
+STATES = {"initialized": "inactive", "stopped": "inactive", "running": "active"}
+LARGEST_FILE = 1 << 20  # bytes of a file of parameters
+MOST_CONTROLLERS = 100
+STRONGEST = 1e6  # of a motor without a limit [N m]
+
+
+def read_parameters(path: Path) -> dict[str, Any]:
+    """The parameters of a YAML file: names of nodes -> their ``ros__parameters``.
+
+    Raises:
+        NotFoundError: there is no such file.
+        ParameterError: it is no such file, or too large.
+    """
+    from libgz.sdf.xacro.documents import parsed_yaml, value_of_yaml  # only then is PyYAML loaded
+    from libgz.sdf.xacro.limits import Budget
+
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise NotFoundError(f"{path}: {error.strerror}") from None
+    if len(data) > LARGEST_FILE:
+        raise ParameterError(f"{path} has more than {LARGEST_FILE} bytes")
+    budget = Budget()
+    found = value_of_yaml(parsed_yaml(data, budget), budget, float)
+    if not isinstance(found, Mapping):
+        raise ParameterError(f"{path} has no parameters")
+    return {str(name).rpartition("/")[2]: _own(values) for name, values in found.items()}
+
+
+def _own(values: Any) -> dict[str, Any]:
+    own = values.get("ros__parameters") if isinstance(values, Mapping) else None
+    return dict(own) if isinstance(own, Mapping) else {}
+
+
+class RobotHardware2(RobotHardware):
+    """The joints of the `<ros2_control>` elements of a robot description.
+
+    Args:
+        model: the model.
+        description: the text of its URDF.
+
+    Raises:
+        ParameterError: it names a joint that does not exist.
+        WorldFileError: the text is no XML.
+    """
+
+    def __init__(self, model: Model, description: str) -> None:
+        diagnostics = Diagnostics()
+        root = parse_document(description.encode(), "robot_description", diagnostics)
+        diagnostics.raise_errors()
+        self._described = {one.get("name", ""): one for one in root.findall("joint")}
+        self.joints: dict[str, SimJoint] = {}
+        self.interfaces: dict[str, list[str]] = {}  # by which each joint may be commanded
+        self._claimed: dict[tuple[str, str], SimJoint] = {}
+        for element in root.iterfind("ros2_control/joint"):
+            name = element.get("name", "")
+            joint = model.GetJoint(name)
+            if joint is None:
+                raise ParameterError(f"<ros2_control> has a joint {name!r}, which is not in model {model.GetName()!r}")
+            given = [one.get("name", "") for one in element.findall("command_interface")]
+            self.interfaces[name] = [INTERFACES[one] for one in given if one in INTERFACES]
+            begin = element.findtext("state_interface[@name='position']/param[@name='initial_value']")
+            if begin is not None:
+                joint.SetPosition(0, _finite(begin))
+            self.joints[name] = SimJoint(joint, "", self._described.get(name), None)
+
+    def claim(self, name: str, interface: str) -> SimJoint | None:
+        """The joint of a name, for a controller that will command it by an interface; None if it does not have that."""
+        if interface not in self.interfaces.get(name, ()):
+            return None
+        key = name, interface
+        if key not in self._claimed:
+            present = self.joints[name]
+            self._claimed[key] = SimJoint(present.joint, interface, self._described.get(name), None)
+            self.activate(present)  # nothing commands it yet
+        return self._claimed[key]
+
+    def activate(self, joint: SimJoint) -> None:
+        """Let a joint be commanded by its interface, instead of the last one."""
+        self.joints[joint.name] = joint
+        most = joint.most_effort if math.isfinite(joint.most_effort) else STRONGEST
+        joint.joint.SetParam("fmax", 0, most if joint.interface == VELOCITY else 0.0)
+        if joint.interface == POSITION:
+            joint.joint.SetVelocity(0, 0.0)  # positions that are set keep the velocity
+
+    def read(self) -> None:
+        """Read the states of all joints."""
+        for joint in (*self.joints.values(), *self._claimed.values()):
+            joint.read()
+
+
+def _finite(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ParameterError(f"an initial value of <ros2_control> is {text!r}; it must be a number")
+    return value
+
+
+class JointStates2(JointStates):
+    """Publishes the states of all joints, at each update."""
+
+    def load(self) -> None:
+        """Advertise."""
+        self.values = {"publish_rate": 1e6, **self.values}
+        super().load()
+
+
+class ForwardCommands(GroupCommands):
+    """Passes on commands of several joints to the interface that a parameter names."""
+
+    def load(self) -> None:
+        """Find the interface and the joints, and subscribe."""
+        self.interface = _interface(self, self.values.get("interface_name"))
+        super().load()
+
+
+class JointTrajectories2(JointTrajectories):
+    """Follows trajectories of the topic ``joint_trajectory`` and of its action."""
+
+    def load(self) -> None:
+        """Find the joints, subscribe and serve."""
+        names = self.values.get("command_interfaces")
+        self.interface = _interface(self, names[0] if isinstance(names, list) and names else None)
+        super().load()
+
+    def open(self) -> None:
+        """Subscribe and serve."""
+        session, name = self.session, self.name
+        self._states = session.publish(f"{name}/controller_state", "control_msgs/JointTrajectoryControllerState", 10)
+        kind = "trajectory_msgs/JointTrajectory"
+        self._commands = session.subscribe(f"{name}/joint_trajectory", kind, self._on_command)
+        self._action = ActionServer2(
+            session,
+            f"{name}/follow_joint_trajectory",
+            "control_msgs/FollowJointTrajectory",
+            self.now,
+            self._on_goal,
+            self._on_cancel,
+        )
+
+
+def _interface(controller: Controller, name: Any) -> str:
+    if name not in INTERFACES:
+        raise ParameterError(
+            f"controller {controller.name}: its interface is {name!r}; it must be one of {', '.join(INTERFACES)}"
+        )
+    return INTERFACES[name]
+
+
+CONTROLLERS: dict[str, tuple[type[Controller], str]] = {
+    "effort_controllers/JointGroupEffortController": (GroupCommands, EFFORT),
+    "forward_command_controller/ForwardCommandController": (ForwardCommands, ""),
+    "joint_state_broadcaster/JointStateBroadcaster": (JointStates2, ""),
+    "joint_trajectory_controller/JointTrajectoryController": (JointTrajectories2, ""),
+    "position_controllers/JointGroupPositionController": (GroupCommands, POSITION),
+    "velocity_controllers/JointGroupVelocityController": (GroupCommands, VELOCITY),
+}
+
+
+class ControllerManager2(ControllerManager):
+    """The controllers of one robot, as the tools of ros2_control manage them.
+
+    Where the bridge has no controller_manager_msgs, nobody could start controllers: all of the parameters are.
+
+    Args:
+        hardware: the robot's joints.
+        session: for topics and services.
+        space: the robot's namespace.
+        now: gives the sim time [s].
+        parameters: names of nodes -> their parameters.
+    """
+
+    services = SERVICES
+
+    def __init__(
+        self,
+        hardware: RobotHardware2,
+        session: Session,
+        space: str,
+        now: Callable[[], float],
+        parameters: Mapping[str, Mapping[str, Any]],
+    ) -> None:
+        self._parameters, self._interfaces, self._hardware2 = parameters, hardware.interfaces, hardware
+        self._unconfigured: dict[str, str] = {}  # names -> types
+        self._alone = False
+        super().__init__(hardware, session, space, now)
+
+    def update(self, elapsed: float) -> None:
+        """Update the running controllers."""
+        node: Any = self._session.node
+        if not self._alone and node.lacks("controller_manager_msgs"):
+            self._alone = True
+            self._start_all()
+        super().update(elapsed)
+
+    def _start_all(self) -> None:
+        names = [
+            name for name, one in self._parameters.get("controller_manager", {}).items() if isinstance(one, Mapping)
+        ]
+        log.warning("ROS 2 has no controller_manager_msgs: all controllers are started: %s", ", ".join(names))
+        for name in names:
+            for step in (self._load_controller, self._configure_controller):
+                step(SimpleNamespace(name=name))
+        self._switch(names, [], 1)
+
+    def _list_controller_types(self, _request: Any) -> dict[str, Any]:
+        return {
+            "types": list(CONTROLLERS),
+            "base_classes": ["controller_interface::ControllerInterface"] * len(CONTROLLERS),
+        }
+
+    def _list_controllers(self, _request: Any) -> dict[str, Any]:
+        state = message_type("controller_manager_msgs/ControllerState", 2)
+        found = [state(name=name, state="unconfigured", type=kind) for name, kind in self._unconfigured.items()]
+        for name, one in self.controllers.items():
+            short = one.interface.rpartition("/")[2].removesuffix("JointInterface").lower()
+            claimed = [f"{joint.name}/{short}" for joint in one.joints] if one.state == "running" else []
+            found.append(state(name=name, state=STATES[one.state], type=self._kinds[name], claimed_interfaces=claimed))
+        return {"controller": found}
+
+    def _list_hardware_interfaces(self, _request: Any) -> dict[str, Any]:
+        kind = message_type("controller_manager_msgs/HardwareInterface", 2)
+        short = {long: name for name, long in INTERFACES.items()}
+        claimed = {(j.name, j.interface) for c in self.controllers.values() if c.state == "running" for j in c.joints}
+        commands = [
+            kind(name=f"{name}/{short[one]}", is_available=True, is_claimed=(name, one) in claimed)
+            for name, given in self._interfaces.items()
+            for one in given
+        ]
+        states = [kind(name=f"{name}/{one}", is_available=True) for name in self._interfaces for one in INTERFACES]
+        return {"command_interfaces": commands, "state_interfaces": states}
+
+    def _load_controller(self, request: Any) -> dict[str, Any]:
+        name = request.name.strip("/")
+        own = self._parameters.get("controller_manager", {}).get(name)
+        kind = own.get("type") if isinstance(own, Mapping) else None
+        if name in self.controllers or name in self._unconfigured:
+            log.error("A controller named '%s' was already loaded inside the controller manager", name)
+        elif kind not in CONTROLLERS:
+            near = nearest(str(kind), CONTROLLERS)
+            log.error("Could not load controller '%s': there is no type '%s'%s", name, kind, near)
+        elif len(self.controllers) + len(self._unconfigured) >= MOST_CONTROLLERS:
+            log.error("Could not load controller '%s': there are %d", name, MOST_CONTROLLERS)
+        else:
+            self._unconfigured[name] = str(kind)
+            return {"ok": True}
+        return {"ok": False}
+
+    def _configure_controller(self, request: Any) -> dict[str, Any]:
+        name = request.name.strip("/")
+        kind = self._unconfigured.get(name)
+        if kind is None:
+            log.error("Could not configure controller '%s': it is not loaded and unconfigured", name)
+            return {"ok": False}
+        made, interface = CONTROLLERS[kind]
+        full = self._session.resolve(name, self._space)
+        values = self._parameters.get(name, {})
+        try:
+            self.controllers[name] = made(full, values, self._hardware, self._session, self._now, interface)
+        except GazeboError as error:
+            log.error("Could not configure controller '%s': %s", name, error)
+            return {"ok": False}
+        self._kinds[name] = self._unconfigured.pop(name)
+        return {"ok": True}
+
+    def _unload_controller(self, request: Any) -> dict[str, Any]:
+        if self._unconfigured.pop(request.name.strip("/"), None) is not None:
+            return {"ok": True}
+        return super()._unload_controller(request)
+
+    def _switch_controller(self, request: Any) -> dict[str, Any]:
+        start = [*request.activate_controllers, *request.start_controllers]
+        return self._switch(start, [*request.deactivate_controllers, *request.stop_controllers], request.strictness)
+
+    def _switch(self, start: list[str], stop: list[str], strictness: int) -> dict[str, Any]:
+        asked = SimpleNamespace(start_controllers=start, stop_controllers=stop, strictness=strictness)
+        return super()._switch_controller(asked)
+
+    def started(self, controller: Controller) -> None:
+        """A controller begins to run: its interfaces command its joints."""
+        for joint in controller.joints:
+            self._hardware2.activate(joint)

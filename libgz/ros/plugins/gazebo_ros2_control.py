@@ -1,0 +1,100 @@
+"""gazebo_ros2_control: the controllers of ros2_control for a robot."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from libgz.base.errors import GazeboError
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.ros.control.ros2 import SERVICES, ControllerManager2, RobotHardware2, read_parameters
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+log = logging.getLogger("libgz.ros")
+
+UPDATE_RATE = 100.0  # [Hz] unless the parameter update_rate of controller_manager is given
+
+
+class GazeboRos2Control(RosPlugin, ModelPlugin):
+    """Serves a controller manager for the joints of `<ros2_control>` in the robot description.
+
+    It waits for the robot description on the topic of robot_state_publisher.
+    """
+
+    STATE = ()
+
+    parameters = (
+        Parameter("robotParam", "robot_description", "topic with the URDF, as robot_state_publisher publishes it"),
+        Parameter("robotParamNode", "robot_state_publisher", "accepted without effect"),
+        Parameter("parameters", [], "files of parameters, of controller_manager and of its controllers"),
+    )
+    endpoints = (
+        Endpoint("subscribes", "<robotParam>", "std_msgs/String"),
+        *(
+            Endpoint("in ROS 2 serves", f"controller_manager/{name}", f"controller_manager_msgs/{kind}")
+            for name, kind in SERVICES.items()
+        ),
+    )
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Read the parameters, and wait for the robot description."""
+        self.open(sdf, model.GetName())
+        self.model, self.world = model, model.GetWorld()
+        self.manager: ControllerManager2 | None = None
+        self.hardware: RobotHardware2 | None = None
+        self.values: dict[str, Any] = {}
+        for name in self.given.parameters:
+            for node, values in read_parameters(Path(name)).items():
+                self.values.setdefault(node, {}).update(values)
+        rate = self.values.get("controller_manager", {}).get("update_rate", UPDATE_RATE)
+        self.ticks = Ticks(float(rate) if isinstance(rate, int | float) else UPDATE_RATE)
+        self.last = self.written = self.world.core.GetSimTime()
+        if not self.two:
+            log.warning("gazebo_ros2_control needs ROS 2; its controllers are not there")
+            return
+        topic, more = self.own_node.resolve(self.given.robotParam)
+        self.description = self.ros.subscribe(
+            topic, "std_msgs/String", self.OnDescription, durability="transient_local", **more
+        )
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnDescription(self, message: Any) -> None:
+        """The robot description has come."""
+        if self.manager is not None:
+            return
+        try:
+            self.hardware = RobotHardware2(self.model, message.data)
+            now = self.world.core.GetSimTime
+            self.manager = ControllerManager2(self.hardware, self.ros, self.space, now, self.values)
+        except GazeboError as error:
+            log.error("gazebo_ros2_control: %s", error)
+            self.hardware = None
+
+    def Reset(self) -> None:
+        """Start the running controllers again."""
+        self.last = self.written = self.world.core.GetSimTime()
+        if self.manager is not None and self.hardware is not None:
+            self.hardware.read()
+            self.manager.reset()
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Update the controllers, and apply what they command."""
+        now = self.world.core.GetSimTime()
+        if self.manager is None or self.hardware is None:
+            return
+        if self.ticks.due(now) and now > self.last:
+            self.hardware.read()
+            self.manager.update(now - self.last)
+            self.last = now
+        self.hardware.write(now - self.written)
+        self.written = now
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRos2Control)

@@ -1,8 +1,9 @@
 """What C++ plugins cost: a call of the old API above the Python method itself, and an empty Update.
 
-Of classic's API: calls that plugins make in every step, by a plugin that measures itself, and an empty OnUpdate.
+Of classic's API: calls that plugins make in every step, by a plugin that measures itself; an empty OnUpdate; what a
+differential drive adds to a step.
 
-    python benchmarks/cxx.py
+    python benchmarks/cxx.py [classic]
 
 Processor time of both in turn within one run; the median of their differences.
 """
@@ -97,23 +98,47 @@ WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>
 <model:Calls><id>m</id><plugin>Calls.so</plugin><which>{}</which></model:Calls></gz:world>"""
 
 # Of classic: a call, and the most that it may cost [us].
+READ, APPLY = 0.1, 0.2
 CLASSIC = (
-    ("link->WorldPose()", 0.1),
-    ("link->WorldLinearVel()", 0.1),
-    ("link->RelativeAngularVel()", 0.1),
-    ("link->WorldCoGPose()", 0.1),
-    ("model->WorldPose()", 0.1),
-    ("joint->Position(0)", 0.1),
-    ("joint->GetVelocity(0)", 0.1),
-    ("world->SimTime()", 0.1),
-    ("link->AddForce(v)", 0.2),
-    ("link->AddRelativeTorque(v)", 0.2),
-    ("link->AddLinkForce(v)", 0.2),
-    ('joint->SetParam("vel", 0, 0.0)', 10.0),
-    ("joint->SetForce(0, 0.0)", 10.0),
+    *(
+        (call, READ)
+        for call in (
+            "link->WorldPose()",
+            "model->WorldPose()",
+            "link->WorldLinearVel()",
+            "link->WorldAngularVel()",
+            "link->RelativeLinearVel()",
+            "link->RelativeAngularVel()",
+            "link->WorldCoGPose()",
+            "link->WorldCoGLinearVel()",
+            "joint->Position(0)",
+            "joint->GetVelocity(0)",
+            "joint->GetForce(0)",
+            'joint->GetParam("vel", 0)',
+            "world->SimTime()",
+            "joint->SetForce(0, 0.0)",
+        )
+    ),
+    *(
+        (call, APPLY)
+        for call in (
+            "link->AddForce(v)",
+            "link->AddTorque(v)",
+            "link->AddRelativeForce(v)",
+            "link->AddRelativeTorque(v)",
+            "link->AddLinkForce(v)",
+            "link->AddForceAtWorldPosition(v, v)",
+            "link->AddForceAtRelativePosition(v, v)",
+            'joint->SetParam("vel", 0, 0.0)',
+            'joint->SetParam("fmax", 0, 0.0)',
+            'joint->SetParam("friction", 0, 0.0)',
+        )
+    ),
     ("link->GetName()", 1.0),
 )
 MOST_EMPTY = 0.3  # [us], of an empty OnUpdate
+MOST_DRIVE = 60.0  # [us], of a differential drive in a step
+PAIRS, DRIVE_STEPS = 30, 500
 CLASSIC_SOURCE = """
 #include <gazebo/gazebo.hh>
 #include <gazebo/physics/physics.hh>
@@ -169,6 +194,102 @@ CLASSIC_WORLD = """<sdf version="1.6"><world name="default"><gravity>0 0 0</grav
 PLUGIN = '<plugin name="calls" filename="{}/libcalls.so"><measure>{}</measure></plugin>'
 
 
+DRIVE_SOURCE = """
+#include <gazebo/gazebo.hh>
+#include <gazebo/physics/physics.hh>
+#include <gazebo/transport/transport.hh>
+
+using namespace gazebo;
+class Drive : public ModelPlugin
+{
+ public:
+  void Load(physics::ModelPtr _model, sdf::ElementPtr)
+  {
+    this->model = _model;
+    this->left = _model->GetJoint("left");
+    this->right = _model->GetJoint("right");
+    this->node = transport::NodePtr(new transport::Node());
+    this->node->Init(_model->GetWorld()->Name());
+    this->commands = this->node->Subscribe("~/vel_cmd", &Drive::OnCommand, this);
+    this->odometry = this->node->Advertise<msgs::Pose>("~/odometry");
+    this->connection = event::Events::ConnectWorldUpdateBegin(std::bind(&Drive::OnUpdate, this, std::placeholders::_1));
+  }
+  void OnCommand(ConstPosePtr &_message)
+  {
+    std::lock_guard<std::mutex> lock(this->mutex);
+    this->speed = _message->position().x();
+    this->turn = msgs::ConvertIgn(_message->orientation()).Yaw();
+  }
+  void OnUpdate(const common::UpdateInfo &_info)
+  {
+    const double dt = (_info.simTime - this->last).Double(), radius = 0.1, separation = 0.4;
+    this->last = _info.simTime;
+    std::lock_guard<std::mutex> lock(this->mutex);
+    const double v[2] = {this->speed - this->turn * separation / 2, this->speed + this->turn * separation / 2};
+    const physics::JointPtr wheels[2] = {this->left, this->right};
+    for (int i = 0; i < 2; ++i)
+    {
+      wheels[i]->SetParam("fmax", 0, 5.0);
+      wheels[i]->SetParam("vel", 0, v[i] / radius);
+      this->way[i] += wheels[i]->GetVelocity(0) * radius * dt;
+    }
+    const ignition::math::Pose3d pose = this->model->WorldPose();
+    const ignition::math::Vector3d velocity = this->model->WorldLinearVel();
+    this->moved += velocity.Length() * dt;
+    if ((_info.simTime - this->published).Double() >= 0.02)
+    {
+      msgs::Pose message;
+      msgs::Set(&message, pose);
+      this->odometry->Publish(message);
+      this->published = _info.simTime;
+    }
+  }
+  physics::ModelPtr model;
+  physics::JointPtr left, right;
+  transport::NodePtr node;
+  transport::SubscriberPtr commands;
+  transport::PublisherPtr odometry;
+  event::ConnectionPtr connection;
+  common::Time last, published;
+  std::mutex mutex;
+  double speed = 0.2, turn = 0.1, way[2] = {}, moved = 0.0;
+};
+GZ_REGISTER_MODEL_PLUGIN(Drive)
+"""
+WHEEL = """<link name="{name}_wheel"><pose>0 {y} 0.1 -1.5708 0 0</pose><inertial><mass>1</mass></inertial>
+<collision name="c"><geometry><cylinder><radius>0.1</radius><length>0.05</length></cylinder></geometry>
+</collision></link>
+<joint name="{name}" type="revolute"><parent>base</parent><child>{name}_wheel</child>
+<axis><xyz>0 1 0</xyz><use_parent_model_frame>1</use_parent_model_frame></axis></joint>"""
+DRIVE_WORLD = """<sdf version="1.6"><world name="default"><model name="ground"><static>1</static><link name="l">
+<collision name="c"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+<model name="robot"><link name="base"><pose>0.05 0 0.1 0 0 0</pose><inertial><mass>5</mass></inertial>
+<collision name="c"><pose>0.1 0 -0.05 0 0 0</pose><geometry><sphere><radius>0.05</radius></sphere></geometry>
+</collision></link>{wheels}{plugin}</model></world></sdf>"""
+
+
+def _drive(folder: Path) -> bool:
+    """Print what a differential drive adds to a step; whether that exceeds its limit."""
+    (folder / "drive.cc").write_text(DRIVE_SOURCE)
+    errors = classic.build([folder / "drive.cc"], folder / "libdrive.so")
+    if errors:
+        print(*errors, sep="\n", file=sys.stderr)
+        return True
+    wheels = "".join(WHEEL.format(name=name, y=y) for name, y in (("left", 0.2), ("right", -0.2)))
+    plugin = f'<plugin name="drive" filename="{folder}/libdrive.so"/>'
+    texts = [DRIVE_WORLD.format(wheels=wheels, plugin=text) for text in (plugin, "")]
+    with libgz.World.from_string(texts[0]) as driven, libgz.World.from_string(texts[1]) as still:
+        for world in (driven, still):
+            world.step(DRIVE_STEPS)
+        pairs = [
+            (_time(lambda: driven.step(DRIVE_STEPS)), _time(lambda: still.step(DRIVE_STEPS))) for _ in range(PAIRS)
+        ]
+        far = driven.models[1].GetPose().pos.x
+    cost = 1e6 * statistics.median(one - other for one, other in pairs) / DRIVE_STEPS
+    print(f"{'a differential drive, a step':32} C++ {cost:6.2f} us (at most {MOST_DRIVE:g}), {far:.2f} m")
+    return cost > MOST_DRIVE or abs(far) < 0.1
+
+
 def _classic(folder: Path) -> bool:
     """Print the rows of classic; whether one exceeds its limit."""
     cases = "".join(
@@ -210,6 +331,9 @@ def _time(work: Callable[[], object], count: int = 1) -> float:
 def main() -> int:
     """Print the table; 1 if a figure exceeds its limit."""
     failed = False
+    if "classic" in sys.argv[1:]:
+        with tempfile.TemporaryDirectory() as name:
+            return int(_classic(Path(name)) | _drive(Path(name)))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         cases = "".join(f"case {i}: {code}; break;\n" for i, (_, code, _) in enumerate(METHODS))
@@ -248,6 +372,7 @@ def main() -> int:
         failed |= empty > MOST_UPDATE
         print(f"{'an empty Update':26} {empty:5.2f} us (at most {MOST_UPDATE:g})")
         failed |= _classic(folder)
+        failed |= _drive(folder)
     return int(failed)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
-from libgz.classic_cxx.library import STANDARD, built
+from libgz.classic_cxx.library import EXACT, STANDARD, built
 from libgz.classic_cxx.recognition import OLD_NAMES, asks_for_old_names, version_flags
 from libgz.cxx.build import CompileError, check_sources, compiler, run_compiler
 
@@ -107,5 +107,5 @@ def _either(compiled: Callable[[Sequence[str]], list[CompileError]], sources: Se
 
 def _command(flags: Sequence[str], standard: str | None, options: Sequence[str]) -> list[str]:
     own = [flag for flag in flags if not flag.startswith("-std=")]
-    chosen = [f"-std={standard or STANDARD}", "-w", "-ffp-contract=off", *own]
+    chosen = [f"-std={standard or STANDARD}", "-w", EXACT, *own]
     return [*compiler(), *chosen, *shlex.split(os.environ.get("CXXFLAGS", "")), *options]

@@ -194,6 +194,10 @@ EXTRA = {
 }
 
 
+# A parameter that is a result: numbers, texts and lists of them, values of ignition-math.
+_NUMBER = r"double|float|bool|int|unsigned int|u?int\d+_t|std::string"
+RESULT = re.compile(rf"(?:{_NUMBER}|boost::any|ignition::math::\w+|std::(?:vector|list)<(?:{_NUMBER})>) &")
+
 # Bodies --------------------------------------------------------------------------------------------------------------
 
 
@@ -226,7 +230,8 @@ def _bodies(one: Class) -> Iterator[str]:
         if f"{one.space}::{name}::{row.name}/{len(parameters)}" in BY_HAND:
             continue
         given = ", ".join(f"{kind} {own}" for kind, own, _ in parameters)
-        values = "".join(f" << {own}" for _, own, _ in parameters)
+        results = [own for kind, own, _ in parameters if RESULT.fullmatch(kind)] if row.type in ("void", "bool") else []
+        values = "".join(f" << {own}" for _, own, _ in parameters if own not in results)
         passed = f"call{values}; " if values else ""
         if "ctor" in row.flags:
             made = "".join(f", {own}" for _, own, _ in parameters)
@@ -245,15 +250,17 @@ def _bodies(one: Class) -> Iterator[str]:
         if "static" in row.flags:
             start = f'libgz::Call call("{one.space}", "{name}", "{row.name}");'
         else:
-            start = f'libgz::Call call(this, "{row.name}");'
-        if result == "void":
+            start = f'libgz::Call call(this, "{IN_PYTHON.get(f"{one.space}::{name}::{row.name}", row.name)}");'
+        if results:
+            end = f"{'libgz::give' if result == 'void' else 'return libgz::try_give'}(call, {', '.join(results)});"
+        elif result == "void":
             end = "call.run();"
         elif re.fullmatch(r"const .*&", result):
             end = f"return call.kept<std::remove_const_t<std::remove_reference_t<{scoped}>>>();"
         else:
             end = f"return call.result<std::remove_const_t<{scoped}>>();"
         backs = [own for kind, own, _ in parameters if kind.endswith(" &") and not kind.lower().startswith("const")]
-        if backs and result == "void":
+        if backs and result == "void" and not results:
             end += "".join(f" call.back({own[1:]}, {own});" for own in backs)
         yield f"{scoped} {name}::{row.name}({given}){const} {{ {start} {passed}{end} }}"
     if _singleton(one):
@@ -261,6 +268,8 @@ def _bodies(one: Class) -> Iterator[str]:
         yield f"{name} *{name}::Instance() {{ {call} return call.result<{name} *>(); }}"
 
 
+# Python's names of methods that a class below hides by one of another meaning.
+IN_PYTHON = {"physics::Base::GetParent": "container"}
 # Bodies that native/*.cc have, by the number of parameters: results in parameters, and calls of every step.
 BY_HAND = frozenset(
     {
@@ -268,8 +277,12 @@ BY_HAND = frozenset(
         "physics::ContactManager::GetContacts/0",
         "physics::Entity::WorldAngularVel/0",
         "physics::Entity::WorldPose/0",
+        "physics::Joint::GetForce/1",
+        "physics::Joint::GetParam/2",
         "physics::Joint::GetVelocity/1",
         "physics::Joint::Position/1",
+        "physics::Joint::SetForce/2",
+        "physics::Joint::SetParam/3",
         "physics::Link::AddForce/1",
         "physics::Link::AddForceAtRelativePosition/2",
         "physics::Link::AddForceAtWorldPosition/2",
@@ -283,7 +296,6 @@ BY_HAND = frozenset(
         "physics::Link::WorldCoGPose/0",
         "physics::Link::WorldLinearVel/0",
         "physics::PhysicsEngine::GetPhysicsUpdateMutex/0",
-        "physics::RayShape::GetIntersection/2",
         "physics::World::InsertModelSDF/1",
         "physics::World::SimTime/0",
     }

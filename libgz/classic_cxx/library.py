@@ -29,6 +29,7 @@ from libgz.base.files import write_whole
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
 from libgz.classic_cxx.generate import bodies, headers
+from libgz.classic_cxx.layouts import shared
 from libgz.classic_cxx.messages import proto_files
 from libgz.classic_cxx.names import SENSOR_PLUGINS
 from libgz.cxx.build import compiler
@@ -41,6 +42,7 @@ NATIVE = FOLDER / "native"
 FRAME = libgz.cxx.FOLDER / "include" / "gazebo" / "LibgzFrame.h"
 VERSION = (11, 15, 1)  # of Gazebo, whose names these are
 STANDARD = "c++17"
+EXACT = "-ffp-contract=off"  # products and sums are rounded one by one, as in Python, whatever the processor can do
 SONAME, MESSAGES = "libgazebo.so.11", "libgazebo_msgs.so.11"
 # Names under which Makefiles link classic's parts.
 PARTS = ("client", "common", "gui", "ode", "physics", "rendering", "sensors", "transport", "util")
@@ -60,7 +62,7 @@ HEADERS = {
 }
 MANIFEST = Path("share", "libgz", "classic_cxx.txt")
 # Files by their parts, which are compiled as one, and how. Forwards spend their time in Python, and compile faster so.
-PARTS_OF = {"native": ("bridge", "library", "hot")}
+PARTS_OF = {"native": ("bridge", "library", "hot", "roscpp")}
 QUALITY = {"native": "-O1"}
 
 
@@ -106,6 +108,7 @@ def source_key() -> str:
     for path in (*sorted(made_of), FRAME):
         digest.update(path.read_bytes())
     digest.update(repr(declarations()).encode())
+    digest.update(shared().encode())
     return digest.hexdigest()[:16]
 
 
@@ -276,11 +279,12 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
     _run(["protoc", f"--cpp_out={messages}", f"-I{proto}", *sorted(proto_files())], cwd=proto)
     (sources / "messages.cc").write_text(_unity(messages))
     (sources / "api.cc").write_text(bodies())
+    (sources / "shared.hh").write_text(shared())
     for path in NATIVE.glob("*.*"):
         shutil.copyfile(path, sources / path.name)
     for name, parts in PARTS_OF.items():
         (sources / f"{name}.cc").write_text("".join(f'#include "{part}.cc"\n' for part in parts))
-    flags = [f"-std={STANDARD}", "-fPIC", "-g0", "-w", "-ffp-contract=off", f"-I{include}", f"-I{messages}"]
+    flags = [f"-std={STANDARD}", "-fPIC", "-g0", "-w", EXACT, f"-I{include}", f"-I{messages}"]
     flags += [f"-I{sysconfig.get_paths()['include']}", *_package_flags("--cflags")]
     # The longest first.
     objects = _compile(sources, ("api", "native", "messages"), flags, progress)
@@ -348,7 +352,7 @@ set(_libgz_include "${{_libgz_prefix}}/include/gazebo-11")
 set(GAZEBO_INCLUDE_DIRS "${{_libgz_include}};${{_libgz_include}}/gazebo/msgs;{include}")
 set(GAZEBO_LIBRARY_DIRS "${{_libgz_prefix}}/lib{folders}")
 set(GAZEBO_LIBRARIES "${{_libgz_prefix}}/lib/libgazebo.so;${{_libgz_prefix}}/lib/libgazebo_msgs.so;{libraries}")
-set(GAZEBO_CXX_FLAGS "-std={standard}")
+set(GAZEBO_CXX_FLAGS "-std={standard} {exact}")
 set(GAZEBO_LDFLAGS "-L${{_libgz_prefix}}/lib")
 set(GAZEBO_PROTO_PATH "${{_libgz_prefix}}/include/gazebo-11/gazebo/msgs/proto")
 set(GAZEBO_PROTO_INCLUDE_DIRS "${{_libgz_prefix}}/include/gazebo-11/gazebo/msgs")
@@ -377,7 +381,7 @@ Name: gazebo
 Description: Gazebo's C++ API, of libgz
 Version: {version}
 Libs: -L${{libdir}} -lgazebo -lgazebo_msgs {libraries}
-Cflags: -std={standard} -I${{includedir}}/gazebo-11 -I${{includedir}}/gazebo-11/gazebo/msgs {include}
+Cflags: -std={standard} {exact} -I${{includedir}}/gazebo-11 -I${{includedir}}/gazebo-11/gazebo/msgs {include}
 """
 
 
@@ -413,6 +417,7 @@ def install(prefix: Path | None = None, progress: Progress = lambda _line: None)
         "version": version,
         "major": VERSION[0],
         "standard": STANDARD,
+        "exact": EXACT,
         "prefix": str(place).replace(" ", "\\ "),
         "folders": folders,
     }

@@ -6,11 +6,13 @@ import ctypes
 import logging
 import os
 import re
+import socket
 import sys
 from ctypes import c_char_p, c_int, c_void_p, py_object
 from functools import cache
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from libgz.base.errors import PluginError
 from libgz.base.files import read_limited
@@ -19,7 +21,7 @@ from libgz.classic.plugin import GUIPlugin, ModelPlugin, SensorPlugin, SystemPlu
 from libgz.classic.plugin_base import PluginT
 from libgz.classic_cxx import rows
 from libgz.classic_cxx.library import MESSAGES, SONAME, cache_folder, source_key
-from libgz.cxx.host import frames_address, install, loading
+from libgz.cxx.host import frames_address, install, loading, track
 from libgz.cxx.shared_object import SharedObject
 from libgz.simulation.plugins import Plugin
 
@@ -37,6 +39,9 @@ KINDS: dict[str, type[PluginT]] = {
 }
 MARK = re.compile(rb"libgz classic plugin: (\w{1,20}); ([0-9a-f]{1,40}-[0-9a-f]{1,40}); ([^;\0]{1,4096});")
 MESSAGES_OF_ITS_OWN = b"AddDescriptors"  # what registers them in protobuf
+ROSCPP = b"libroscpp.so"
+NODE = "gazebo_plugins"  # the node of plugins for ROS 1
+PATIENCE = 1.0  # [s] for ROS's master
 INIT, RESET, DELETE = range(3)  # as in bridge.cc
 NOT_KEPT = "states and resets do not keep the variables of its C++ object, which libgz does not know"
 
@@ -94,6 +99,7 @@ def _functions(path: Path, key: str, folder: Path) -> Any:
         "create": (c_void_p, [c_void_p, c_char_p, c_char_p, c_char_p, py_object]),
         "load": (None, [c_void_p, py_object, py_object]),
         "call": (None, [c_void_p, c_int]),
+        "start_roscpp": (c_int, [c_void_p, c_char_p]),
     }
     for name, (result, arguments) in kinds.items():
         function = functions[f"libgz_{name}"]
@@ -163,6 +169,21 @@ def _adapter(kind: str) -> type[Any]:
     return type(f"Compiled{kind}Plugin", (CompiledPlugin, KINDS[kind]), {"__module__": "C++"})
 
 
+def _start_ros(functions: Any, shared: SharedObject, path: Path) -> None:
+    """Make roscpp's node, which plugins for ROS 1 expect, if ROS's master answers."""
+    uri = os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
+    try:
+        address = urlsplit(uri)
+        socket.create_connection((address.hostname or "", address.port or 0), PATIENCE).close()
+    except (OSError, ValueError):
+        log.warning("plugin %s uses ROS 1, and no master answers at %s: start roscore first", path, uri)
+        return
+    if not functions.start_roscpp(shared.library._handle, NODE.encode()):
+        log.warning(
+            "plugin %s gets no node of ROS 1: functions of roscpp are missing in the library that it uses", path
+        )
+
+
 def load(path: Path) -> Plugin:
     """Load a plugin. A file that was built again since is loaded again.
 
@@ -194,14 +215,18 @@ def load(path: Path) -> Plugin:
     _loaded.pop(path, None)
     with loading(path):
         shared = SharedObject(path)
+        track(shared, path)
         try:
             maker = ctypes.cast(shared.library["libgz_new_plugin"], c_void_p).value
         except AttributeError:
             raise PluginError(
                 f"error loading plugin: {path} hides its RegisterPlugin; build it without -fvisibility"
             ) from None
-    if MESSAGES_OF_ITS_OWN in read_limited(path):
+    data = read_limited(path)
+    if MESSAGES_OF_ITS_OWN in data:
         _kept[path] = shared
+    if ROSCPP in data:
+        _start_ros(functions, shared, path)
     values = {"shared": shared, "maker": maker, "functions": functions, "path": path, "__module__": "C++"}
     plugin = Plugin(path, edited=edited)
     plugin.registered = [(kind, type(path.stem, (_adapter(kind),), values))]

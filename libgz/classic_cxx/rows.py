@@ -5,64 +5,69 @@ from __future__ import annotations
 import ctypes
 from typing import Any
 
-from libgz.base.records import ClockRecord, TableRecord
 from libgz.classic.physics import Joint, Link, Model, World
-from libgz.ode.context import StepContext
+from libgz.classic_cxx.layouts import FUNCTIONS, RowRecord
 from libgz.ode.lib import ode
+from libgz.physics.body import Body
+from libgz.physics.joint import SliderJoint
 from libgz.sdfworld.model import SdfModel
 
-__all__ = ["clock_of", "owned", "row_of", "start"]
+__all__ = ["clock_of", "fill", "owned", "start"]
 
-# Of ODE, in the order that hot.cc expects.
-FUNCTIONS = (
-    "dBodyEnable",
-    "dBodyAddForce",
-    "dBodyAddTorque",
-    "dBodyAddRelForce",
-    "dBodyAddRelTorque",
-    "dBodyAddForceAtPos",
-    "dBodyAddForceAtRelPos",
-)
 NO_ROW = -1
-
-# A record or clock, which the library keeps alive unseen by the collector: it must refer to nothing else. Then the
-# address of the record, the row, the address of the clock; of a model also its frame in the body.
-Row = tuple[Any, int, int, int] | tuple[Any, int, int, int, tuple[float, ...]]
 
 
 def start(library: Any) -> None:
     """Hand a library the addresses of ODE's functions."""
     addresses = (ctypes.c_void_p * len(FUNCTIONS))(*map(ode().address, FUNCTIONS))
     function = library["libgz_hot"]
-    function.argtypes, function.restype = [ctypes.c_void_p, *[ctypes.c_int64] * 3], None
-    offset = StepContext.resting.offset
-    function(addresses, offset, ctypes.sizeof(TableRecord), ctypes.sizeof(ClockRecord))
+    function.argtypes, function.restype = [ctypes.c_void_p], None
+    function(addresses)
 
 
-def row_of(view: Any) -> Row | None:
-    """Where the numbers of a link, joint, model or world are; None if they are in no table."""
+def fill(view: Any, address: int) -> object:
+    """Write where the numbers of a link, joint, model or world are into a `RowRecord`.
+
+    Returns:
+        What owns them; None if there are none. The library keeps it alive unseen by the collector: it refers to no
+        view.
+    """
+    found = RowRecord.from_address(address)
+    ctypes.memset(address, 0, ctypes.sizeof(RowRecord))
+    found.row, found.ends[:] = NO_ROW, (NO_ROW, NO_ROW)
     if isinstance(view, World):
-        return view.core.clock, 0, NO_ROW, ctypes.addressof(view.core.clock)
-    record = view.GetWorld().core.engine.tables.record
-    address = ctypes.addressof(record)
+        found.clock.contents = clock = view.core.clock
+        return clock
+    if not isinstance(view, Link | Model | Joint):
+        return None
+    tables = view.GetWorld().core.engine.tables.record
+    found.tables.contents = tables
     if isinstance(view, Link):
-        body = view.body
-        return record, address, NO_ROW if body.closed or body.dummy else body.row, 0
-    if isinstance(view, Model):
+        found.row = _row(view.body)
+    elif isinstance(view, Model):
         canonical = view.core.frame_in_body() if isinstance(view.core, SdfModel) else None
-        if canonical is None or canonical[0].closed or canonical[0].dummy:
-            return record, address, NO_ROW, 0
-        body, frame = canonical
-        return record, address, body.row, 0, (*map(float, (*frame.pos, *frame.rot)),)
-    if isinstance(view, Joint):
-        joint = view.core.plain_joint()
-        return record, address, NO_ROW if joint is None else joint.row, 0
-    return None
+        if canonical is not None:
+            body, frame = canonical
+            found.row, found.framed, found.frame[:] = _row(body), 1, (*frame.pos, *frame.rot)
+    else:
+        record, joint = view.core.record, view.core.plain_joint()
+        found.joint.contents = record
+        if joint is not None:
+            found.row, found.slides = joint.row, isinstance(joint, SliderJoint)
+            found.ends[:] = _row(view.core.parent), _row(view.core.child)
+        return tables, record
+    return tables
 
 
-def owned(link: Any) -> bool:
-    """Whether the calling thread holds the world of a link, which moves."""
-    return not link.IsStatic() and bool(link.GetWorld().core.lock.owned())
+def _row(body: Body | None) -> int:
+    """The row of a body that moves; NO_ROW for any other."""
+    return NO_ROW if body is None or body.closed or body.dummy else body.row
+
+
+def owned(view: Any) -> bool:
+    """Whether the calling thread holds the world of a joint, or of a link that moves."""
+    still = isinstance(view, Link) and view.IsStatic()
+    return not still and bool(view.GetWorld().core.lock.owned())
 
 
 def clock_of(holder: Any) -> tuple[int, str]:

@@ -2,11 +2,16 @@
  * sources of the C library, the gz_* functions, which reach the server of the process.
  */
 #define _GNU_SOURCE
+#include <link.h>
 #include <signal.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include "error.h"
@@ -22,8 +27,8 @@ int gz_host_ended;
 static __thread libgz_frame *top;
 static __thread int has_stack;
 
-static const int SIGNALS[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL};
-static const char *const NAMES[] = {"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL"};
+static const int SIGNALS[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS};
+static const char *const NAMES[] = {"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"};
 enum { COUNT = sizeof SIGNALS / sizeof SIGNALS[0] };
 static struct sigaction before[COUNT];
 
@@ -78,6 +83,104 @@ void gz_host_loaded(void)
     top = top->below;
 }
 
+/* Where the code of plugins is and was: in a thread of a plugin's own no method is marked, so that its stack has to say
+ * whose it is. */
+enum { FILES = 64, LABEL = 512, PAGES = 16, PAGE = 4096 };
+static struct code {
+    uintptr_t start, end;
+    int in_memory;
+    char label[LABEL];
+} codes[FILES];
+static int newest = -1;
+
+struct search {
+    const char *path;
+    struct code *found;
+};
+
+static int note_range(struct dl_phdr_info *info, size_t size, void *data)
+{
+    struct search *search = data;
+    int i;
+
+    (void) size;
+    if (strcmp(info->dlpi_name, search->path) != 0)
+        return 0;
+    for (i = 0; i < info->dlpi_phnum; i++) {
+        const ElfW(Phdr) *part = &info->dlpi_phdr[i];
+        uintptr_t start = info->dlpi_addr + part->p_vaddr, end = start + part->p_memsz;
+
+        if (part->p_type != PT_LOAD || !(part->p_flags & PF_X))
+            continue;
+        search->found->start = search->found->end == 0 || start < search->found->start ? start : search->found->start;
+        search->found->end = end > search->found->end ? end : search->found->end;
+    }
+    return 1;
+}
+
+/* Note a file that was loaded from a path; returns its number. What was forgotten long ago makes room. */
+int gz_host_opened(const char *path, const char *label)
+{
+    struct search search;
+    int number = (newest + 1) % FILES, i;
+
+    for (i = 0; i < FILES && codes[number].in_memory; i++)
+        number = (number + 1) % FILES;
+    memset(&codes[number], 0, sizeof codes[number]);
+    strncpy(codes[number].label, label, LABEL - 1);
+    search.path = path;
+    search.found = &codes[number];
+    dl_iterate_phdr(note_range, &search);
+    codes[number].in_memory = 1;
+    newest = number;
+    return number;
+}
+
+/* Note that it was unloaded. */
+void gz_host_closed(int number)
+{
+    codes[number].in_memory = 0;
+}
+
+/* The file that has code at an address; a later one may be where an earlier one was. */
+static const struct code *code_at(uintptr_t address)
+{
+    const struct code *found = NULL;
+    int i;
+
+    for (i = 0; newest >= 0 && i < FILES; i++) {
+        const struct code *one = &codes[(newest - i + FILES) % FILES];
+        if (one->start <= address && address < one->end && (found == NULL || one->in_memory))
+            found = one;
+        if (found != NULL && found->in_memory)
+            break;
+    }
+    return found;
+}
+
+/* The file whose code runs at an address, or called what does: the first that the stack names. */
+static const struct code *code_of(uintptr_t address, uintptr_t stack)
+{
+    static uintptr_t words[PAGES * PAGE / sizeof(uintptr_t)];
+    const struct code *found = code_at(address);
+    struct iovec own = {words, sizeof words}, pages[PAGES];
+    ssize_t size, i;
+
+    stack &= ~(uintptr_t) (sizeof(uintptr_t) - 1);
+    for (i = 0; i < PAGES; i++) {
+        uintptr_t end = (stack / PAGE + 1) * PAGE;
+
+        pages[i].iov_base = (void *) stack;
+        pages[i].iov_len = end - stack;
+        stack = end;
+    }
+    /* The system reads up to where the stack ends. */
+    size = found == NULL ? process_vm_readv(getpid(), &own, 1, pages, PAGES, 0) : 0;
+    for (i = 0; found == NULL && i < size / (ssize_t) sizeof(uintptr_t); i++)
+        found = code_at(words[i]);
+    return found;
+}
+
 static void write_text(const char *text)
 {
     if (write(STDERR_FILENO, text, strlen(text)) < 0)
@@ -94,29 +197,59 @@ static void write_frame(const char *what)
     write_text(top->label);
 }
 
+/* Report what happened in a thread that no method is marked in, whose stack names code of a plugin. */
+static void write_thread(const char *what, const struct code *code)
+{
+    write_text("\nerror   : ");
+    write_text(what);
+    write_text(code->in_memory ? " in a thread of " : " in a thread that was left by ");
+    write_text(code->label);
+    if (!code->in_memory)
+        write_text(", which was unloaded; its destructor has to join its threads");
+}
+
 static void on_signal(int number, siginfo_t *info, void *context)
 {
+    const ucontext_t *at = context;
+    uintptr_t address = 0, stack = 0;
+    const struct code *code;
     int i;
 
-    (void) info;
-    (void) context;
+#if defined __x86_64__
+    address = (uintptr_t) at->uc_mcontext.gregs[REG_RIP], stack = (uintptr_t) at->uc_mcontext.gregs[REG_RSP];
+#elif defined __aarch64__
+    address = (uintptr_t) at->uc_mcontext.pc, stack = (uintptr_t) at->uc_mcontext.sp;
+#else
+    (void) at;
+#endif
+    code = top == NULL ? code_of(address, stack) : NULL;
     for (i = 0; i < COUNT; i++)
         if (SIGNALS[i] == number) {
-            if (top != NULL) {
+            if (top != NULL)
                 write_frame(NAMES[i]);
+            else if (code != NULL)
+                write_thread(NAMES[i], code);
+            if (top != NULL || code != NULL)
                 write_text(": the process ends\n");
-            }
             /* The instruction repeats, and ends the process as it would have without this handler. */
             sigaction(number, &before[i], NULL);
+            if (info->si_code <= 0)
+                raise(number); /* a signal that code has sent */
         }
 }
 
 static void on_exit_of_process(void)
 {
-    if (top == NULL)
-        return;
-    write_frame("exit() was called");
-    write_text("\n");
+    const struct code *code = NULL;
+
+    if (top == NULL && syscall(SYS_gettid) != getpid())
+        code = code_of(0, (uintptr_t) __builtin_frame_address(0));
+    if (top != NULL)
+        write_frame("exit() was called");
+    else if (code != NULL)
+        write_thread("exit() was called", code);
+    if (top != NULL || code != NULL)
+        write_text("\n");
     top = NULL;
 }
 
@@ -134,6 +267,7 @@ void gz_host_install(const struct gz_host *functions)
     for (i = 0; i < COUNT; i++)
         sigaction(SIGNALS[i], &action, &before[i]);
     atexit(on_exit_of_process);
+    at_quick_exit(on_exit_of_process);
 }
 
 /* Report an error as the C library does. */

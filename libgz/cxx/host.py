@@ -5,6 +5,8 @@ from __future__ import annotations
 import atexit
 import ctypes
 import logging
+import os
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes import CFUNCTYPE, POINTER, c_char_p, c_int, c_size_t, c_void_p
@@ -16,13 +18,14 @@ from libgz.base.errors import USER_ERRORS, GazeboError, InterfaceError, LibraryE
 from libgz.cxx import FOLDER
 from libgz.cxx.objects import running
 from libgz.cxx.shadow import Shadow
+from libgz.cxx.shared_object import SharedObject
 from libgz.interfaces.catalog import INTERFACES
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
 from libgz.transport.semaphores import GZ_SEM_KEY
 from libgz.transport.server import Server
 
-__all__ = ["HostedServer", "ended_address", "fail", "frames_address", "install", "loading", "offer"]
+__all__ = ["HostedServer", "ended_address", "fail", "frames_address", "install", "loading", "offer", "track"]
 
 log = logging.getLogger("libgz.plugin")
 
@@ -220,6 +223,9 @@ def _library() -> ctypes.CDLL:
     library.gz_host_loading.restype = None
     library.gz_host_loaded.argtypes = []
     library.gz_host_loaded.restype = None
+    library.gz_host_opened.argtypes = [c_char_p, c_char_p]
+    library.gz_host_closed.argtypes = [c_int]
+    library.gz_host_closed.restype = None
     return library
 
 
@@ -252,6 +258,18 @@ def loading(path: Path) -> Iterator[None]:
         yield
     finally:
         _library().gz_host_loaded()
+
+
+def track(shared: SharedObject, path: Path) -> None:
+    """Let messages after a crash name a plugin whose own threads crash, also when it was unloaded.
+
+    Args:
+        shared: what was loaded.
+        path: its file.
+    """
+    label = f"plugin {path}".encode(errors="surrogateescape")
+    number = _library().gz_host_opened(os.fsencode(shared.library._name), label)
+    weakref.finalize(shared, _library().gz_host_closed, number)
 
 
 def frames_address() -> int:

@@ -14,7 +14,7 @@ from libgz.base.errors import PluginError
 from libgz.base.files import read_limited
 from libgz.base.trust import check_trusted
 from libgz.cxx.headers import mark
-from libgz.cxx.host import install, loading
+from libgz.cxx.host import install, loading, track
 from libgz.cxx.model import CxxModel
 from libgz.cxx.objects import running
 from libgz.cxx.shared_object import SharedObject
@@ -173,6 +173,7 @@ def load(path: Path) -> Plugin:
     table()
     with loading(path):
         shared = SharedObject(path)
+        track(shared, path)
         registered = _registered(path, shared.library)
     if shared.renders_with is not None:
         log.info("plugin %s renders with %s: its Render is never called", path, shared.renders_with)

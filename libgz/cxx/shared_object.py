@@ -5,9 +5,11 @@ from __future__ import annotations
 import _ctypes
 import ctypes
 import os
+import platform
 import re
 import shutil
 import struct
+import sys
 import tempfile
 import weakref
 from pathlib import Path
@@ -23,7 +25,11 @@ __all__ = ["SharedObject"]
 UNDEFINED = re.compile(r"undefined symbol: (\w+)")
 RENDERING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of OpenGL and X, which models never call
 FOLDER = "libgz-plugin-"  # beginning of the names of folders with copies, before the number of their process
+ELF = b"\x7fELF"
 ELF64 = b"\x7fELF\x02\x01"
+HEADER = 20  # bytes: class and order of bytes from 4 on, and the processor at MACHINE
+MACHINE = slice(18, 20)
+PROCESSORS = {3: "x86", 20: "PowerPC", 21: "PowerPC", 40: "arm", 62: "x86-64", 183: "aarch64", 243: "RISC-V"}
 DYNAMIC_SYMBOLS = 11  # SHT_DYNSYM
 SYMBOL = 24  # bytes of an entry there; the fifth one has binding and type
 WEAK, UNIQUE = 2, 10  # bindings
@@ -45,6 +51,7 @@ class SharedObject:
 
     def __init__(self, path: Path) -> None:
         data = bytearray(read_limited(path))
+        _check_processor(data, path)
         try:
             _make_its_own(data)
         except struct.error:
@@ -76,6 +83,23 @@ class SharedObject:
             if missing is not None:
                 reason = f"nothing defines {missing[1]}; link the file or library that does"
             raise PluginError(f"error loading plugin: {path}: {reason}") from None
+
+
+def _check_processor(data: bytes | bytearray, path: Path) -> None:
+    """Check that a file is for the processor that runs this process: the loader says of others that they are not there.
+
+    Raises:
+        PluginError: it is for another one.
+    """
+    with Path(sys.executable).open("rb") as program:
+        here = program.read(HEADER)
+    if not data.startswith(ELF) or len(data) < HEADER or data[4:6] + data[MACHINE] == here[4:6] + here[MACHINE]:
+        return
+    (machine,) = struct.unpack_from("<H" if data[5] == 1 else ">H", data, MACHINE.start)
+    built_for = f"{PROCESSORS.get(machine, f'processor {machine} of ELF')} ({32 if data[4] == 1 else 64} bits)"
+    raise PluginError(
+        f"error loading plugin: {path} was built for {built_for}, and this is {platform.machine()}; build it again here"
+    )
 
 
 def _remove_stale() -> None:

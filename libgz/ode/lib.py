@@ -21,7 +21,7 @@ from libgz.base.errors import LibraryError, nearest
 from libgz.ode.prototypes import PROTOTYPES
 from libgz.ode.types import ContactGeom
 
-__all__ = ["OdeLibrary", "bundled_path", "ode"]
+__all__ = ["OdeLibrary", "bundled_path", "declared", "ode"]
 
 log = logging.getLogger("libgz.ode")
 
@@ -60,6 +60,16 @@ def _parse(prototypes: str) -> dict[str, tuple[Any, list[Any]]]:
         restype = _POINTER_RESULTS.get(result) or _C_TYPES[result]
         declared[name] = (restype, [_C_TYPES[a] for a in arguments.split(", ") if a])
     return declared
+
+
+@functools.cache
+def _declarations() -> dict[str, tuple[Any, list[Any]]]:
+    return _parse(PROTOTYPES)
+
+
+def declared(name: str) -> tuple[Any, list[Any]]:
+    """(result type, argument types) of a function of ODE."""
+    return _declarations()[name]
 
 
 def bundled_path() -> Path | None:
@@ -113,7 +123,7 @@ class OdeLibrary:
 
     def __init__(self) -> None:
         self._shared, self.origin = _load()
-        self._declared = _parse(PROTOTYPES)
+        self._declared = _declarations()
         self._threads = threading.local()
         for get_handler, set_handler, kind, level in (
             (self.dGetErrorHandler, self.dSetErrorHandler, "error", logging.CRITICAL),

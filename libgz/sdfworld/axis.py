@@ -10,6 +10,7 @@ from libgz.base.errors import NotFoundError, ParameterError
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuaternInverse, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
+from libgz.sdfworld.joint_record import AxisRecord
 
 __all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "lost_link", "read_joint"]
 
@@ -23,25 +24,44 @@ Note = Callable[[Element, str], None]  # reports a warning about an element
 FindLink = Callable[[str], Body]  # a link by its name in a file
 
 
-@dataclass
-class Axis:
+class Axis(AxisRecord):
     """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N].
 
     Springs and stops of a joint that is made are changed through it: `set_spring`, `set_param`.
+
+    Args:
+        direction: global, when the joint was made.
+        given: False: ODE's default, fixed to the links and not to the joint's frame.
+        lower: the lower limit.
+        upper: the upper limit.
+        effort: the largest effort; negative: no limit.
+        velocity: above which efforts do not act; negative: no limit.
+        damping: of the damper [N m s/rad] or [N s/m].
+        friction: of the axis [N m] or [N].
+        stiffness: of the spring [N m/rad] or [N/m].
+        reference: where the spring rests.
+        stop_stiffness: kept, as in Gazebo, and not used by ODE.
+        stop_dissipation: the same.
     """
 
-    direction: GzVector  # global, when the joint was made
-    given: bool = True  # False: ODE's default, fixed to the links and not to the joint's frame
-    lower: float = -UNLIMITED
-    upper: float = UNLIMITED
-    effort: float = -1.0  # negative: no limit
-    velocity: float = -1.0
-    damping: float = 0.0
-    friction: float = 0.0
-    stiffness: float = 0.0
-    reference: float = 0.0
-    stop_stiffness: float = 1e8  # kept, as in Gazebo, and not used by ODE
-    stop_dissipation: float = 1.0  # the same
+    def __init__(
+        self,
+        direction: GzVector,
+        given: bool = True,
+        lower: float = -UNLIMITED,
+        upper: float = UNLIMITED,
+        effort: float = -1.0,
+        velocity: float = -1.0,
+        damping: float = 0.0,
+        friction: float = 0.0,
+        stiffness: float = 0.0,
+        reference: float = 0.0,
+        stop_stiffness: float = 1e8,
+        stop_dissipation: float = 1.0,
+    ) -> None:
+        self.direction, self.given = direction, given
+        limits, dynamics = (lower, upper, effort, velocity), (damping, friction, stiffness, reference)
+        super().__init__(*limits, *dynamics, stop_stiffness, stop_dissipation)
 
     @property
     def springs(self) -> bool:

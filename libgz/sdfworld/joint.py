@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import struct
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
@@ -32,9 +31,9 @@ from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
+from libgz.sdfworld.joint_record import PARAMETERS, RANGES, JointRecord
 from libgz.sdfworld.links import accelerate_links, links_behind, move_links
 from libgz.sdfworld.mechanism import (
-    PARAMETERS,
     GearboxMechanism,
     HingeMechanism,
     Links,
@@ -59,24 +58,16 @@ NUMBERS = (
     *("given", "lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference"),
     *("stop_stiffness", "stop_dissipation"),
 )
-# What makes sense to ODE; values outside are replaced by the nearest bound.
-RANGES = {
-    **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
-    **dict.fromkeys(("cfm", "stop_cfm", "suspension_cfm"), (0.0, 1e10)),
-    "fmax": (0.0, 1e16),
-    "vel": (-1e6, 1e6),
-}
 GEARS = ("reference_angle1", "reference_angle2", "ratio")  # keys of a gearbox that may change in each step
 
 
 # What a state has of a joint.
-_EFFORTS = struct.Struct("2dq2dq")
 _VECTOR, _TURN = ("x", "y", "z"), ("u", "x", "y", "z")
 _numbers_of_vector = attrgetter(*_VECTOR)
 _numbers_of_axis = attrgetter(*(f"direction.{name}" for name in _VECTOR), *NUMBERS)
 _description = attrgetter(
     *(f"plan.{name}" for name in ("kind", "implicit", "parameters", "pitch", "ratio", "feedback")),
-    *("acts", "_engine_springs", "_step_time", "_set", "_stop_turns", "_spring_stops"),
+    *("acts", "_engine_springs", "_step_time", "record.given", "_stop_turns", "_spring_stops"),
     *(
         f"{frame}.{part}.{name}"
         for frame in ("_in_child", "_in_parent")
@@ -125,10 +116,8 @@ class SdfJoint:
         self.number = 0
         self.table: object = None
         self._mechanism: Mechanism | None = None
-        self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
-        self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
+        self.record = JointRecord(self.axes, self.dof)
         self._engine_springs = False  # whether the engine applies its springs
-        self._set: dict[tuple[str, int], float] = {}  # ODE's parameters as users set them, by key and axis
         self._stop_turns: dict[int, float] = {}  # axis -> turns [rad] that its stops were set for
         self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
         self._step_time = engine.step_time  # [s] that `_refresh` has used
@@ -241,14 +230,14 @@ class SdfJoint:
     @property
     def efforts(self) -> bytes:
         """The efforts of the last two steps that had some, each with the number of its step; kept in states."""
-        return _EFFORTS.pack(*self._applied, self._applied_at, *self._before, self._before_at)
+        return self.record.efforts
 
     @classmethod
     def load_efforts(cls, joints: Iterable[SdfJoint], packed: bytes) -> None:
         """Give joints the efforts that they had, those of one after those of the other."""
-        for joint, numbers in zip(joints, _EFFORTS.iter_unpack(packed), strict=False):
-            first, second, joint._applied_at, third, fourth, joint._before_at = numbers
-            joint._applied, joint._before = [first, second], [third, fourth]
+        size = JointRecord.EFFORTS
+        for joint, start in zip(joints, range(0, len(packed) - size + 1, size), strict=False):
+            joint.record.efforts = packed[start : start + size]
 
     @classmethod
     def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace, element: Element | None) -> JointPlan:
@@ -297,7 +286,7 @@ class SdfJoint:
             axis.direction = GzVector(*numbers[:3])
             for key, number in zip(NUMBERS, numbers[3:], strict=True):
                 setattr(axis, key, number)
-        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
+        self.record.given, self._stop_turns, self._spring_stops = map(dict, tables)
         present = type(self._mechanism).__name__ if self._mechanism is not None else None
         if (present, [place_of(self.parent), place_of(self.child)]) != (name, ends):
             self._rejoin(name is not None, Links(*map(find, ends)))
@@ -306,7 +295,7 @@ class SdfJoint:
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
         self.acts, self._engine_springs, self._step_time = flags[:3]
-        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
+        self.record.given, self._stop_turns, self._spring_stops = map(dict, tables)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
         """Release what it holds, and join other links as they stand, if it `holds` links at all."""
@@ -379,10 +368,7 @@ class SdfJoint:
         effort, axis = self._within_limit(effort, index)
         if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
             effort = 0.0
-        if self._applied_at != self.engine.steps:
-            self._before, self._before_at = self._applied, self._applied_at
-            self._applied, self._applied_at = [0.0, 0.0], self.engine.steps
-        self._applied[index] += effort
+        self.record.add_effort(effort, index, self.engine.steps)
         self._apply(effort, index)
 
     def _within_limit(self, effort: float, index: int) -> tuple[float, Axis]:
@@ -404,14 +390,12 @@ class SdfJoint:
 
     def was_held(self, effort: float, steps: int) -> None:
         """Note the effort of a number of steps that are over, as `add_force` notes it."""
-        last = self.engine.steps - 1
-        self._before, self._before_at = ([effort, 0.0], last - 1) if steps > 1 else (self._applied, self._applied_at)
-        self._applied, self._applied_at = [effort, 0.0], last
+        self.record.held(effort, steps, self.engine.steps - 1)
 
     def force(self, index: int = 0) -> float:
         """The effort of the last step in which one was applied [N m] or [N]."""
         self._check_index(index)
-        return self._applied[index]
+        return float(self.record.efforts_now[index])
 
     def _apply(self, effort: float, index: int) -> None:
         if self._mechanism is None:
@@ -564,7 +548,7 @@ class SdfJoint:
 
     def _set_parameters(self) -> None:
         """Stops, friction, ODE's parameters of the file, and what users have set."""
-        users = dict(self._set)
+        users = self.record.given
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
             if axis.friction > 0.0 and self._number("vel", index) is not None:
@@ -651,7 +635,7 @@ class SdfJoint:
             ode_parameter = self._known_number(key, index)
             least, most = RANGES.get(key, (-math.inf, math.inf))
             number = min(max(number, least), most)
-            self._set[key, index] = number
+            self.record.set_parameter(key, index, number)
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
 
@@ -784,7 +768,7 @@ class SdfJoint:
         total = spring + abs(axis.damping)
         acts = self._spring_stops.get(index)  # and so most numbers are what they were in the last step
         for key, value in (("stop_erp", spring / total), ("stop_cfm", 1.0 / total)):
-            if not acts or self._set.get((key, index)) != value:
+            if not acts or self.record.parameter(key, index) != value:
                 self.set_param(key, value, index)
         if not (acts and axis.stiffness and self._has_ode_stops(index, target)):
             self._set_ode_stops(index, target, target)
@@ -842,8 +826,7 @@ class SdfJoint:
 
     def _effort_on_child(self, mechanism: Mechanism, anchor: GzVector) -> tuple[GzVector, GzVector]:
         """(force, torque about the anchor) of what `add_force` applied in the last step, global."""
-        last = self.engine.steps - 1
-        efforts = {self._before_at: self._before, self._applied_at: self._applied}.get(last, [0.0, 0.0])
+        efforts = self.record.efforts_of(self.engine.steps - 1)
         force, torque = GzVector(), GzVector()
         for index, effort in enumerate(efforts[: self.dof]):
             if effort == 0.0:

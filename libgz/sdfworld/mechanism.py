@@ -25,30 +25,16 @@ from libgz.base.errors import ParameterError, nearest
 from libgz.base.geometry import GzVector, GzVectorAdd, GzVectorDot, GzVectorMag, GzVectorMul
 from libgz.base.law import constant, law
 from libgz.ode.context import HeldEffort
-from libgz.ode.types import (
-    dParamBounce,
-    dParamCFM,
-    dParamERP,
-    dParamFMax,
-    dParamFudgeFactor,
-    dParamHiStop,
-    dParamLoStop,
-    dParamStopCFM,
-    dParamStopERP,
-    dParamSuspensionCFM,
-    dParamSuspensionERP,
-    dParamVel,
-)
 from libgz.physics.body import Body
 from libgz.physics.couplings import Gears, PistonJoint, Thread
 from libgz.physics.engine import Engine
 from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 from libgz.sdfworld.axis import Axis, JointPlan
+from libgz.sdfworld.joint_record import PARAMETERS
 
 __all__ = [
     "MECHANISMS",
-    "PARAMETERS",
     "GearboxMechanism",
     "Links",
     "Mechanism",
@@ -58,21 +44,6 @@ __all__ = [
     "ode_number",
 ]
 
-# Classic's keys of parameters, and ODE's numbers of them for the first axis.
-PARAMETERS = {
-    "fudge_factor": dParamFudgeFactor,
-    "suspension_erp": dParamSuspensionERP,
-    "suspension_cfm": dParamSuspensionCFM,
-    "stop_erp": dParamStopERP,
-    "stop_cfm": dParamStopCFM,
-    "erp": dParamERP,
-    "cfm": dParamCFM,
-    "fmax": dParamFMax,
-    "vel": dParamVel,
-    "hi_stop": dParamHiStop,
-    "lo_stop": dParamLoStop,
-    "bounce": dParamBounce,
-}
 SECOND = 0x100  # from the parameters of ODE's first axis to those of its second
 PARALLEL = 0.999  # cosine from which two axes count as parallel
 SKEW = 1e-3  # cosine up to which two axes are at right angles

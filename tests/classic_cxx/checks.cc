@@ -9,6 +9,8 @@
 #include <gazebo/rendering/rendering.hh>
 #include <gazebo/sensors/sensors.hh>
 #include <gazebo/transport/transport.hh>
+#include <csignal>
+#include <cstdlib>
 #include <thread>
 
 #define EXPECT(condition) \
@@ -24,15 +26,136 @@ inline int &Loads()
   return number;
 }
 
+// Ways in which a plugin breaks.
+struct Failure
+{
+};
+struct Abstract
+{
+  explicit Abstract(bool calls)
+  {
+    if (calls)
+      this->Through();
+  }
+  virtual ~Abstract() {}
+  void Through() { this->Missing(); }
+  virtual void Missing() = 0;
+};
+struct Concrete : Abstract
+{
+  Concrete() : Abstract(true) {}
+  void Missing() override {}
+};
+static volatile int depth = 0;
+static int Deeper(volatile char *before)
+{
+  volatile char page[4096];
+  page[0] = before ? before[0] : 1;
+  ++depth;
+  return Deeper(page) + page[0];
+}
+static void Break(const std::string &how)
+{
+  if (how == "throw")
+    throw std::runtime_error("no luck");
+  if (how == "text")
+    throw "a plain text";
+  if (how == "string")
+    throw std::string("a string");
+  if (how == "int")
+    throw 7;
+  if (how == "struct")
+    throw Failure();
+  if (how == "gzthrow")
+    gzthrow("none " << 3);
+  if (how == "cast")
+    boost::any_cast<int>(boost::any(std::string("text")));
+  if (how == "at")
+    std::vector<int>().at(3);
+  if (how == "memory")
+    (void) new char[std::size_t(1) << 62];
+  if (how == "exit")
+    std::exit(3);
+  if (how == "quick_exit")
+    std::quick_exit(3);
+  if (how == "abort")
+    std::abort();
+  if (how == "terminate")
+    std::terminate();
+  if (how == "segv")
+    *reinterpret_cast<volatile int *>(8) = 1;
+  if (how == "call null")
+    (*reinterpret_cast<void (*volatile *)()>(&depth))();
+  if (how == "ill")
+    __builtin_trap();
+  if (how == "fpe")
+    std::raise(SIGFPE);
+  if (how == "bus")
+    std::raise(SIGBUS);
+  if (how == "overflow")
+    Deeper(nullptr);
+  if (how == "double free")
+  {
+    void *volatile memory = std::malloc(64), *volatile same = memory;
+    std::free(memory);
+    std::free(same);
+  }
+  if (how == "heap")
+  {
+    char *volatile memory = static_cast<char *>(std::malloc(2000));
+    std::memset(memory - 8, 255, 8);  // the size that malloc keeps there
+    std::free(memory);
+  }
+  if (how == "pure")
+    Concrete();
+  if (how == "loop" || how == "deadlock")
+    std::cerr << how << " begins" << std::endl;
+  if (how == "loop")
+    for (volatile int i = 0;; i = i + 1)
+      ;
+  if (how == "deadlock")
+  {
+    std::mutex mutex;
+    std::unique_lock<std::mutex> lock(mutex);
+    std::condition_variable never;
+    never.wait(lock, [] { return false; });
+  }
+  if (how == "thread")
+  {
+    std::thread running([] { throw std::runtime_error("no luck in a thread"); });
+    running.join();
+  }
+  if (how == "thread segv")
+    std::thread([] { *reinterpret_cast<volatile int *>(8) = 1; }).join();
+  if (how == "thread exit")
+    std::thread([] { std::exit(3); }).join();
+  if (how == "joinable")
+    std::thread([] { std::this_thread::sleep_for(std::chrono::hours(1)); });
+  if (how == "left thread")
+    std::thread([] {
+      for (volatile int i = 0;; i = i + 1)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }).detach();
+}
+static void BreakAt(const char *place, const std::string &check)
+{
+  const std::size_t at = check.find(" in ");
+  if (at != std::string::npos && check.substr(at + 4) == place)
+    Break(check.substr(0, at));
+}
+
 class Checks : public ModelPlugin
 {
  public:
   Checks()
   {
+    if (const char *check = std::getenv("LIBGZ_TEST_CHECK"))
+      BreakAt("constructor", check);
     gzmsg << "made number " << ++Loads() << std::endl;
   }
   ~Checks()
   {
+    BreakAt("destructor", this->check);
     this->stop = true;
     if (this->thread.joinable())
       this->thread.join();
@@ -47,36 +170,37 @@ class Checks : public ModelPlugin
     EXPECT(this->GetHandle() == "checks");
     EXPECT(_sdf->GetName() == "plugin" && !_sdf->HasElement("nothing"));
     EXPECT(_sdf->Get<int>("nothing", 7).first == 7);
+    BreakAt("Load", this->check);
     if (this->check == "identity")
       this->Identity();
     else if (this->check == "values")
       this->Values(_sdf);
+    else if (this->check == "results")
+      this->Results();
     else if (this->check == "events")
       this->OwnEvents();
-    else if (this->check == "topics")
+    else if (this->check == "topics" || this->check.find("OnPing") != std::string::npos)
       this->Topics();
     else if (this->check == "threads")
       this->thread = std::thread([this] { this->Publish(); });
-    else if (this->check == "throws")
-      throw std::runtime_error("no luck");
-    else if (this->check == "gzthrows")
-      gzthrow("none " << 3)
-    else if (this->check == "unknown")
-      throw 7;
     else if (this->check == "null")
       gzmsg << this->model->GetLink("none")->GetName();
     else if (this->check == "libgz")
       this->model->SetWorldPose(ignition::math::Pose3d(NAN, 0, 0, 0, 0, 0));
-    else if (this->check == "segv")
-      *reinterpret_cast<volatile int *>(8) = 1;
-    else if (this->check == "exit")
-      std::exit(3);
     this->connection = event::Events::ConnectWorldUpdateBegin(std::bind(&Checks::OnUpdate, this, std::placeholders::_1));
     this->other = event::Events::ConnectWorldUpdateEnd(boost::bind(&Checks::OnEnd, this));
     gzmsg << this->check << " loaded" << std::endl;
   }
-  void Init() override { gzmsg << "initialized" << std::endl; }
-  void Reset() override { gzmsg << "reset at " << this->updates << std::endl; }
+  void Init() override
+  {
+    BreakAt("Init", this->check);
+    gzmsg << "initialized" << std::endl;
+  }
+  void Reset() override
+  {
+    BreakAt("Reset", this->check);
+    gzmsg << "reset at " << this->updates << std::endl;
+  }
 
  private:
   void Identity()
@@ -97,6 +221,27 @@ class Checks : public ModelPlugin
     EXPECT(this->world->ModelByName("robot") == this->model);
     auto shape = link->GetCollision("shape")->GetShape();
     EXPECT(boost::dynamic_pointer_cast<physics::BoxShape>(shape));
+    // Through the whole hierarchy, by shared and plain pointers, and back from each level.
+    physics::EntityPtr entity = this->model;
+    for (physics::BasePtr one : {physics::BasePtr(this->world->ModelByName("robot")), physics::BasePtr(entity)})
+    {
+      EXPECT(boost::dynamic_pointer_cast<physics::Model>(one) == this->model);
+      EXPECT(dynamic_cast<physics::Model *>(one.get()) == this->model.get());
+      EXPECT(one->shared_from_this() == this->model);
+    }
+    for (unsigned int i = 0; i < this->model->GetChildCount(); ++i)
+    {
+      physics::BasePtr child = this->model->GetChild(i);
+      EXPECT(boost::dynamic_pointer_cast<physics::Model>(child->GetParent()) == this->model);
+      EXPECT(!boost::dynamic_pointer_cast<physics::Link>(child) || boost::dynamic_pointer_cast<physics::Entity>(child));
+    }
+    physics::JointPtr hinge = this->model->GetJoint("hinge");
+    EXPECT(hinge->GetChild() == link && hinge->shared_from_this() == hinge && typeid(*link) == typeid(physics::Link));
+    EXPECT(boost::dynamic_pointer_cast<physics::Joint>(physics::BasePtr(hinge)) == hinge);
+    boost::weak_ptr<physics::Link> weak(link);
+    EXPECT(weak.lock() == link);
+    std::map<physics::LinkPtr, int> numbers{{link, 1}};
+    EXPECT(numbers.count(this->model->GetLink("arm")) == 1 && numbers.count(this->model->GetLink("base")) == 0);
     auto surface = boost::dynamic_pointer_cast<physics::ODESurfaceParams>(link->GetCollision("shape")->GetSurface());
     surface->slip1 = 0.25;
     EXPECT(surface->slip1 == 0.25 && surface->FrictionPyramid()->MuPrimary() > 0);
@@ -134,6 +279,35 @@ class Checks : public ModelPlugin
     physics::ModelState state(this->model);
     EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
   }
+  // Results in parameters, and in boost::any.
+  void Results()
+  {
+    boost::any value;
+    EXPECT(this->world->Physics()->GetParam("max_step_size", value) && boost::any_cast<double>(value) == 0.001);
+    EXPECT(this->world->Physics()->GetParam("iters", value) && boost::any_cast<int>(value) == 50);
+    EXPECT(!this->world->Physics()->GetParam("nothing", value));
+    EXPECT(boost::any_cast<int>(this->world->Physics()->GetParam("iters")) == 50);
+    physics::PresetManagerPtr presets = this->world->PresetMgr();
+    EXPECT(presets->GetCurrentProfileParam("real_time_update_rate", value) && boost::any_cast<double>(value) == 1000);
+    EXPECT(presets->SetCurrentProfileParam("max_step_size", 0.002));
+    EXPECT(presets->GetCurrentProfileParam("max_step_size", value) && boost::any_cast<double>(value) == 0.002);
+    EXPECT(this->world->Physics()->GetMaxStepSize() == 0.002);
+    double distance = -1;
+    std::string name = "?";
+    this->model->GetLink("arm")->GetNearestEntityBelow(distance, name);
+    EXPECT(distance > 0 && name == "robot::base::c");
+    auto ray = boost::dynamic_pointer_cast<physics::RayShape>(
+        this->world->Physics()->CreateShape("ray", physics::CollisionPtr()));
+    ray->SetPoints(ignition::math::Vector3d(0, 0, 5), ignition::math::Vector3d(0, 0, -5));
+    ray->GetIntersection(distance, name);
+    EXPECT(distance > 3 && name == "robot::arm::shape");
+    ignition::math::Vector3d start, end;
+    ray->GlobalPoints(start, end);
+    EXPECT(start.Z() == 5 && end.Z() == -5);
+    std::vector<std::string> types;
+    sensors::SensorManager::Instance()->GetSensorTypes(types);
+    EXPECT(std::find(types.begin(), types.end(), "imu") != types.end());
+  }
   void OwnEvents()
   {
     event::EventT<void(int)> own;
@@ -159,6 +333,7 @@ class Checks : public ModelPlugin
   }
   void OnPing(ConstVector3dPtr &_msg)
   {
+    BreakAt("OnPing", this->check);
     msgs::Vector3d answer(*_msg);
     answer.set_x(_msg->x() + 1);
     this->publisher->Publish(answer);
@@ -178,12 +353,15 @@ class Checks : public ModelPlugin
   void OnUpdate(const common::UpdateInfo &_info)
   {
     ++this->updates;
+    BreakAt("OnUpdate", this->check);
     if (this->check == "fails later" && this->updates == 3)
       this->model->GetLink("none")->GetName();
     if (this->check == "threads")
     {
       std::lock_guard<std::mutex> lock(this->mutex);  // which the thread holds while it calls libgz
     }
+    if (this->check == "joints")
+      this->Joints();
     if (this->check != "step")
       return;
     physics::LinkPtr link = this->model->GetLink("arm");
@@ -205,7 +383,44 @@ class Checks : public ModelPlugin
       line << " " << number;
     gzmsg << "numbers" << line.str() << std::endl;
   }
-  void OnEnd() { ++this->ends; }
+  // What the twin in Python does, too.
+  void Joints()
+  {
+    const int n = this->updates;
+    std::ostringstream line;
+    line.precision(17);
+    for (const auto &joint : this->model->GetJoints())
+    {
+      joint->SetForce(0, 0.9 * n * std::pow(-1.0, n / 7));
+      joint->SetForce(0, 0.125);
+      line << " " << joint->GetForce(0);
+      if (n == 20)
+        joint->SetEffortLimit(0, 2.5);
+      if (n == 30)
+        joint->SetVelocityLimit(0, 0.75);
+      if (n == 40)
+        line << " " << joint->SetParam("fmax", 0, 3.0) << joint->SetParam("vel", 0, -1) << joint->SetParam("vel", 0, 1e9);
+      if (n == 45)
+        joint->SetParam("vel", 0, -0.4f);
+      if (n == 60)
+        joint->SetParam("fmax", 0, -1.0);
+      if (n == 70)
+        joint->SetParam("friction", 0, 0.25);
+      if (n == 80)
+        joint->SetParam("stop_erp", 0, 0.5);
+      if (n == 85)
+        joint->SetParam("hi_stop", 0, 0.5);
+      for (const char *key : {"fmax", "vel", "friction", "stop_erp", "hi_stop", "lo_stop"})
+        line << " " << joint->GetParam(key, 0);
+      line << " " << joint->Position(0) << " " << joint->GetVelocity(0);
+    }
+    gzmsg << "joints" << line.str() << std::endl;
+  }
+  void OnEnd()
+  {
+    BreakAt("OnEnd", this->check);
+    ++this->ends;
+  }
 
   physics::ModelPtr model;
   physics::WorldPtr world;

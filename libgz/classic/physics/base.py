@@ -101,6 +101,10 @@ class Base:
         """The parent: the world for top-level models and lights; None for the world."""
         return self._parent if self._parent is not None or self is self._world else self._world
 
+    def container(self) -> Base | Any:
+        """What contains it: its parent, and of a joint, whose parent is a link, the model."""
+        return self.GetParent()
+
     def GetParentId(self) -> int:
         """The id of the parent; 0 for the world."""
         parent = self.GetParent()

@@ -367,6 +367,10 @@ class Joint(Base):
         """The parent link; None for the world, and for a joint that is detached or whose link was deleted."""
         return self._link(self.core.parent)
 
+    def container(self) -> Base | Any:
+        """The model that contains it."""
+        return super().GetParent()
+
     def GetChild(self, which: int | str | None = None) -> Link | Any:
         """The child link; None for the world, and for a joint that is detached or whose link was deleted."""
         return self._link(self.core.child)

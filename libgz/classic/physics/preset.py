@@ -95,6 +95,8 @@ class PresetManager:
         """A parameter of the current profile."""
         return self.ProfileParam(self._current, key)
 
+    GetProfileParam, GetCurrentProfileParam = ProfileParam, CurrentProfileParam
+
     def SetCurrentProfileParam(self, key: str, value: Any) -> bool:
         """Set a parameter of the current profile; returns True."""
         return self.SetProfileParam(self._current, key, value)

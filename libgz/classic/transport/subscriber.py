@@ -41,7 +41,8 @@ class Subscriber:
             self._callback = weakref.WeakMethod(callback)
         else:
             self._callback = lambda: callback
-        self._what = getattr(callback, "__qualname__", repr(callback))
+        compiled = isinstance(callback, types.BuiltinFunctionType)  # its name says nothing
+        self._what = "a callback" if compiled else f"the callback {getattr(callback, '__qualname__', repr(callback))}"
         self.latching = latching
         self.since = next(sequence)
         self._born = clock.monotonic()
@@ -91,6 +92,6 @@ class Subscriber:
         except USER_ERRORS as error:
             pass_interrupt(error)
             self.Unsubscribe()
-            report_failure(self.owner, f"the callback {self._what} of topic {self._topic.name}", error)
+            report_failure(self.owner, f"{self._what} of topic {self._topic.name}", error)
         finally:
             owner.reset(token)

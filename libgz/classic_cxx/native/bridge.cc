@@ -276,6 +276,12 @@ static std::string demangled(const char *name)
   return text;
 }
 
+bool refused(const PythonError &error)
+{
+  return error.get() != nullptr &&
+         PyErr_GivenExceptionMatches(error.get(), attribute("libgz.base.errors", "GazeboError"));
+}
+
 /* Turns what user code threw into an exception of Python. */
 static void set_error()
 {
@@ -732,7 +738,7 @@ template <class F>
 static event::ConnectionPtr connect_event(const char *event, const F &callback)
 {
   Gil gil;
-  static std::map<std::string, std::string> texts;
+  static auto &texts = *new std::map<std::string, std::string>;  // which a message after exit() reads
   std::string &text = texts[event];
   text = std::string("a callback of event ") + event;
   Connecting named(text.c_str());
@@ -916,6 +922,8 @@ void *libgz_create(void *function, const char *file, const char *name, const cha
   {
     libgz::Unlocked unlocked;
     plugin->plugin = reinterpret_cast<libgz::PluginRoot *(*) ()>(function)();
+    if (plugin->plugin == nullptr)
+      throw libgz::PythonError("its RegisterPlugin returned no plugin", nullptr);
     plugin->plugin->filename = file;
     plugin->plugin->handleName = name;
   }

@@ -431,6 +431,23 @@ struct From<std::set<T>>
 {
   static std::set<T> f(PyObject *o) { return list_of<std::set<T>>(o); }
 };
+template <class... T>
+struct From<std::tuple<T...>>
+{
+  static std::tuple<T...> f(PyObject *o)
+  {
+    if (!PyTuple_Check(o) || PyTuple_GET_SIZE(o) != sizeof...(T))
+      unsupported("a " + std::string(Py_TYPE(o)->tp_name) + " in place of several results");
+    return At(o, std::index_sequence_for<T...>());
+  }
+
+ private:
+  template <std::size_t... I>
+  static std::tuple<T...> At(PyObject *o, std::index_sequence<I...>)
+  {
+    return {From<T>::f(PyTuple_GET_ITEM(o, I))...};
+  }
+};
 template <class K, class T>
 struct From<std::map<K, T>>
 {
@@ -632,6 +649,36 @@ class Call
   int count = 1;
   PyObject *returned = nullptr;
 };
+
+/* Results in parameters: Python returns them, several as a tuple; None where there are none. */
+template <class... T>
+bool give(Call &call, T &...results)
+{
+  call.run();
+  if (call.get() == Py_None)
+    return false;
+  if constexpr (sizeof...(T) == 1)
+    ((results = call.taken<T>()), ...);
+  else
+    std::tie(results...) = call.taken<std::tuple<T...>>();
+  return true;
+}
+/* The same of methods that return whether there are results: what libgz refuses is no result, too. */
+bool refused(const PythonError &error);
+template <class... T>
+bool try_give(Call &call, T &...results)
+{
+  try
+  {
+    return give(call, results...);
+  }
+  catch (const PythonError &error)
+  {
+    if (refused(error))
+      return false;
+    throw;
+  }
+}
 
 template <class... A>
 Adopt construct(const char *space, const char *owner, const A &...values)

@@ -1,59 +1,28 @@
 // The calls that plugins make in every step, on the engine's own tables. License: Apache License 2.0.
 //
 // A row is looked up by Python again when bodies or joints came or went. Where a row is stale, or an object has none,
-// the method of Python is called, which also says what is wrong.
+// the method of Python is called, which also says what is wrong. shared.hh is made of Python's declarations.
 #include "bridge.hh"
+#include "shared.hh"
 
 namespace libgz {
-/* `tables` of updates.h. */
-struct Tables
-{
-  char *context;
-  double step;
-  const uintptr_t *bodies;
-  const double *body_state;
-  const uint8_t *body_fresh;
-  int64_t body_size;
-  const uintptr_t *joints;
-  const double *joint_state;
-  const uint8_t *joint_fresh;
-  int64_t joint_size;
-  const void *marks;
-  int64_t touched, changes, done;
-};
-/* `ClockRecord`. */
-struct Clock
-{
-  double sim_time, pause_time;
-  int64_t iterations;
-  double start;
-};
 /* Where an object's numbers are. */
-struct Row
+struct Row : RowRecord
 {
-  const Tables *tables = nullptr;
-  const Clock *clock = nullptr;
-  int64_t changes = -1, row = -1;
-  PyObject *keep = nullptr;  // what owns the tables
-  bool framed = false;       // a model: its frame is fixed to that body
-  double frame[7] = {};      // position and rotation there
+  int64_t changes = -1;      // of the tables, when it was looked up
+  PyObject *keep = nullptr;  // what owns them
   math::Pose3d pose;         // what WorldPose has returned
 };
 enum { POSITION = 0, ROTATION = 3, CENTRE = 7, VELOCITY = 10, RATE = 13, BODY = 16, JOINT = 4 };  // columns
 
-static int64_t resting;  // where a context says that all bodies rest
-static void (*enable)(uintptr_t);
-using Force = void (*)(uintptr_t, double, double, double);
-using ForceAt = void (*)(uintptr_t, double, double, double, double, double, double);
-static Force add_force, add_torque, add_relative_force, add_relative_torque;
-static ForceAt add_force_at, add_force_at_relative;
+static Functions ode;
 thread_local const void *locked = nullptr;  // the tables whose world this thread holds, within one callback
 
 void attach_row(Object *object)
 {
   if (dynamic_cast<gazebo::physics::Link *>(object) || dynamic_cast<gazebo::physics::Joint *>(object) ||
       dynamic_cast<gazebo::physics::World *>(object) || dynamic_cast<gazebo::physics::Model *>(object))
-    object->row = new Row;
+    object->row = new Row{};
 }
 void drop_row(void *row)
 {
@@ -62,46 +31,58 @@ void drop_row(void *row)
   Py_XDECREF(static_cast<Row *>(row)->keep);
   delete static_cast<Row *>(row);
 }
-static bool look_up(const Object *object, Row *row)
+static void look_up(const Object *object, Row *row)
 {
   Gil gil;
-  Ref found(PyObject_CallOneArg(
-      attribute("libgz.classic_cxx.rows", "row_of"), static_cast<PyObject *>(object->view)));
+  Ref address(PyLong_FromVoidPtr(static_cast<RowRecord *>(row)));
+  PyObject *arguments[] = {static_cast<PyObject *>(object->view), address.get()};
+  Ref found(PyObject_Vectorcall(attribute("libgz.classic_cxx.rows", "fill"), arguments, 2, nullptr));
   if (!found)
     raise_python();
-  if (found.get() == Py_None)
-    return false;
-  PyObject *keep = PyTuple_GET_ITEM(found.get(), 0);
-  Py_INCREF(keep);
-  Py_XDECREF(std::exchange(row->keep, keep));
-  row->tables = static_cast<const Tables *>(PyLong_AsVoidPtr(PyTuple_GET_ITEM(found.get(), 1)));
-  row->row = PyLong_AsLongLong(PyTuple_GET_ITEM(found.get(), 2));
-  row->clock = static_cast<const Clock *>(PyLong_AsVoidPtr(PyTuple_GET_ITEM(found.get(), 3)));
-  row->framed = PyTuple_GET_SIZE(found.get()) > 4;
-  for (int i = 0; row->framed && i < 7; ++i)
-    row->frame[i] = PyFloat_AsDouble(PyTuple_GET_ITEM(PyTuple_GET_ITEM(found.get(), 4), i));
+  Py_XDECREF(std::exchange(row->keep, found.release()));
   row->changes = row->tables ? row->tables->changes : 0;
-  return true;
 }
-static inline Row *row_at(const Object *object)
+/* The row of an object that has numbers in a table; it may have none of a body or joint. */
+static inline Row *looked_up(const Object *object)
 {
   Row *row = static_cast<Row *>(object->row);
   if (row == nullptr)
     return nullptr;
-  if (__builtin_expect(row->tables == nullptr || row->tables->changes != row->changes, 0) && !look_up(object, row))
-    return nullptr;
-  return row->row >= 0 ? row : nullptr;
+  if (__builtin_expect(row->tables == nullptr || row->tables->changes != row->changes, 0))
+    look_up(object, row);
+  return row->tables != nullptr ? row : nullptr;
 }
-/* The numbers of a body; null if it has none, or they are stale. */
+static inline Row *row_at(const Object *object)
+{
+  Row *row = looked_up(object);
+  return row != nullptr && row->row >= 0 ? row : nullptr;
+}
+template <class T>
+static inline T *array(void *address)
+{
+  return static_cast<T *>(address);
+}
+/* The numbers of a body; null if they are stale. */
+static inline const double *body_at(const Row *row)
+{
+  const TableRecord *tables = row->tables;
+  return array<uint8_t>(tables->body_fresh)[row->row] ? array<double>(tables->body_state) + BODY * row->row : nullptr;
+}
 static inline const double *body_of(const Object *object)
 {
   const Row *row = row_at(object);
-  return row && !row->framed && row->tables->body_fresh[row->row] ? row->tables->body_state + BODY * row->row : nullptr;
+  return row && !row->framed ? body_at(row) : nullptr;
+}
+static inline const double *joint_at(const Row *row)
+{
+  const TableRecord *tables = row->tables;
+  return array<uint8_t>(tables->joint_fresh)[row->row] ? array<double>(tables->joint_state) + JOINT * row->row
+                                                        : nullptr;
 }
 static inline const double *joint_of(const Object *object)
 {
   const Row *row = row_at(object);
-  return row && row->tables->joint_fresh[row->row] ? row->tables->joint_state + JOINT * row->row : nullptr;
+  return row ? joint_at(row) : nullptr;
 }
 static inline math::Vector3d vector_at(const double *p) { return {p[0], p[1], p[2]}; }
 static inline math::Quaterniond rotation_at(const double *p) { return {p[0], p[1], p[2], p[3]}; }
@@ -133,11 +114,11 @@ static inline math::Vector3d velocity_of_origin(const double *b)
   return {v[0] + (w[1] * az - w[2] * ay), v[1] + (w[2] * ax - w[0] * az), v[2] + (w[0] * ay - w[1] * ax)};
 }
 
-/* A body that this thread may push: it holds the world, and the body moves. */
+/* The row of a body that moves, or of a joint, which this thread may change: it holds the world. */
 static inline const Row *pushed(const Object *object)
 {
   const Row *row = row_at(object);
-  if (row == nullptr || enable == nullptr)
+  if (row == nullptr)
     return nullptr;
   if (__builtin_expect(locked != row->tables, 0))
   {
@@ -151,39 +132,136 @@ static inline const Row *pushed(const Object *object)
   }
   return row;
 }
-static inline uintptr_t woken(const Row *row)
+static inline void *woken(const Row *row, int64_t body)
 {
-  const uintptr_t body = row->tables->bodies[row->row];
-  *reinterpret_cast<int64_t *>(row->tables->context + resting) = 0;
-  enable(body);
-  return body;
+  void *handle = array<void *>(row->tables->bodies)[body];
+  array<StepContext>(row->tables->context)->resting = 0;
+  ode.dBodyEnable(handle);
+  return handle;
 }
 static inline bool finite(const math::Vector3d &v) { return std::isfinite(v.X() + v.Y() + v.Z()); }
-static inline bool push(const Object *object, Force function, const math::Vector3d &v)
+static inline bool push(
+    const Object *object, decltype(Functions::dBodyAddForce) function, const math::Vector3d &v)
 {
   const Row *row = finite(v) ? pushed(object) : nullptr;
   if (row == nullptr)
     return false;
-  function(woken(row), v.X(), v.Y(), v.Z());
+  function(woken(row, row->row), v.X(), v.Y(), v.Z());
   return true;
 }
-static inline bool push_at(const Object *object, ForceAt function, const math::Vector3d &v, const math::Vector3d &p)
+static inline bool push_at(const Object *object, decltype(Functions::dBodyAddForceAtPos) function,
+    const math::Vector3d &v, const math::Vector3d &p)
 {
   const Row *row = finite(v) && finite(p) ? pushed(object) : nullptr;
   if (row == nullptr)
     return false;
-  function(woken(row), v.X(), v.Y(), v.Z(), p.X(), p.Y(), p.Z());
+  function(woken(row, row->row), v.X(), v.Y(), v.Z(), p.X(), p.Y(), p.Z());
+  return true;
+}
+/* As SdfJoint.add_force does it, with the same bits: a hinge or slider, whose links it wakes. */
+static bool add_effort(const Object *joint, unsigned int index, double effort)
+{
+  const Row *row = index == 0 && std::isfinite(effort) ? pushed(joint) : nullptr;
+  void *handle = row ? array<void *>(row->tables->joints)[row->row] : nullptr;
+  if (handle == nullptr)
+    return false;
+  JointRecord *record = row->joint;
+  const AxisRecord *axis = record->axes[0];
+  if (axis->effort >= 0.0)
+    effort = std::max(-axis->effort, std::min(axis->effort, effort));
+  if (axis->velocity >= 0.0)
+  {
+    const double *state = joint_at(row);
+    if (state == nullptr)
+      return false;
+    if (std::fabs(state[2]) > axis->velocity && state[2] * effort > 0.0)
+      effort = 0.0;
+  }
+  const int64_t step = array<StepContext>(row->tables->context)->steps;
+  if (record->applied_at != step)
+  {
+    std::copy(record->applied, record->applied + 2, record->before);
+    record->before_at = std::exchange(record->applied_at, step);
+    std::fill(record->applied, record->applied + 2, 0.0);
+  }
+  record->applied[0] += effort;
+  for (int64_t body : row->ends)
+    if (body >= 0 && ode.dBodyGetAutoDisableFlag(array<void *>(row->tables->bodies)[body]))
+      woken(row, body);
+  (row->slides ? ode.dJointAddSliderForce : ode.dJointAddHingeTorque)(handle, effort);
+  return true;
+}
+static const Parameter *parameter_of(const std::string &key)
+{
+  for (const Parameter &one : PARAMETERS)
+    if (key == one.key)
+      return &one;
+  return nullptr;
+}
+static void put(const Row *row, void *handle, const Parameter *parameter, double value)
+{
+  value = std::min(std::max(value, parameter->least), parameter->most);
+  row->joint->parameters[parameter->place] = value;
+  (row->slides ? ode.dJointSetSliderParam : ode.dJointSetHingeParam)(handle, parameter->number, value);
+}
+/* As SdfJoint.set_param does it. */
+static bool set_parameter(const Object *joint, const std::string &key, unsigned int index, const boost::any &given)
+{
+  double value;
+  if (const double *real = boost::any_cast<double>(&given))
+    value = *real;
+  else if (const int *whole = boost::any_cast<int>(&given))
+    value = *whole;
+  else if (const float *single = boost::any_cast<float>(&given))
+    value = *single;
+  else
+    return false;
+  const Row *row = index == 0 && !std::isnan(value) ? pushed(joint) : nullptr;
+  void *handle = row ? array<void *>(row->tables->joints)[row->row] : nullptr;
+  if (handle == nullptr)
+    return false;
+  if (const Parameter *parameter = parameter_of(key))
+    put(row, handle, parameter, value);
+  else if (key == "friction")
+  {
+    // A motor with the target velocity zero.
+    static const Parameter *const vel = parameter_of("vel"), *const fmax = parameter_of("fmax");
+    row->joint->axes[0]->friction = value;
+    put(row, handle, vel, 0.0);
+    put(row, handle, fmax, value);
+  }
+  else
+    return false;
+  return true;
+}
+static bool get_parameter(const Object *joint, const std::string &key, unsigned int index, double &found)
+{
+  const Row *row = index == 0 ? pushed(joint) : nullptr;
+  void *handle = row ? array<void *>(row->tables->joints)[row->row] : nullptr;
+  if (handle == nullptr)
+    return false;
+  const AxisRecord *axis = row->joint->axes[0];
+  if (const Parameter *parameter = parameter_of(key))
+    found = (row->slides ? ode.dJointGetSliderParam : ode.dJointGetHingeParam)(handle, parameter->number);
+  else if (key == "hi_stop")
+    found = axis->upper;
+  else if (key == "lo_stop")
+    found = axis->lower;
+  else if (key == "friction")
+    found = axis->friction;
+  else
+    return false;
   return true;
 }
 gazebo::common::UpdateInfo info_at(const void *clock, const std::string &world)
 {
-  const Clock *time = static_cast<const Clock *>(clock);
+  const ClockRecord *time = static_cast<const ClockRecord *>(clock);
   timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   gazebo::common::UpdateInfo info;
   info.worldName = world;
   info.simTime.Set(time->sim_time);
-  info.realTime.Set(static_cast<double>(now.tv_sec) + now.tv_nsec * 1e-9 - time->start);
+  info.realTime.Set(static_cast<double>(now.tv_sec) + now.tv_nsec * 1e-9 - time->_start);
   return info;
 }
 }  // namespace libgz
@@ -204,11 +282,8 @@ using ignition::math::Vector3d;
 const Pose3d &Entity::WorldPose() const
 {
   Row *row = row_at(this);
-  if (row != nullptr && row->tables->body_fresh[row->row])
-  {
-    const double *b = row->tables->body_state + BODY * row->row;
+  if (const double *b = row != nullptr ? body_at(row) : nullptr)
     return row->pose = row->framed ? framed(b, row->frame) : Pose3d(vector_at(b), rotation_at(b + ROTATION));
-  }
   return libgz::Call(this, "WorldPose").kept<Pose3d>();
 }
 LIBGZ_READ(Link, Vector3d, RelativeLinearVel, into_frame(b, velocity_of_origin(b)))
@@ -227,10 +302,10 @@ LIBGZ_READ(Link, Pose3d, WorldCoGPose, Pose3d(vector_at(b + CENTRE), rotation_at
     call << v; \
     call.run(); \
   }
-LIBGZ_PUSH(AddForce, add_force)
-LIBGZ_PUSH(AddTorque, add_torque)
-LIBGZ_PUSH(AddRelativeForce, add_relative_force)
-LIBGZ_PUSH(AddRelativeTorque, add_relative_torque)
+LIBGZ_PUSH(AddForce, ode.dBodyAddForce)
+LIBGZ_PUSH(AddTorque, ode.dBodyAddTorque)
+LIBGZ_PUSH(AddRelativeForce, ode.dBodyAddRelForce)
+LIBGZ_PUSH(AddRelativeTorque, ode.dBodyAddRelTorque)
 #define LIBGZ_PUSH_AT(Name, function) \
   void Link::Name(const Vector3d &v, const Vector3d &p) \
   { \
@@ -240,8 +315,8 @@ LIBGZ_PUSH(AddRelativeTorque, add_relative_torque)
     call << v << p; \
     call.run(); \
   }
-LIBGZ_PUSH_AT(AddForceAtWorldPosition, add_force_at)
-LIBGZ_PUSH_AT(AddForceAtRelativePosition, add_force_at_relative)
+LIBGZ_PUSH_AT(AddForceAtWorldPosition, ode.dBodyAddForceAtPos)
+LIBGZ_PUSH_AT(AddForceAtRelativePosition, ode.dBodyAddForceAtRelPos)
 void Link::AddLinkForce(const Vector3d &force, const Vector3d &offset)
 {
   if (const double *b = finite(force) && finite(offset) ? body_of(this) : nullptr)
@@ -249,7 +324,7 @@ void Link::AddLinkForce(const Vector3d &force, const Vector3d &offset)
     const double u = b[ROTATION], x = b[ROTATION + 1], y = b[ROTATION + 2], z = b[ROTATION + 3];
     const Vector3d arm = rotated(u, x, y, z, offset);
     const Vector3d point(b[0] + arm.X(), b[1] + arm.Y(), b[2] + arm.Z());
-    if (push_at(this, add_force_at, rotated(u, x, y, z, force), point))
+    if (push_at(this, ode.dBodyAddForceAtPos, rotated(u, x, y, z, force), point))
       return;
   }
   libgz::Call call(this, "AddLinkForce");
@@ -272,26 +347,47 @@ double Joint::GetVelocity(unsigned int index) const
   libgz::Call call(this, "GetVelocity");
   return (call << index).result<double>();
 }
+void Joint::SetForce(unsigned int index, double effort)
+{
+  if (libgz::add_effort(this, index, effort))
+    return;
+  libgz::Call call(this, "SetForce");
+  call << index << effort;
+  call.run();
+}
+double Joint::GetForce(unsigned int index)
+{
+  const Row *row = looked_up(this);
+  if (row != nullptr && index < row->joint->dof && row->joint->axes[0] != nullptr)
+    return row->joint->applied[index];
+  libgz::Call call(this, "GetForce");
+  return (call << index).result<double>();
+}
+bool Joint::SetParam(const std::string &key, unsigned int index, const boost::any &value)
+{
+  if (libgz::set_parameter(this, key, index, value))
+    return true;
+  libgz::Call call(this, "SetParam");
+  return (call << key << index << value).result<bool>();
+}
+double Joint::GetParam(const std::string &key, unsigned int index)
+{
+  double found;
+  if (libgz::get_parameter(this, key, index, found))
+    return found;
+  libgz::Call call(this, "GetParam");
+  return (call << key << index).result<double>();
+}
 common::Time World::SimTime() const
 {
   Row *row = static_cast<Row *>(this->row);
-  if (row != nullptr && (row->clock != nullptr || look_up(this, row)) && row->clock != nullptr)
+  if (row != nullptr && row->clock == nullptr)
+    libgz::look_up(this, row);
+  if (row != nullptr && row->clock != nullptr)
     return common::Time(row->clock->sim_time);
   return libgz::Call(this, "SimTime").result<common::Time>();
 }
 }  // namespace physics
 }  // namespace gazebo
 
-extern "C" void libgz_hot(void *const *functions, int64_t offset, int64_t tables, int64_t clock)
-{
-  if (tables != sizeof(Tables) || clock != sizeof(Clock))
-    return;  // another engine: Python is called
-  resting = offset;
-  add_force = reinterpret_cast<Force>(functions[1]);
-  add_torque = reinterpret_cast<Force>(functions[2]);
-  add_relative_force = reinterpret_cast<Force>(functions[3]);
-  add_relative_torque = reinterpret_cast<Force>(functions[4]);
-  add_force_at = reinterpret_cast<ForceAt>(functions[5]);
-  add_force_at_relative = reinterpret_cast<ForceAt>(functions[6]);
-  enable = reinterpret_cast<void (*)(uintptr_t)>(functions[0]);
-}
+extern "C" void libgz_hot(const libgz::Functions *functions) { libgz::ode = *functions; }

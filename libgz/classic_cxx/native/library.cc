@@ -867,13 +867,6 @@ Contact *ContactManager::GetContact(unsigned int index) const
   const std::vector<Contact *> &all = this->GetContacts();
   return index < all.size() ? all[index] : nullptr;
 }
-void RayShape::GetIntersection(double &distance, std::string &entity)
-{
-  libgz::Call call(this, "GetIntersection");
-  call.run();
-  distance = libgz::number_of(PyTuple_GetItem(call.get(), 0));
-  entity = libgz::text_of(PyTuple_GetItem(call.get(), 1));
-}
 boost::recursive_mutex *PhysicsEngine::GetPhysicsUpdateMutex() const
 {
   static boost::recursive_mutex mutex;  // plugins do not run beside a step

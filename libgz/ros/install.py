@@ -9,6 +9,7 @@ from libgz._version import __version__
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.base.files import write_whole
 from libgz.base.python import run_module
+from libgz.ros.cxx_headers import message_header, service_headers
 from libgz.ros.types import message_type, service_type, type_names
 
 __all__ = ["default_prefix", "install", "uninstall"]
@@ -143,6 +144,19 @@ SETUP = """\
 # Read by a shell: . {prefix}/setup.sh
 export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}
 export PYTHONPATH={prefix}/python${{PYTHONPATH:+:$PYTHONPATH}}
+export CMAKE_PREFIX_PATH={prefix}${{CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}}
+export CPATH={prefix}/include${{CPATH:+:$CPATH}}
+"""
+
+# What find_package(catkin COMPONENTS ...) reads; messages are headers alone.
+CMAKE = """\
+get_filename_component(_prefix "${{CMAKE_CURRENT_LIST_DIR}}/../../.." ABSOLUTE)
+set({package}_FOUND TRUE)
+set({package}_FOUND_CATKIN_PROJECT TRUE)
+set({package}_INCLUDE_DIRS "${{_prefix}}/include")
+set({package}_LIBRARIES "")
+set({package}_LIBRARY_DIRS "")
+set({package}_EXPORTED_TARGETS "")
 """
 
 
@@ -190,13 +204,17 @@ def _messages(package: str) -> dict[str, tuple[str, bool]]:
             services[name] = service.md5, service.request.text, service.response.text
             text = f"{service.request.own_text}---\n{service.response.own_text}"
             found[f"share/{package}/srv/{base}.srv"] = text, False
+            for part, header in service_headers(service):
+                found[f"include/{package}/{part}.h"] = header, False
         else:
             messages[name] = kind.text
             found[f"share/{package}/msg/{base}.msg"] = kind.own_text, False
+            found[f"include/{package}/{base}.h"] = message_header(kind), False
     own = MODULE.format(messages=messages, services=services)
     parts = {"msg/": MESSAGE_MODULE.format(package=package), "srv/": SERVICE_MODULE.format(package=package)}
     for path, text in {"": own, **parts}.items():
         found[f"python/{package}/{path}__init__.py"] = text, False
+    found[f"share/{package}/cmake/{package}Config.cmake"] = CMAKE.format(package=package), False
     return found
 
 

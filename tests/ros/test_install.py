@@ -1,15 +1,19 @@
 """The packages for launch files, and spawn_model, which they start."""
 
 import ast
+import shutil
 import subprocess
 import threading
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import pytest
 from ros_peers import wait_for
 
 from libgz.apps.libgz import main
 from libgz.apps.spawn_model import main as spawn_model
+from libgz.ros.install import install
+from libgz.ros.types import message_type, service_type
 
 ARGUMENTS = {
     "debug", "enable_ros_network", "extra_gazebo_args", "gui", "gui_required", "headless", "output", "paused",
@@ -20,6 +24,80 @@ URDF = (
     "<robot name='any'><link name='base'><inertial><mass value='1'/>"
     "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>"
 )
+
+
+# What the headers of messages use of roscpp's.
+ROSCPP = """\
+#ifndef STAND_IN
+#define STAND_IN
+#include <cstdint>
+#include <iostream>
+namespace ros {
+struct Time { uint32_t sec = 0, nsec = 0; bool operator==(const Time &o) const { return sec == o.sec; } };
+typedef Time Duration;
+namespace message_traits {
+struct TrueType { static const bool value = true; };
+struct FalseType { static const bool value = false; };
+template <class M> struct IsMessage : FalseType {};
+template <class M> struct IsFixedSize : FalseType {};
+template <class M> struct HasHeader : FalseType {};
+template <class M> struct MD5Sum;
+template <class M> struct DataType;
+template <class M> struct Definition;
+}
+namespace service_traits { template <class M> struct MD5Sum; template <class M> struct DataType; }
+namespace serialization { template <class M> struct Serializer; }
+namespace message_operations {
+template <class M> struct Printer
+{
+  template <class S> static void stream(S &s, const std::string &, const M &m) { s << m << "\\n"; }
+};
+template <> struct Printer<Time> { template <class S> static void stream(S &, const std::string &, const Time &) {} };
+}
+}
+#define ROS_DECLARE_ALLINONE_SERIALIZER
+#endif
+"""
+USER = """\
+#include <gazebo_msgs/ContactsState.h>
+#include <gazebo_msgs/SetModelState.h>
+struct Counter { int count = 0; template <class T> void next(T &) { ++this->count; } };
+int main()
+{
+  gazebo_msgs::ContactsState message;
+  message.states.resize(1);
+  message.states[0].info = "touch";
+  message.states[0].depths.push_back(0.25);
+  Counter counter;
+  ros::serialization::Serializer<gazebo_msgs::ContactState>::allInOne<Counter, gazebo_msgs::ContactState &>(
+      counter, message.states[0]);
+  std::cout << message << counter.count << " " << (message == message) << " "
+            << ros::message_traits::HasHeader<gazebo_msgs::ContactsState>::value
+            << ros::message_traits::IsFixedSize<geometry_msgs::Wrench>::value
+            << ros::message_traits::IsFixedSize<gazebo_msgs::ContactsState>::value << " "
+            << ros::service_traits::MD5Sum<gazebo_msgs::SetModelState>::value() << " "
+            << ros::message_traits::Definition<gazebo_msgs::ModelState>::value();
+}
+"""
+
+
+def test_headers_of_messages_compile(tmp_path, monkeypatch):
+    """roscpp itself is in the trial; here its place is taken by what the headers use of it."""
+    if shutil.which("g++") is None or not Path("/usr/include/boost/array.hpp").exists():
+        pytest.skip("needs g++ and libboost-dev")
+    monkeypatch.setattr("libgz.ros.install.MESSAGES", ("gazebo_msgs", "geometry_msgs", "std_msgs"))
+    install(tmp_path)
+    (tmp_path / "include" / "ros").mkdir()
+    for name in ("types", "serialization", "builtin_message_traits", "message_operations", "service_traits"):
+        (tmp_path / "include" / "ros" / f"{name}.h").write_text(ROSCPP)
+    (tmp_path / "user.cc").write_text(USER)
+    command = ["g++", "-std=c++17", "-O0", "-Wall", "-Werror", f"-I{tmp_path}/include", "-o", "user", "user.cc"]
+    subprocess.run(command, check=True, cwd=tmp_path)
+    said = subprocess.run([tmp_path / "user"], capture_output=True, text=True, check=True).stdout
+    kind, service = message_type("gazebo_msgs/ContactState"), service_type("gazebo_msgs/SetModelState")
+    assert "info: touch" in said
+    assert "depths[0]: 0.25" in said
+    assert f"{len(kind.fields)} 1 110 {service.md5} {message_type('gazebo_msgs/ModelState').text}" in said
 
 
 def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):

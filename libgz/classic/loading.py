@@ -280,6 +280,9 @@ class LoadedPlugin:
             text = str(error)  # of the world's file, not of the plugin's code
         elif file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
+        elif file is None:
+            # Its frames are those of libgz, and hold an object of C++, which holds the world unseen by the collector.
+            error.__traceback__ = None
         note(str(self), where, error, self.where)
         if self.entity is not None:
             self.entity.plugin_error = error

@@ -118,7 +118,7 @@ static int note_range(struct dl_phdr_info *info, size_t size, void *data)
     return 1;
 }
 
-/* Note a file that was loaded from a path; returns its number. What was forgotten long ago makes room. */
+/* Note a file that was loaded from a path; returns its number. An entry of an unloaded one is used again. */
 int gz_host_opened(const char *path, const char *label)
 {
     struct search search;

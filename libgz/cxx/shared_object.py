@@ -9,7 +9,6 @@ import platform
 import re
 import shutil
 import struct
-import sys
 import tempfile
 import weakref
 from pathlib import Path
@@ -91,7 +90,7 @@ def _check_processor(data: bytes | bytearray, path: Path) -> None:
     Raises:
         PluginError: it is for another one.
     """
-    with Path(sys.executable).open("rb") as program:
+    with Path("/proc/self/exe").open("rb") as program:
         here = program.read(HEADER)
     if not data.startswith(ELF) or len(data) < HEADER or data[4:6] + data[MACHINE] == here[4:6] + here[MACHINE]:
         return

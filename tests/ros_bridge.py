@@ -35,13 +35,14 @@ class FakeGraph:
     Attributes:
         python: what runs as the user's Python.
         declared: names -> declarations of the present bridge.
+        taken: those of topics that are subscribed to.
         received: names -> bytes of messages.
         refused: names of packages that it does not have.
     """
 
     def __init__(self, folder):
         self.refused, self.links = set(), 0
-        self.declared, self.received, self.answers = {}, defaultdict(list), {}
+        self.declared, self.taken, self.received, self.answers = {}, {}, defaultdict(list), {}
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(folder / "graph"))
         self._listener.listen()
@@ -66,6 +67,7 @@ class FakeGraph:
             except OSError:
                 return
             self.declared.clear()
+            self.taken.clear()
             self.send(HELLO, 0, json.dumps({"distribution": "test", "middleware": "none"}).encode())
             self.links += 1
             try:
@@ -83,7 +85,11 @@ class FakeGraph:
                 owner, _, part = name.split(".")
                 name = f"{owner}_{part.removesuffix('Service')}"
                 kind = "srv" if part.endswith("Service") else "msg"
-            self.declared[about["name"]] = {**about, "number": number}
+            row = {**about, "number": number}
+            if about["verb"] == "subscribe":
+                self.taken[about["name"]] = row
+            if about["verb"] != "subscribe" or about["name"] not in self.declared:
+                self.declared[about["name"]] = row
             if package in self.refused:
                 self.send(REFUSED, number, f"ModuleNotFoundError: No module named '{package}'".encode())
             else:
@@ -107,7 +113,7 @@ class FakeGraph:
         self.send(LISTENED, self.number(name), struct.pack("<I", count))
 
     def publish(self, name, body):
-        self.send(MESSAGE, self.number(name), body)
+        self.send(MESSAGE, wait_for(lambda: self.taken.get(name))["number"], body)
 
     def call(self, name, body, also):
         """Send a request; the answer, while `also` is done."""

@@ -339,3 +339,91 @@ def test_controllers_start_by_themselves_where_nobody_could_start_them(start, gr
     describe_robot(server, graph)
     assert server.topic("/joint_states").name == ["elbow"]
     assert "/mover/commands" in graph.declared
+
+
+ROUND = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
+WHEEL = f"<collision name='c'><geometry>{ROUND}</geometry></collision>"
+
+
+def part(name, place, parent, axis, inside=WHEEL):
+    return (
+        f"<link name='{name}'><pose>{place} 0.1 {'-1.5708' if inside else 0} 0 0</pose><inertial><mass>0.5</mass>"
+        f"<inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>{inside}</link>"
+        f"<joint name='{name}' type='revolute'><parent>{parent}</parent><child>{name}</child>"
+        f"<axis><xyz>{axis}</xyz></axis></joint>"
+    )
+
+
+def car():
+    sides = {"left": 0.2, "right": -0.2}
+    parts = [part(f"rear_{side}", f"0 {y}", "base", "0 0 1") for side, y in sides.items()]
+    parts += [part(f"{side}_steer", f"0.8 {y}", "base", "0 0 1", "") for side, y in sides.items()]
+    parts += [part(f"front_{side}", f"0.8 {y}", f"{side}_steer", "0 0 1") for side, y in sides.items()]
+    names = "".join(
+        f"<{end}_{side}_joint>{end}_{side}</{end}_{side}_joint>" for end in ("front", "rear") for side in sides
+    )
+    names += "".join(
+        f"<{side}_steering_joint>{side}_steer</{side}_steering_joint>"
+        f"<{side}_steering_pid_gain>20 0 2</{side}_steering_pid_gain>"
+        for side in sides
+    )
+    slip = "<wheel link_name='rear_left'><wheel_normal_force>10</wheel_normal_force></wheel>"
+    return f"""<sdf version='1.6'><world name='default'><model name='ground'><static>true</static><link name='l'>
+      <collision name='c'><geometry><plane/></geometry></collision></link></model><model name='car'>
+      <link name='base'><pose>0.4 0 0.1 0 0 0</pose><inertial><mass>5</mass></inertial></link>{"".join(parts)}
+      <plugin name='drive' filename='libgazebo_ros_ackermann_drive.so'>{names}
+      <linear_velocity_pid_gain>2 0 0</linear_velocity_pid_gain><publish_odom>true</publish_odom>
+      <publish_distance>true</publish_distance><publish_steerangle>true</publish_steerangle></plugin>
+      <plugin name='slip' filename='libgazebo_ros_wheel_slip.so'>{slip}</plugin></model>
+      <model name='puppet'><pose>0 3 1 0 0 0</pose><link name='l'><inertial><mass>1</mass></inertial></link>
+      <plugin name='hand' filename='libgazebo_ros_hand_of_god.so'><link_name>l</link_name><frame_id>hog</frame_id>
+      </plugin></model></world></sdf>"""
+
+
+def test_a_car_is_steered_and_a_hand_pulls(start, graph):
+    server = start(car())
+    server.topic("/odom")
+    twist = message_type("geometry_msgs/Twist")()
+    twist.linear.x, twist.angular.z = 0.5, 0.3
+    graph.publish("/cmd_vel", cdr(twist.kind, fields("geometry_msgs/Twist", "msg")[0]).pack(twist))
+    model = attach(server.core).world.ModelByName("car")
+    wait_for(lambda: model.WorldAngularVel().Z() > 0.1, server.core.Step)
+    wait_for(lambda: server.topic("/steerangle").data > 0.25)
+    assert server.topic("/distance").data > 0.0
+    for _ in range(1500):
+        server.core.Step()
+    slip = server.topic("/wheel_slip")
+    assert slip.name == ["rear_left"]
+    assert abs(slip.longitudinal_slip[0]) < 0.1, slip
+    one = message_type("geometry_msgs/TransformStamped")()
+    one.header.frame_id, one.child_frame_id, one.transform.rotation.w = "world", "hog_desired", 1.0
+    one.transform.translation.y, one.transform.translation.z = 3.0, 2.0
+    moved = message_type("tf2_msgs/TFMessage")(transforms=[one])
+    graph.publish("/tf", cdr(moved.kind, fields("tf2_msgs/TFMessage", "msg")[0]).pack(moved))
+    puppet = attach(server.core).world.ModelByName("puppet")
+    wait_for(lambda: abs(puppet.WorldPose().Pos().Z() - 2.0) < 0.05, server.core.Step)
+
+
+EYES = """<sdf version='1.6'><world name='default'><model name='wall'><static>true</static><pose>2 0 0 0 0 0</pose>
+  <link name='l'><visual name='v'><geometry><box><size>0.2 9 9</size></box></geometry></visual></link></model>
+  <model name='m'><static>true</static><link name='head'><sensor name='eye' type='depth'><update_rate>10</update_rate>
+  <camera><horizontal_fov>1</horizontal_fov><image><width>32</width><height>24</height></image>
+  <clip><near>0.1</near><far>9</far></clip></camera>
+  <plugin name='eye_driver' filename='libgazebo_ros_camera.so'><min_depth>0.2</min_depth></plugin>
+  </sensor></link></model></world></sdf>"""
+
+
+def test_a_camera_of_ros2_has_its_sensors_name_depths_and_points(start, graph):
+    server = start(EYES)
+    image = server.topic("/eye/image_raw")
+    assert (image.width, image.height, image.header.frame_id) == (32, 24, "head")
+    assert graph.declared["/eye/image_raw"]["node"] == ["/", "eye_driver"]
+    depths = {
+        name: graph.declared[f"/eye/{name}"]["qos"]["depth"] for name in ("image_raw", "depth/image_raw", "points")
+    }
+    assert depths == {"image_raw": 5, "depth/image_raw": 5, "points": 1}
+    assert server.topic("/eye/camera_info").D.tolist() == [0.0] * 5
+    deep = server.topic("/eye/depth/image_raw")
+    assert struct.unpack_from("<f", bytes(deep.data), 4 * (12 * 32 + 16))[0] == pytest.approx(1.9, abs=0.01)
+    assert server.topic("/eye/points").width == 32
+    assert server.topic("/eye/image_raw/compressed").format == "rgb8; jpeg compressed bgr8"

@@ -36,6 +36,7 @@ SUMS = {
     "gazebo_msgs/SetModelState": "5b3ab0281d4f5445def017e3a2e4a07b",
     "gazebo_msgs/SetPhysicsProperties": "97e2057080558ce4730434b5fae75c91",
     "gazebo_msgs/SpawnModel": "9ed9c82c96abe1a00c3e8cdaeee24413",
+    "sensor_msgs/CompressedImage": "8f7a12909da2c9d3332d540a0977563f",
     "std_srvs/Empty": "d41d8cd98f00b204e9800998ecf8427e",
     "tf2_msgs/TFMessage": "94810edda583a504dfda3829e70d7eec",
 }

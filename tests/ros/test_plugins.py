@@ -1,11 +1,13 @@
 """The plugins of gazebo_ros_pkgs in a world: topics, frames, rates, values; the services of /gazebo."""
 
+import io
 import math
 import struct
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from PIL import Image
 from ros_node import Node
 from ros_peers import Talker, wait_for
 
@@ -234,6 +236,9 @@ def test_cameras_publish_images_depths_and_points(master, start):
     image = node.topic("/camera/image_raw", "sensor_msgs/Image")()
     assert (image.encoding, image.width, image.height, image.step) == ("rgb8", 32, 24, 96)
     assert (len(image.data), image.header.frame_id) == (32 * 24 * 3, "optical")
+    packed = node.topic("/camera/image_raw/compressed", "sensor_msgs/CompressedImage")()
+    assert packed.format == "rgb8; jpeg compressed bgr8"
+    assert Image.open(io.BytesIO(bytes(packed.data))).size == (32, 24)
     info = node.topic("/camera/camera_info", "sensor_msgs/CameraInfo")()
     focal = 32 / (2.0 * math.tan(0.5))
     assert info.K.tolist() == pytest.approx([focal, 0, 16.5, 0, focal, 12.5, 0, 0, 1])

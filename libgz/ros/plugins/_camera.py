@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from libgz.ros.plugin import Endpoint, Parameter
 from libgz.ros.plugins._sensor import RosSensor
@@ -40,6 +42,7 @@ CAMERA = (
 CAMERA_ENDPOINTS = (
     Endpoint("publishes", "<cameraName>/<imageTopicName>", "sensor_msgs/Image"),
     Endpoint("publishes", "<cameraName>/<cameraInfoTopicName>", "sensor_msgs/CameraInfo"),
+    Endpoint("publishes", "<cameraName>/<imageTopicName>/compressed", "sensor_msgs/CompressedImage"),
 )
 DEPTH = (
     Parameter("depthImageTopicName", "depth/image_raw", "depths"),
@@ -73,6 +76,9 @@ ENCODINGS = {
     "BAYER_GBRG8": ("bayer_gbrg8", 1),
     "BAYER_GRBG8": ("bayer_grbg8", 1),
 }
+# Encodings -> modes of Pillow, of the image and of its bytes; what the JPEG has.
+JPEGS = {"rgb8": ("RGB", "RGB", "bgr8"), "bgr8": ("RGB", "BGR", "bgr8"), "mono8": ("L", "L", "mono8")}
+JPEG_QUALITY = 80  # as that of image_transport
 POINT_STEP = 32  # bytes: x, y, z and a pad, the colour and a pad
 
 
@@ -93,6 +99,8 @@ class RosCamera(RosSensor):
         self.frame_name = self.frame_of(given.frameName)
         self.baseline = given.hackBaseline if baseline is None else baseline
         self.images = self.advertise(given.imageTopicName, "sensor_msgs/Image", 2, self.camera_space)
+        topic = f"{given.imageTopicName}/compressed"
+        self.compressed = self.advertise(topic, "sensor_msgs/CompressedImage", 2, self.camera_space)
         self.infos = self.advertise(given.cameraInfoTopicName, "sensor_msgs/CameraInfo", 2, self.camera_space)
 
     def info(self) -> Message:
@@ -134,8 +142,27 @@ class RosCamera(RosSensor):
         """Publish image and calibration."""
         if self.images.listened:
             self.images.publish(self.image())
+        if self.compressed.listened:
+            self.send_compressed()
         if self.infos.listened:
             self.infos.publish(self.info())
+
+    def send_compressed(self) -> None:
+        """Publish the image as a JPEG; formats that JPEG does not have are left out."""
+        camera = self.camera
+        encoding, _ = ENCODINGS.get(camera.ImageFormat(), ("rgb8", 3))
+        if encoding not in JPEGS:
+            return
+        mode, raw, inner = JPEGS[encoding]
+        size = camera.ImageWidth(), camera.ImageHeight()
+        file = io.BytesIO()
+        Image.frombytes(mode, size, bytes(camera.ImageData()), "raw", raw).save(file, "JPEG", quality=JPEG_QUALITY)
+        message: Any = message_type("sensor_msgs/CompressedImage")(
+            format=f"{encoding}; jpeg compressed {inner}", data=file.getvalue()
+        )
+        self.stamp(message)
+        message.header.frame_id = self.frame_name
+        self.compressed.publish(message)
 
 
 class DepthCloud(RosCamera):

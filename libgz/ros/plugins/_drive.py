@@ -54,7 +54,7 @@ class Drive(RosPlugin):
         odometry: the message, filled by `measure_world` or by encoders.
     """
 
-    command = (0.0, 0.0, 0.0)
+    command: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     def open_drive(self, model: Model, x: float, y: float, yaw: float) -> None:
         """Subscribe and advertise; the variances are those of the pose."""

@@ -1,0 +1,95 @@
+"""WheelSlipPlugin: lets wheels slip in proportion to force, as tires do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.classic.event import Events
+from libgz.classic.plugin import ModelPlugin
+from libgz.classic.plugins._wheels import radius_of
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Joint, Link, Model
+    from libgz.sdf.element import Element
+
+__all__ = ["Tire", "WheelSlipPlugin"]
+
+
+@dataclass
+class Tire:
+    """A wheel that slips.
+
+    Attributes:
+        joint: it spins about the joint's last axis.
+        surfaces: of its collisions.
+        radius: [m].
+        force: that presses it on the ground [N].
+        lateral, longitudinal: slip per force, each divided by that force [1].
+    """
+
+    joint: Joint
+    surfaces: list[Any]
+    radius: float
+    force: float
+    lateral: float
+    longitudinal: float
+
+
+class WheelSlipPlugin(ModelPlugin):
+    """Sets the slip of wheels, which ODE takes as velocity per tangential force, from their speed.
+
+    slip = compliance * radius * abs(spin) / force: so a wheel that is driven or braked by a tangential force F rolls
+    with the slip ratio compliance * F / force, whatever its speed. The friction direction `<fdir1>` of the wheel's
+    surface must be along its axle: slip1 is lateral, slip2 longitudinal.
+
+    Elements:
+        wheel: one a wheel, with an attribute `link_name`.
+            slip_compliance_lateral, slip_compliance_longitudinal: [1] (0).
+            wheel_normal_force: the force that presses the wheel on the ground [N].
+            wheel_radius: [m]; by default that of its shape.
+    """
+
+    STATE = ()
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the wheels.
+
+        Raises:
+            NotFoundError: there is no such link, or it has no parent joint.
+            ParameterError: a force or radius is not positive.
+        """
+        self.tires = [self._tire(model, element) for element in sdf.named("wheel")]
+        if not self.tires:
+            raise NotFoundError(f"{sdf.where}: <wheel> is missing; there must be one for each wheel that slips")
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def _tire(self, model: Model, element: Element) -> Tire:
+        name = element.Get(str, "link_name").strip()
+        link: Link | None = model.GetLink(name) if name else None
+        if link is None:
+            names = [link.GetName() for link in model.family_links()]
+            raise NotFoundError(
+                f"{element.where}: <wheel> has link_name {name!r}; model {model.GetName()!r} has {', '.join(names)}"
+                + nearest(name, names)
+            )
+        joints = link.GetParentJoints()
+        if not joints:
+            raise NotFoundError(f"{element.where}: link {name!r} has no parent joint that it could spin about")
+        radius = element.Get(float, "wheel_radius", radius_of(link))[0]
+        force = element.Get(float, "wheel_normal_force")
+        for tag, value in (("wheel_radius", radius), ("wheel_normal_force", force)):
+            if not (math.isfinite(value) and value > 0.0):
+                raise ParameterError(f"{element.where}: <{tag}> is {value:g}; it must be positive")
+        surfaces = [collision.GetSurface() for collision in link.GetCollisions()]
+        compliances = [max(element.Get(float, f"slip_compliance_{way}"), 0.0) for way in ("lateral", "longitudinal")]
+        return Tire(joints[0], surfaces, radius, force, compliances[0], compliances[1])
+
+    def OnUpdate(self) -> None:
+        """Set the slips of the next step."""
+        for tire in self.tires:
+            rate = tire.radius * abs(tire.joint.GetVelocity(tire.joint.DOF() - 1)) / tire.force
+            for surface in tire.surfaces:
+                surface.slip1, surface.slip2 = rate * tire.lateral, rate * tire.longitudinal

@@ -1,0 +1,60 @@
+"""gazebo_ros_wheel_slip: lets wheels slip as tires do, and says how much they slip."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic.event import Events
+from libgz.classic.math import Vector3d
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
+from libgz.classic.plugins._wheelslip import Tire, WheelSlipPlugin
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.types import message_type
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
+    """A WheelSlipPlugin, with its elements, that publishes the slips [m/s] in ROS 2."""
+
+    parameters = (Parameter("publisherUpdateRate", 100.0, "of the slips [Hz]"),)
+    endpoints = (Endpoint("in ROS 2 publishes", "wheel_slip", "gazebo_msgs/WheelSlip"),)
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the wheels, and advertise."""
+        super().Load(model, sdf)
+        self.open(sdf, model.GetName())
+        if not self.two:
+            return
+        self.world, self.ticks = model.GetWorld(), Ticks(self.given.publisherUpdateRate)
+        self.slips = self.publish("wheel_slip", "gazebo_msgs/WheelSlip", 10)
+        self.publishing = Events.ConnectWorldUpdateBegin(self.OnPublish)
+
+    def OnPublish(self, info: UpdateInfo) -> None:
+        """Publish the slips, if it is time."""
+        if not self.slips.listened or not self.ticks.due(self.world.core.GetSimTime()):
+            return
+        message = message_type("gazebo_msgs/WheelSlip", 2)()
+        for tire in self.tires:
+            lateral, longitudinal = _slip(tire)
+            message.name.append(tire.joint.GetChild().GetName())
+            message.lateral_slip.append(lateral)
+            message.longitudinal_slip.append(longitudinal)
+        self.slips.publish(message)
+
+
+def _slip(tire: Tire) -> tuple[float, float]:
+    """How fast a wheel slips along its axle, and along its way [m/s]."""
+    link, axis = tire.joint.GetChild(), tire.joint.DOF() - 1
+    axle: Vector3d = tire.joint.GlobalAxis(axis)
+    velocity = link.WorldLinearVel()
+    ahead = axle.Cross(Vector3d(0.0, 0.0, 1.0))
+    ahead = ahead.Normalized() if ahead.Length() > 0.0 else Vector3d(1.0, 0.0, 0.0)
+    spin = tire.joint.GetVelocity(axis) * tire.radius
+    return velocity.Dot(axle), spin - velocity.Dot(ahead)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosWheelSlip)

@@ -233,6 +233,8 @@ def test_the_catalogue_shows_models_and_takes_meshes_and_numbers_of_plugins_are_
         wait_for(lambda: "mesh_my_part" in ids(observer), "the model of the catalogue is inserted")
 
         page.evaluate("libgz.store.select(null)")
+        page.get_by_role("tab", name="Plots").click()
+        page.locator("[data-section='plugin clock'] > summary").click()
         page.locator("[data-section='plugin clock'] [data-series]").drag_to(page.locator(".plots-panel"))
         until(page, "libgz.workplace.plots.plots[0]?.curves[0].values.at(-1) === 12.5")
         page.locator("[data-section='topic /gazebo/default/world_stats'] > summary").click()

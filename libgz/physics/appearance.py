@@ -45,6 +45,7 @@ class Appearance:
     texture_file: Path | None = None
     texture_size: GzVector = field(default_factory=lambda: GzVector(2.0, 2.0, 0.0))  # [m] covered by one image
     texture_matrix: tuple[float, ...] = SAME  # of texture coordinates: u' = a u + b v + c, v' = d u + e v + f
+    alpha_rejection: float = 0.0  # what of the image has no more alpha than that is not rendered, 0 to 1
     skin_file: Path | None = None
     skin_pose: GzPose = field(default_factory=GzPose)  # in the frame of the geom's centre
     skin_scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))

@@ -15,14 +15,18 @@ from libgz.physics.image_files import open_image
 __all__ = ["depth_text", "jpeg_text", "pyramid", "read_image", "write_image", "write_pnm"]
 
 
-def read_image(path: Path) -> NDArray[np.uint8]:
+def read_image(path: Path, *, alpha: bool = False) -> NDArray[np.uint8]:
     """Read an image of any format that pillow supports (PNG, JPEG, PPM ...), shape (height, width, 3), top row first.
+
+    Args:
+        path: of the file.
+        alpha: whether there is a fourth channel, with the alpha.
 
     Raises:
         GazeboError: the file cannot be read, or is damaged.
     """
     with open_image(path) as file:
-        return np.asarray(file.convert("RGB"))
+        return np.asarray(file.convert("RGBA" if alpha else "RGB"))
 
 
 def pyramid(pixels: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:

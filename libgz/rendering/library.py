@@ -129,7 +129,7 @@ class Library:
         self._items: dict[tuple[tuple[int, ...], Look, int, bool], Compiled] = {}
         self._planes: dict[tuple[int, Sight, Look, bool], Compiled] = {}
         self._shapes: dict[str, Compiled] = {}
-        self._textures: dict[tuple[Path, bool], int] = {}
+        self._textures: dict[tuple[Path, bool, bool], int] = {}
         self._images: dict[Callable[[], NDArray[np.uint8]], int] = {}  # textures that geoms compute
         self._levels: dict[Path, tuple[Level, ...]] = {}
         self._white = 0
@@ -305,6 +305,10 @@ class Library:
             if textured or look.shaded:
                 gl.glEnable(Constant.TEXTURE_2D)
                 gl.glBindTexture(Constant.TEXTURE_2D, texture if textured else self._white_texture())
+            rejection = geom.appearance.alpha_rejection if textured else 0.0
+            if rejection:
+                gl.glAlphaFunc(Constant.GREATER, rejection)
+                gl.glEnable(Constant.ALPHA_TEST)
             lit = shape.normals is not None
             if not lit:
                 if look.shaded:
@@ -315,6 +319,8 @@ class Library:
             self._draw_mesh(shape, textured)
             if not lit:
                 gl.glEnable(Constant.LIGHTING)
+            if rejection:
+                gl.glDisable(Constant.ALPHA_TEST)
             if textured or look.shaded:
                 gl.glDisable(Constant.TEXTURE_2D)
 
@@ -364,7 +370,8 @@ class Library:
         """The number of the texture of a geom: of a file, or one that it computes; 0 if it has none."""
         image = geom.image if isinstance(geom, TriMeshGeom) else None
         if not look.textures or geom.appearance.texture_file is not None or image is None:
-            return self.texture(geom.appearance.texture_file if look.textures else None)
+            rejects = geom.appearance.alpha_rejection > 0.0
+            return self.texture(geom.appearance.texture_file if look.textures else None, alpha=rejects)
         if image not in self._images:
             if self._is_full():
                 return 0
@@ -372,17 +379,18 @@ class Library:
             self._images[image] = self._upload(image(), Constant.CLAMP_TO_EDGE, *smoothing)
         return self._images[image]
 
-    def texture(self, path: Path | None, repeat: bool = True) -> int:
+    def texture(self, path: Path | None, repeat: bool = True, alpha: bool = False) -> int:
         """The number of a texture; 0, and one warning, if its file cannot be read."""
         if path is None:
             return 0
-        if (path, repeat) not in self._textures:
-            image = self._read(path)
+        key = path, repeat, alpha
+        if key not in self._textures:
+            image = self._read(path, alpha)
             vertical = Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE
             # Mixing the mipmaps as well would take as long as all the rest of an image rendered in software.
             smoothing = Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST
-            self._textures[path, repeat] = 0 if image is None else self._upload(image, vertical, *smoothing)
-        return self._textures[path, repeat]
+            self._textures[key] = 0 if image is None else self._upload(image, vertical, *smoothing)
+        return self._textures[key]
 
     def _white_texture(self) -> int:
         """The texture of all that has none, for `Shading`."""
@@ -403,10 +411,10 @@ class Library:
             self._levels[path] = tuple(map(self._upload_level, images, filters))
         return self._levels[path]
 
-    def _read(self, path: Path) -> NDArray[np.uint8] | None:
+    def _read(self, path: Path, alpha: bool = False) -> NDArray[np.uint8] | None:
         """An image, top row first; None, and one warning, if its file cannot be read."""
         try:
-            return None if self._is_full() else read_image(path)
+            return None if self._is_full() else read_image(path, alpha=alpha)
         except GazeboError as error:
             if path not in self._damaged:
                 log.warning("%s; rendered without a texture", error)
@@ -446,10 +454,8 @@ class Library:
             else:
                 gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
         for level, image in enumerate(images):
-            size = (image.shape[1], image.shape[0])
-            gl.glTexImage2D(
-                kind, level, Constant.RGBA8, *size, 0, Constant.RGB, Constant.UNSIGNED_BYTE, image.ctypes.data
-            )
+            size, form = (image.shape[1], image.shape[0]), (Constant.RGB, Constant.RGBA)[image.shape[2] - 3]
+            gl.glTexImage2D(kind, level, Constant.RGBA8, *size, 0, form, Constant.UNSIGNED_BYTE, image.ctypes.data)
         return int(number.value)
 
 

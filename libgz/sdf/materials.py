@@ -21,6 +21,7 @@ __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
 UNIT = "texture_unit"
+REJECTIONS = {"greater": 0.0, "greater_equal": 1.0}  # what is kept, and by how much its bound is lower
 COLORS = ("ambient", "diffuse", "specular", "emissive")
 TEXTURES = ("", "../textures", "textures", "../materials/textures")  # of a script's images, relative to the script
 
@@ -43,6 +44,7 @@ class Material:
     texture: Path | None = None
     lit: bool = True
     texture_matrix: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    alpha_rejection: float = 0.0  # what of its image has no more alpha than that is left out, 0 to 1; 0 for nothing
     has_image: bool = False  # of its own script: further ones of it, such as normal maps, do not count
 
 
@@ -201,6 +203,8 @@ def _with(material: Material, words: list[str]) -> Material:
     if key == "lighting" and values:
         return replace(material, lit=values[0] != "off")
     numbers = [_number(value) for value in values]
+    if key == "alpha_rejection" and len(numbers) > 1 and numbers[1] is not None and values[0] in REJECTIONS:
+        return replace(material, alpha_rejection=min(max(numbers[1] - REJECTIONS[values[0]], 0.0), 254.0) / 255.0)
     if key == "alpha_op_ex" and "src_manual" in values and numbers[-1] is not None:
         return replace(material, diffuse=(*material.diffuse[:3], numbers[-1]))
     if key not in COLORS or len(numbers) < 3 or None in numbers:

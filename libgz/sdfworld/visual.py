@@ -147,7 +147,7 @@ def put_on(look: Appearance, material: Material) -> None:
     look.ambient, look.diffuse = GzColor(*material.ambient), GzColor(*material.diffuse)
     look.specular, look.emission = GzColor(*material.specular), GzColor(*material.emissive)
     look.shininess, look.texture_file = material.shininess, material.texture
-    look.texture_matrix = material.texture_matrix
+    look.texture_matrix, look.alpha_rejection = material.texture_matrix, material.alpha_rejection
     if not material.lit:
         _unlight(look)
     set_transparency(look, look.transparency)

@@ -160,7 +160,12 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
         },
         "texture": None
         if look.texture_file is None
-        else {"file": look.texture_file, "size": tuple(look.texture_size)[:2], "matrix": look.texture_matrix},
+        else {
+            "file": look.texture_file,
+            "size": tuple(look.texture_size)[:2],
+            "matrix": look.texture_matrix,
+            "alpha_rejection": look.alpha_rejection,
+        },
         "pbr": None if look.surface is None else asdict(look.surface),
         "skin": None
         if look.skin_file is None

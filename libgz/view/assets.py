@@ -25,6 +25,7 @@ __all__ = ["Asset", "Assets"]
 log = logging.getLogger("libgz.view")
 
 LARGEST_TEXTURE = 1024  # [px]
+OPAQUE = 255  # alpha
 JPEG, PNG, GLB, RAW = "image/jpeg", "image/png", "model/gltf-binary", "application/octet-stream"
 FLOAT, UINT = 5126, 5125  # glTF's numbers of types
 ARRAY, ELEMENTS = 34962, 34963  # and of buffers
@@ -183,10 +184,13 @@ def _texture(path: Path) -> Asset:
 
     from libgz.rendering.image import read_image
 
-    image = Image.fromarray(read_image(path))
+    image = Image.fromarray(read_image(path, alpha=True))
     image.thumbnail((LARGEST_TEXTURE, LARGEST_TEXTURE))
     file = io.BytesIO()
-    image.save(file, "jpeg", quality=90)
+    if image.getextrema()[3][0] < OPAQUE:
+        image.save(file, "png")
+        return Asset(file.getvalue(), PNG)
+    image.convert("RGB").save(file, "jpeg", quality=90)
     return Asset(file.getvalue(), JPEG)
 
 

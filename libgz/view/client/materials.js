@@ -69,6 +69,7 @@ export function lookOf(shape, assets, showing, form) {
   const color = (map || colored ? toned : paint)(material.diffuse.map((/** @type {number} */ part) => (map || colored ? 1.25 : 1) * part));
   const emission = material.emission.slice(0, 3);
   const matrix = shape.texture?.matrix ?? [1, 0, 0, 0, 1, 0];
+  const rejection = shape.texture?.alpha_rejection ?? 0;
   const highlight = Math.max(...material.specular.slice(0, 3));
   const pbr = shape.pbr ?? null;
   const roughness = pbr?.roughness ?? roughnessOf(highlight, material.shininess);
@@ -77,7 +78,7 @@ export function lookOf(shape, assets, showing, form) {
     ["normal", "metalness", "roughness", "emissive"].map((name) => [name, pbr[`${name}_map`] ? assets.texture(pbr[`${name}_map`]) : null]),
   ) : {};
   const key = [
-    showing.fine, showing.wireframe, map?.uuid ?? "", map ? matrix : "", opacity, emission, roughness.toFixed(1), metalness,
+    showing.fine, showing.wireframe, map?.uuid ?? "", map ? matrix : "", rejection, opacity, emission, roughness.toFixed(1), metalness,
     form.both, colored, Object.values(maps).map((found) => found?.uuid ?? ""), shape.cast_shadows,
   ].join(" ");
   const make = () => {
@@ -87,6 +88,7 @@ export function lookOf(shape, assets, showing, form) {
       vertexColors: colored,
       transparent: opacity < 1,
       opacity,
+      alphaTest: map ? rejection : 0,
       depthWrite: opacity === 1,
       side: sideOf(form),
       shadowSide: sideOf(form), // boxes that touch would darken each other's edges by their back sides

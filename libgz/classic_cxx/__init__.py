@@ -3,7 +3,9 @@
 A method of a C++ object calls the method of the same name of a view of `libgz.classic`, so that plugins of both
 languages share one world. `api.tsv` is the table of signatures; `generate.py` makes headers and forwards of it, and
 `native/` has what no table says: conversions (`bridge.hh`), calls of plugins (`bridge.cc`), plain values and functions
-(`library.cc`), and the calls of every step, which read the engine's tables (`hot.cc`).
+(`library.cc`), the calls of every step, which read and write the engine's tables (`hot.cc`), and the node of plugins
+for ROS (`roscpp.cc`). What native code shares with Python's side, such as records and functions of ODE, it includes as
+`shared.hh`, which `layouts.py` makes of the declarations there.
 
 - `library.py` builds `libgazebo.so.11` once on the user's machine; plugins are linked with it by that name, and find it
   because Python has loaded it before.

@@ -11,7 +11,7 @@ from libgz.ode.context import StepContext
 from libgz.ode.lib import declared
 from libgz.sdfworld.joint_record import MOST_AXES, PARAMETERS, RANGES, AxisRecord, JointRecord
 
-__all__ = ["FUNCTIONS", "RowRecord", "shared"]
+__all__ = ["FUNCTIONS", "RECORDS", "RowRecord", "shared"]
 
 # Of ODE, that calls of every step use.
 FUNCTIONS = (

@@ -395,7 +395,7 @@ class SdfJoint:
     def force(self, index: int = 0) -> float:
         """The effort of the last step in which one was applied [N m] or [N]."""
         self._check_index(index)
-        return float(self.record.efforts_now[index])
+        return self.record.effort(index)
 
     def _apply(self, effort: float, index: int) -> None:
         if self._mechanism is None:

@@ -53,6 +53,8 @@ RANGES = {
 MOST_AXES = 2
 _PLACES = {key: number for number, key in enumerate(PARAMETERS)}
 _KEYS = tuple((key, index) for key in PARAMETERS for index in range(MOST_AXES))
+# Where the efforts are in the record, in words of 8 bytes.
+_AT, _BEFORE, _BEFORE_AT = MOST_AXES, MOST_AXES + 1, 2 * MOST_AXES + 1
 _UNSET = (math.nan,) * len(_KEYS)
 
 
@@ -92,7 +94,7 @@ class JointRecord(ctypes.Structure):
         dof: how many positions it has.
 
     Attributes:
-        efforts_now: the efforts of the last step that had some; writing to them changes the record.
+        numbers: the doubles of the record; single ones are read and written faster than through its fields.
     """
 
     _fields_ = [
@@ -105,8 +107,11 @@ class JointRecord(ctypes.Structure):
         ("dof", c_int64),
     ]
     EFFORTS = 2 * (8 * MOST_AXES + 8)  # [byte]: what a state has of them
+    _WORDS = EFFORTS // 8
 
+    applied: Any
     applied_at: int
+    before: Any
     before_at: int
 
     def __init__(self, axes: Sequence[AxisRecord], dof: int) -> None:
@@ -114,29 +119,36 @@ class JointRecord(ctypes.Structure):
         self.parameters[:] = _UNSET
         for number, axis in enumerate(axes[:MOST_AXES]):
             self.axes[number].contents = axis
-        self.efforts_now: Any = self.applied
+        # Without a reference to the record, which lives as long as its attributes.
+        memory = (c_double * self._WORDS).from_address(ctypes.addressof(self))
+        self.numbers = memoryview(memory).cast("B").cast("d")
+        self._steps = memoryview(memory).cast("B").cast("q")
 
     def add_effort(self, effort: float, index: int, step: int) -> None:
         """Note an effort on an axis in a step; those of one step add up."""
-        now = self.efforts_now
-        if self.applied_at != step:
-            self.before, self.before_at = now, self.applied_at
-            now[:] = (0.0, 0.0)
-            self.applied_at = step
-        now[index] += effort
+        numbers, steps = self.numbers, self._steps
+        if steps[_AT] != step:
+            numbers[_BEFORE], numbers[_BEFORE + 1], steps[_BEFORE_AT] = numbers[0], numbers[1], steps[_AT]
+            numbers[0] = numbers[1] = 0.0
+            steps[_AT] = step
+        numbers[index] += effort
 
     def held(self, effort: float, steps: int, last: int) -> None:
         """Note an effort on the first axis that acted in a number of steps, the last of which has a number."""
         if steps > 1:
             self.before[:], self.before_at = (effort, 0.0), last - 1
         else:
-            self.before, self.before_at = self.efforts_now, self.applied_at
-        self.efforts_now[:], self.applied_at = (effort, 0.0), last
+            self.before, self.before_at = self.applied, self.applied_at
+        self.applied[:], self.applied_at = (effort, 0.0), last
+
+    def effort(self, index: int) -> float:
+        """The effort on an axis in the last step that had some."""
+        return self.numbers[index] if 0 <= index < MOST_AXES else 0.0
 
     def efforts_of(self, step: int) -> tuple[float, ...]:
         """The efforts of a step."""
         if step == self.applied_at:
-            return tuple(self.efforts_now)
+            return tuple(self.applied)
         return tuple(self.before) if step == self.before_at else (0.0, 0.0)
 
     @property

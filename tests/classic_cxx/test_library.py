@@ -1,5 +1,7 @@
 """The table of signatures, what is made of it, and the installation."""
 
+import ctypes
+import math
 import os
 import shutil
 import subprocess
@@ -11,13 +13,18 @@ import pytest
 import libgz.classic_cxx.library as library_module
 from libgz.apps.libgz import main
 from libgz.base.errors import LibraryError
+from libgz.base.geometry import GzVector
 from libgz.classic import msgs
 from libgz.classic.api import classic_api
 from libgz.classic_cxx.generate import bodies, headers
+from libgz.classic_cxx.layouts import RECORDS, shared
 from libgz.classic_cxx.messages import file_of, proto_files
 from libgz.classic_cxx.recognition import is_classic, version_flags
 from libgz.classic_cxx.table import rows, split
 from libgz.classic_cxx.values import message_type_of
+from libgz.physics.check import joint_value
+from libgz.sdfworld.axis import Axis
+from libgz.sdfworld.joint_record import PARAMETERS, RANGES, JointRecord
 
 HELLO = """\
 #include <gazebo/gazebo.hh>
@@ -69,6 +76,30 @@ def test_names_that_python_has_are_declared_in_cxx():
     assert len(missing) < 260, missing
     assert {"physics::Link::WorldPose", "physics::Entity::WorldPose"} & declared
     assert sum(row.kind == "method" for row in rows()) > 2300
+
+
+def test_records_are_those_of_python():
+    """The compiler checks sizes and offsets; each parameter's bounds are within what the engine's joints take."""
+    text = shared()
+    for record in RECORDS:
+        assert f"struct {record.__name__} {{" in text
+        assert f"sizeof({record.__name__}) == {ctypes.sizeof(record)}" in text
+    for key, bounds in RANGES.items():
+        for bound in bounds:
+            assert joint_value(PARAMETERS[key], bound) == bound
+    record = JointRecord([Axis(GzVector(0.0, 0.0, 1.0))], 1)
+    for step, effort in ((3, 1.5), (3, 0.25), (4, -2.0)):
+        record.add_effort(effort, 0, step)
+    assert (record.efforts_of(3), record.efforts_of(4), record.efforts_of(2)) == ((1.75, 0.0), (-2.0, 0.0), (0.0, 0.0))
+    other = JointRecord([], 2)
+    other.efforts = record.efforts
+    assert (other.applied_at, other.before_at, other.effort(0), other.efforts) == (4, 3, -2.0, record.efforts)
+    record.held(7.0, 2, 9)
+    assert (record.efforts_of(9), record.efforts_of(8), record.effort(0)) == ((7.0, 0.0), (7.0, 0.0), 7.0)
+    record.given = {("vel", 0): 2.0, ("suspension_erp", 1): 0.5}
+    assert record.given == {("vel", 0): 2.0, ("suspension_erp", 1): 0.5}
+    assert record.parameter("vel", 0) == 2.0
+    assert math.isnan(record.parameter("fmax", 0))
 
 
 def test_generated_text_has_each_class_once():
@@ -145,6 +176,9 @@ def test_installation(library, tmp_path, monkeypatch, capsys):
         found = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
         assert f"-I{prefix}/include/gazebo-11" in found.stdout
         assert "-lgazebo" in found.stdout
+        assert "-ffp-contract=off" in found.stdout
+    cmake = (prefix / "lib/cmake/gazebo/gazebo-config.cmake").read_text()
+    assert 'set(GAZEBO_CXX_FLAGS "-std=c++17 -ffp-contract=off")' in cmake
     assert main(["config", "--install-classic", str(prefix), "--uninstall"]) == 0
     assert not prefix.exists()
     assert not (tmp_path / ".cmake/packages/gazebo/libgz").exists()

@@ -112,8 +112,8 @@ class SdfActor(SdfModel):
         self.script_time = 0.0
         self.custom: str | None = None
         self._bones: list[Body] = []
-        self._played = 0.0  # sim time at which the script began [s]
-        self._last_pose = _LastPose(-math.inf)
+        self._made = self._played = 0.0  # sim time at which the actor was made, and the script began [s]
+        self._last_pose = _LastPose()
         self._distance = 0.0  # on the present trajectory [m]
         self._last: tuple[int, GzVector] | None = None  # number of the trajectory, and the place on it
         self._still = GzPose()  # where it stands without waypoints
@@ -141,7 +141,8 @@ class SdfActor(SdfModel):
 
     def build(self, pose: GzPose) -> None:
         """Make skin, bones and links, and read the script; errors are those of the file."""
-        self._still, self._played = pose, self.world.GetSimTime()
+        self._still, self._made = pose, self.world.GetSimTime()
+        self._played = self._last_pose.time = self._made  # the first pose of a step is due 1/30 s later
         element = self.sdf
         figure = self._read_skin(element)
         own = any(True for _ in element.named("link"))
@@ -293,6 +294,13 @@ class SdfActor(SdfModel):
     def length(self) -> float:
         """The length of the script [s]."""
         return self.parts[-1].end if self.parts else 0.0
+
+    def follow_plugin(self, kind: str) -> None:
+        """Play an animation while a plugin moves the actor, which begins at its `<pose>`, not with its script."""
+        self.custom = kind
+        if self._last_pose.time == self._made:
+            self.SetPose(self._still)
+            self._play_custom(kind)
 
     def play(self) -> None:
         """Begin the script."""

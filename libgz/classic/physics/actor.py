@@ -83,7 +83,7 @@ class Actor(Model):
             raise ParameterError(
                 f"actor {self.GetName()!r} has no animation {kind!r}; it has {', '.join(known)}{nearest(kind, known)}"
             )
-        self.core.custom = kind
+        self.core.follow_plugin(kind)
         self._trajectory = trajInfo
 
     def CustomTrajectory(self) -> TrajectoryInfo | Any:

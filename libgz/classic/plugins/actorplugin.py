@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 WALKING = "walking"
 SPEED = 0.8  # [m/s] for a target weight of 1
-UPRIGHT = 0.5 * math.pi  # [rad] roll of a skin whose height is along y; its front is along -y of the actor's yaw
+UPRIGHT = 1.5707  # [rad] roll of a skin whose height is along y; its front is along -y of the actor's yaw
 REACHED = 0.3  # [m] from a target, at which the next one is chosen
 FREE = 2.0  # [m] between a new target, the old one, and models
 NEAR = 4.0  # [m] at which models are avoided

@@ -74,19 +74,20 @@ class CartDemoPlugin(ModelPlugin):
         """
         self.steer = _Axis(model, sdf, "steer", limited=True)
         self.wheels = [_Axis(model, sdf, tag) for tag in ("right", "left")]
-        self.last: float | None = None
+        self.world = model.GetWorld()
+        self.last = self.world.SimTime().Double()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:
         """Begin again."""
-        self.last = None
+        self.last = self.world.SimTime().Double()
         for axis in (self.steer, *self.wheels):
             axis.pid.Reset()
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the efforts."""
         now = info.simTime.Double()
-        seconds, self.last = now - (now if self.last is None else self.last), now
+        seconds, self.last = now - self.last, now
         self.steer.hold(seconds)
         for wheel in self.wheels:
             wheel.drive(now, seconds)

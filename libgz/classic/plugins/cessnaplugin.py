@@ -53,7 +53,8 @@ class CessnaPlugin(ModelPlugin):
         self.joints = {name: named_joint(model, sdf, name) for name in ("propeller", *SURFACES)}
         self.pids = {name: self._pid(sdf, name) for name in self.joints}
         self.commands = dict.fromkeys(self.joints, 0.0)
-        self.last: float | None = None
+        self.world = model.GetWorld()
+        self.last = self.world.SimTime().Double()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.Cessna, f"~/{model.GetName()}/state")
@@ -70,7 +71,7 @@ class CessnaPlugin(ModelPlugin):
     def Reset(self) -> None:
         """Set all commands to zero."""
         self.commands = dict.fromkeys(self.joints, 0.0)
-        self.last = None
+        self.last = self.world.SimTime().Double()
         for pid in self.pids.values():
             pid.Reset()
 
@@ -85,9 +86,8 @@ class CessnaPlugin(ModelPlugin):
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the efforts, and publish the state."""
         now = info.simTime.Double()
-        if self.last is not None:
-            for name, joint in self.joints.items():
-                joint.SetForce(0, self.pids[name].Update(self._value(name) - self._target(name), now - self.last))
+        for name, joint in self.joints.items():
+            joint.SetForce(0, self.pids[name].Update(self._value(name) - self._target(name), now - self.last))
         self.last = now
         state = msgs.Cessna()
         for name in self.joints:

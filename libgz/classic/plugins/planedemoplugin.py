@@ -121,7 +121,8 @@ class PlaneDemoPlugin(ModelPlugin):
             *(_Thruster(named_link(model, e), e) for e in sdf.named("thruster")),
             *(_Control(named_joint(model, e, "joint_name"), e) for e in sdf.named("control")),
         ]
-        self.last: float | None = None
+        self.world = model.GetWorld()
+        self.last = self.world.SimTime().Double()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyHit)
@@ -135,13 +136,13 @@ class PlaneDemoPlugin(ModelPlugin):
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply all efforts."""
         now = info.simTime.Double()
-        seconds, self.last = now - (now if self.last is None else self.last), now
+        seconds, self.last = now - self.last, now
         for part in self.parts:
             part.act(seconds)
 
     def Reset(self) -> None:
         """Set all commands to zero."""
-        self.last = None
+        self.last = self.world.SimTime().Double()
         for part in self.parts:
             part.reset()
 

@@ -43,21 +43,21 @@ class SphereAtlasDemoPlugin(ModelPlugin):
             raise NotFoundError(
                 f"{sdf.where}: model {model.GetName()!r} has no joints with {', '.join(GAINS)} in their names"
             )
-        self.last: float | None = None
+        self.world = model.GetWorld()
+        self.last = self.world.SimTime().Double()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:
         """Begin again."""
-        self.last = None
+        self.last = self.world.SimTime().Double()
         for pid in self.pids:
             pid.Reset()
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the efforts."""
         now = info.simTime.Double()
-        if self.last is not None:
-            for joint, pid in zip(self.joints, self.pids, strict=True):
-                joint.SetForce(0, pid.Update(joint.Position(0), now - self.last))
+        for joint, pid in zip(self.joints, self.pids, strict=True):
+            joint.SetForce(0, pid.Update(joint.Position(0), now - self.last))
         self.last = now
 
 

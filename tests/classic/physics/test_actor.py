@@ -2,9 +2,11 @@
 
 import pytest
 
+import libgz
 from libgz.base.errors import ParameterError
 from libgz.classic.common import SkeletonAnimation
 from libgz.classic.physics import Actor, Base, Model, TrajectoryInfo
+from libgz.classic.server import attach
 
 SKIN = (
     "<skin><filename>media/models/walk.dae</filename></skin>"
@@ -113,3 +115,12 @@ def test_actors_are_inserted_removed_and_saved(run, tmp_path):
     world.RemoveModel("man")
     core.step(2)
     assert world.ModelByName("man") is None
+
+
+def test_an_actor_of_a_plugin_begins_at_its_pose():
+    still = f"<actor name='man'><pose>0 1 1.2 0 0 0</pose>{SKIN}</actor>"
+    text = f"<sdf version='1.6'><world name='w'>{still}</world></sdf>"
+    with libgz.World.from_string(text) as world:
+        actor = attach(world).world.ModelByName("man")
+        actor.SetCustomTrajectory(TrajectoryInfo(type="walking"))
+        assert list(actor.WorldPose().Pos()) == [0.0, 1.0, 1.2]

@@ -18,7 +18,7 @@ __all__ = ["Portraits"]
 
 log = logging.getLogger("libgz.view")
 
-PATIENCE = 20.0  # [s] for a portrait
+PATIENCE = 60.0  # [s] for a portrait
 IDLE = 10.0  # [s] after which the process ends
 MOST_KEPT = 3000
 LARGEST = 1 << 20  # [byte]
@@ -51,15 +51,17 @@ class Portraits(Closing):
         with self._lock:
             if text not in self._kept:
                 body = self._made(text)
+                if body is None:
+                    return None
                 self._kept[text] = Asset(body, JPEG) if body else None
                 if len(self._kept) > MOST_KEPT:
                     self._kept.popitem(last=False)
             return self._kept[text]
 
-    def _made(self, text: str) -> bytes:
-        """The portrait of a text; empty if there is none."""
+    def _made(self, text: str) -> bytes | None:
+        """The portrait of a text; empty if nothing of it is seen, None if its process ended."""
         if self._closed or self._failures >= MOST_FAILURES:
-            return b""
+            return None
         process = self._process or self._started()
         late = threading.Timer(PATIENCE, process.kill)
         late.start()
@@ -69,7 +71,7 @@ class Portraits(Closing):
             self._failures += 1
             log.warning("a portrait of a model was not made: its process ended")
             self._end()
-            return b""
+            return None
         finally:
             late.cancel()
         self._failures = 0

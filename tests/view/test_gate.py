@@ -126,8 +126,8 @@ def test_portraits_of_the_catalogue(viewer):
 def test_a_process_of_portraits_that_dies_is_started_again(monkeypatch):
     monkeypatch.setattr(portraits, "run_module", lambda _: [sys.executable, "-c", "input(); import os; os.abort()"])
     with portraits.Portraits(lambda name: name) as made:
-        for i in range(portraits.MOST_FAILURES):
-            assert made.get(f"a {i}") is None
+        for _ in range(portraits.MOST_FAILURES):  # each time anew: it may have been the machine
+            assert made.get("a") is None
         monkeypatch.setattr(portraits, "run_module", lambda _: pytest.fail("it was started once more"))
         assert made.get("b") is None
 

@@ -322,6 +322,8 @@ def test_controllers_of_ros2_are_loaded_configured_and_switched(start, graph, tm
     assert graph.declared[f"{action}/send_goal"]["type"] == f"control_msgs/action/{kind[13:]}.Impl.SendGoalService"
     assert server.call(f"{action}/send_goal", f"{kind}_SendGoal", goal_id=uuid, goal=goal).accepted
     assert server.call(f"{action}/get_result", f"{kind}_GetResult", goal_id=uuid).status == 4  # succeeded
+    for _ in range(20):  # the last command is applied at the next update
+        server.core.Step()
     assert joint.Position(0) == pytest.approx(1.0, abs=0.01)
     wrong = message_type("trajectory_msgs/JointTrajectory")(joint_names=["knee"], points=[point])
     goal.trajectory = wrong

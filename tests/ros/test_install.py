@@ -1,6 +1,7 @@
 """The packages for launch files, and spawn_model, which they start."""
 
 import ast
+import re
 import shutil
 import subprocess
 import threading
@@ -12,8 +13,10 @@ from ros_peers import wait_for
 
 from libgz.apps.libgz import main
 from libgz.apps.spawn_model import main as spawn_model
+from libgz.base.errors import LibraryError, NotFoundError
 from libgz.ros.install import install
 from libgz.ros.types import message_type, service_type
+from libgz.ros.venv import definitions, make_environment
 
 ARGUMENTS = {
     "debug", "enable_ros_network", "extra_gazebo_args", "gui", "gui_required", "headless", "output", "paused",
@@ -146,3 +149,22 @@ def test_spawn_model_says_what_is_wrong(master, capsys):
     assert "/none.urdf does not exist" in capsys.readouterr().err
     assert spawn_model(["-urdf", "-param", "nothing", "-model", "x"]) == 1
     assert "parameter /nothing is empty" in capsys.readouterr().err
+
+
+def test_definitions_of_ros2_are_whole():
+    texts = definitions()
+    assert {path.partition("/")[0] for path in texts} == {"gazebo_msgs", "tf2_msgs"}
+    assert texts["gazebo_msgs/srv/DeleteEntity.srv"] == "string name\n---\nbool success\nstring status_message\n"
+    assert "builtin_interfaces/Duration duration\n" in texts["gazebo_msgs/srv/ApplyLinkWrench.srv"]
+    own = {path.replace("/msg/", "/").removesuffix(".msg") for path in texts if path.endswith(".msg")}
+    for path, text in texts.items():
+        used = set(re.findall(r"^((?:gazebo|tf2)_msgs/\w+)", text, re.M))
+        assert used <= own, path
+
+
+def test_an_environment_needs_a_compiler_and_a_python(tmp_path, monkeypatch):
+    with pytest.raises(LibraryError, match="cannot be run"):
+        make_environment(tmp_path / "env", "kilted", str(tmp_path / "none"), print)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(NotFoundError, match=r"cc and c\+\+ must be installed"):
+        make_environment(tmp_path / "env", "kilted", None, print)

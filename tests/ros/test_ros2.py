@@ -189,3 +189,24 @@ def test_a_legacy_world_is_served(serve):
     names = node.call(service="/get_model_list", kind="gazebo_msgs/srv/GetModelList", values={})["model_names"]
     assert names
     assert node.first(topic="/clock", kind="rosgraph_msgs/msg/Clock", best_effort=True) is not None
+
+
+@pytest.mark.trial
+def test_images_come_at_30_hz(serve, tmp_path):
+    world = tmp_path / "eye.world"
+    world.write_text(
+        "<sdf version='1.6'><world name='default'><model name='m'><static>true</static><link name='l'>"
+        "<visual name='v'><pose>3 0 0 0 0 0</pose><geometry><box><size>1 1 1</size></box></geometry></visual>"
+        "<sensor name='eye' type='camera'><update_rate>30</update_rate><camera><image><width>640</width>"
+        "<height>480</height></image></camera><plugin name='d' filename='libgazebo_ros_camera.so'/></sensor></link>"
+        "</model></world></sdf>"
+    )
+    node = serve(world)
+    node.listen(topic="/eye/image_raw", kind="sensor_msgs/msg/Image", depth=100)
+    count, begin, end = node.count(topic="/eye/image_raw", wanted=150, patience=90.0)
+    assert count >= 150
+    stamps = node.stamps(topic="/eye/image_raw")
+    periods = sorted(round((after - before) / 1e6) for before, after in pairwise(stamps))
+    # A busy computer loses some of a depth of 5, which is that of the original.
+    assert periods[0] >= 33
+    assert periods[len(periods) // 2] <= 34, f"{count} images in {end - begin:.1f} s"

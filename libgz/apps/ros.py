@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
         if options.folder is None:
             print("done; gzserver --ros2 finds it")
         else:
-            print(f"done; tell gzserver --ros2 of it:\nexport {VARIABLE}={own}")
+            print(f"done; gzserver --ros2 finds it by:\nexport {VARIABLE}={own}")
         return 0
     prefix: Path = options.prefix or default_prefix()
     if options.uninstall:

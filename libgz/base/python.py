@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-__all__ = ["run_module"]
+__all__ = ["own_python", "run_module"]
 
 
 def run_module(module: str, *words: str) -> list[str]:
@@ -13,3 +13,8 @@ def run_module(module: str, *words: str) -> list[str]:
     ``python -m`` would put that first: a folder with a file ``json.py`` in it would run the file.
     """
     return [sys.executable, "-P", "-m", module, *words]
+
+
+def own_python() -> str:
+    """The Python that runs libgz, to make an environment with; modules of libgz are run by `run_module`."""
+    return sys.executable

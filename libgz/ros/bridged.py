@@ -450,7 +450,7 @@ class _Link(Connection):
 
 
 def _nobody() -> None:
-    """Nobody is to be told."""
+    """Notifies nobody."""
 
 
 def environment() -> dict[str, str]:
@@ -489,5 +489,5 @@ def _codec(kind: MessageType, table: Any) -> Codec:
 def _parsed(body: bytes) -> Any:
     try:
         return json.loads(body)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None

@@ -474,7 +474,7 @@ class Node:
 
 
 def _nobody() -> None:
-    """Nobody is to be told."""
+    """Notifies nobody."""
 
 
 def _listed(found: Sequence[Publisher] | Sequence[Subscriber]) -> list[list[str]]:

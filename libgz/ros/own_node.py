@@ -60,7 +60,7 @@ class OwnNode:
         return _path(name if name.startswith("/") else f"{self._space}/{within}/{name}")
 
     def resolve(self, name: str, within: str = "") -> tuple[str, dict[str, Any]]:
-        """(the full name of a topic, remapped; what the bridge is told)."""
+        """(the full name of a topic, remapped; what the bridge gets)."""
         plain = self.full(name, within)
         return self._rules.get(plain, plain), {"settings": self.settings, "plain": plain}
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from libgz.base.errors import LibraryError, NotFoundError
+from libgz.base.python import own_python
 from libgz.ros.api2 import SERVICES2
 from libgz.ros.types import MessageType, message_type, service_type
 
@@ -115,7 +116,7 @@ def _pythons(distribution: str) -> Iterator[str]:
     """Pythons on this computer that a distribution has wheels for; that of libgz first."""
     known = DISTRIBUTIONS[distribution]
     if f"{sys.version_info.major}.{sys.version_info.minor}" in known:
-        yield sys.executable
+        yield own_python()
     for version in known:
         found = shutil.which(f"python{version}")
         if found is not None and _works(found):

@@ -29,7 +29,7 @@ MOST_ANSWER = 1 << 24  # bytes; a robot description is the longest
 MOST_REQUEST = 1 << 20
 MOST_THREADS = 32
 PATIENCE = 5.0  # [s]
-QUICK = 0.3  # [s] that a request takes at most; a slower one makes room for others that wait
+QUICK = 0.3  # [s] that a request takes at most; a slower one lets others that wait come first
 WAITING = 2.0  # [s] that a request waits for one of the threads
 PAUSE = 0.25  # [s] when no descriptors are left
 

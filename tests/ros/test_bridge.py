@@ -429,3 +429,7 @@ def test_a_camera_of_ros2_has_its_sensors_name_depths_and_points(start, graph):
     assert struct.unpack_from("<f", bytes(deep.data), 4 * (12 * 32 + 16))[0] == pytest.approx(1.9, abs=0.01)
     assert server.topic("/eye/points").width == 32
     assert server.topic("/eye/image_raw/compressed").format == "rgb8; jpeg compressed bgr8"
+
+
+def test_what_a_bridge_nests_too_deeply_is_nothing():
+    assert bridged._parsed(b"[" * 200_000) is None

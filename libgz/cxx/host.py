@@ -269,7 +269,7 @@ def track(shared: SharedObject, path: Path) -> None:
     """
     label = f"plugin {path}".encode(errors="surrogateescape")
     number = _library().gz_host_opened(os.fsencode(shared.library._name), label)
-    weakref.finalize(shared, _library().gz_host_closed, number)
+    weakref.finalize(shared, _library().gz_host_closed, number).atexit = False
 
 
 def frames_address() -> int:

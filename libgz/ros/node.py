@@ -26,7 +26,7 @@ __all__ = ["Node", "Publisher", "ServiceServer", "Subscriber"]
 log = logging.getLogger("libgz.ros")
 
 CHECK_PERIOD = 0.5  # [s] between two looks whether the master is there and knows this node
-CLOSING_PATIENCE = 1.0  # [s] for each call at the end
+CLOSING_PATIENCE = 5.0  # [s] for all calls at the end
 MOST_PUBLISHERS = 64  # of one topic that are read at the same time
 CONNECT_PATIENCE = 3.0  # [s]
 
@@ -158,10 +158,11 @@ class Node:
         if self._ended:
             return
         self._ended = True
-        self._tasks.put(None)
+        end = time.monotonic() + CLOSING_PATIENCE
+        self._tasks.put(None)  # after the calls for what plugins have just ended
         self._registrar.join(CLOSING_PATIENCE)
         if self._known:
-            self._unregister_all()
+            self._unregister_all(end)
         self._slave.close()
         self._listener.close()
         self._loop.close()
@@ -332,7 +333,7 @@ class Node:
     def _run(self) -> None:
         """The registrar: makes the calls, and looks for the master."""
         due = 0.0
-        while not self._ended:
+        while True:
             try:
                 task = self._tasks.get(timeout=max(0.0, due - time.monotonic()))
             except queue.Empty:
@@ -340,13 +341,14 @@ class Node:
                 self.first_look.set()
                 due = time.monotonic() + CHECK_PERIOD
                 continue
-            if task is not None:
-                try:
-                    task()
-                except XmlRpcError as error:
-                    log.warning("ROS: %s", error)
-                except Exception:
-                    log.exception("ROS: a call of the master failed")
+            if task is None:
+                return
+            try:
+                task()
+            except XmlRpcError as error:
+                log.warning("ROS: %s", error)
+            except Exception:
+                log.exception("ROS: a call of the master failed")
 
     def _look(self) -> None:
         """Find out whether the master is there and knows this node; if not, register all."""
@@ -392,12 +394,12 @@ class Node:
         if self._services.get(service.name) is service:
             self._ask("registerService", service.name, self._service_uri, self.uri)
 
-    def _unregister_all(self) -> None:
-        """Take all off the master's lists, so that nobody waits for this node."""
+    def _unregister_all(self, end: float) -> None:
+        """Take all off the master's lists, so that nobody waits for this node; until a time [s]."""
         for one in (*self._all_services(), *self._all_subscribers(), *self._all_publishers()):
             _, key, method, values = self._entry(one)
             try:
-                self._ask(method, key, *values, patience=CLOSING_PATIENCE)
+                self._ask(method, key, *values, patience=max(0.1, end - time.monotonic()))
             except XmlRpcError as error:
                 log.info("ROS: %s", error)
                 return

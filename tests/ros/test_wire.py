@@ -368,3 +368,15 @@ def test_names_and_addresses(monkeypatch):
     monkeypatch.setenv("ROS_HOSTNAME", "robot.lan")
     assert read_names([])[-2:] == ("robot.lan", "")
     assert read_names([], "10.0.0.1")[-2:] == ("10.0.0.1", "10.0.0.1")
+
+
+def test_what_has_just_ended_is_unregistered_before_the_node_is(master):
+    unregister = master.unregisterPublisher
+    master.server.register_function(
+        lambda *values: time.sleep(0.05) or unregister(*values), "unregisterPublisher"
+    )  # a busy master
+    with Ros1([]) as node:
+        topics = [node.publish(f"t{number}", STRING.name) for number in range(8)]
+        wait_for(lambda: all(master.publishers.get(topic.topic) for topic in topics))
+        topics.clear()
+    assert not any(master.publishers.values())

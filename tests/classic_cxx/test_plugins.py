@@ -161,6 +161,25 @@ def test_efforts_and_parameters_of_joints_are_pythons_to_the_last_bit(place, sai
     assert records[0] == records[1]
 
 
+def test_both_languages_share_a_world_whose_states_keep_what_it_has(place, said, caplog):
+    (place / "twin.py").write_text(PYTHON)
+    with world_of(model=CHECKS.format("step") + '<plugin name="twin" filename="libtwin.so"/>') as world:
+        arm = world.models[0].links["arm"]
+        start = arm.GetPose()
+        world.step(20)
+        state = world.get_state()
+        world.step(30)
+        after = arm.GetPose(), world.models[0].sdf_joints["hinge"].position()
+        world.set_state(state)
+        assert world.GetSimTime() == pytest.approx(0.02)
+        world.step(30)
+        assert (arm.GetPose(), world.models[0].sdf_joints["hinge"].position()) == after
+        world.reset()
+        assert arm.GetPose() == start
+        assert said()[-1] == "reset at 80"  # a state keeps no variables of C++
+    assert not problems(caplog)
+
+
 def test_topics_and_threads(place, said, caplog):
     answers, ticks = [], []
     with world_of("topics", world="", model=CHECKS.format("topics") + "") as world:

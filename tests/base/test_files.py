@@ -3,6 +3,7 @@
 import errno
 import os
 import signal
+import socket
 import subprocess
 import sys
 
@@ -99,3 +100,36 @@ def test_files_that_this_user_may_not_write_are_kept(tmp_path, monkeypatch):
     with pytest.raises(PermissionError, match="it is write-protected"):
         write_whole(target, b"new")
     assert target.read_bytes() == b"old"
+
+
+def test_a_world_may_have_64_mebibytes():
+    assert files.LARGEST_FILE == 1 << 26
+
+
+def test_what_is_no_file_is_named(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with socket.socket(socket.AF_UNIX) as bound:
+        bound.bind(str(tmp_path / "socket"))
+        (tmp_path / "device").symlink_to("/dev/null")
+        for name, what in (("pipe", "it is a pipe"), ("device", "it is a device"), ("socket", "No such device")):
+            with pytest.raises(OSError, match=what):
+                files.open_file(tmp_path / name)
+    with pytest.raises(IsADirectoryError):
+        files.open_file(tmp_path)
+
+
+@pytest.mark.parametrize("unnamed", [True, False])
+def test_what_is_being_written_belongs_to_its_user_alone(tmp_path, monkeypatch, unnamed):
+    opened, asked = os.open, []
+
+    def note(path, flags, mode=0o777, **where):
+        if flags & os.O_WRONLY:
+            asked.append(mode)
+            if not unnamed and flags & os.O_TMPFILE == os.O_TMPFILE:
+                raise OSError(errno.EOPNOTSUPP, "no such files here")
+        return opened(path, flags, mode, **where)
+
+    monkeypatch.setattr(os, "open", note)
+    write_whole(tmp_path / "file", b"text")
+    assert set(asked) == {0o600}
+    assert (tmp_path / "file").read_bytes() == b"text"

@@ -230,7 +230,8 @@ def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., in
                 try:
                     return main(arguments)
                 finally:
-                    sys.stdout.flush()
+                    if not sys.stdout.closed:  # as a language server leaves it
+                        sys.stdout.flush()
             except Interrupted as error:
                 return 128 + error.number
             except KeyboardInterrupt:

@@ -2,6 +2,8 @@
 
 import asyncio
 import contextlib
+import json
+import subprocess
 
 import pytest
 from lsprotocol import types
@@ -126,3 +128,19 @@ def test_what_is_no_xml_is_an_error_of_its_line(tmp_path):
     found = asyncio.run(diagnostics_of(tmp_path / "my.world", "<gz:world xmlns:gz='x'>\n<model"))
     assert found
     assert {one.severity for one in found} == {types.DiagnosticSeverity.Error}
+
+
+def test_the_server_ends_as_its_editor_says(tmp_path):
+    words = (
+        ("initialize", 1, {"processId": None, "rootUri": None, "capabilities": {}}),
+        ("shutdown", 2, None),
+        ("exit",),
+    )
+    sent = b""
+    for name, *rest in words:
+        message = {"jsonrpc": "2.0", "method": name} | (dict(zip(("id", "params"), rest, strict=True)) if rest else {})
+        body = json.dumps(message).encode()
+        sent += b"Content-Length: %d\r\n\r\n%b" % (len(body), body)
+    ended = subprocess.run(run_module("libgz", "lsp"), input=sent, capture_output=True, cwd=tmp_path, timeout=60)
+    assert b"Traceback" not in ended.stderr, ended.stderr.decode()
+    assert ended.returncode == 0

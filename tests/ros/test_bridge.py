@@ -433,3 +433,25 @@ def test_a_camera_of_ros2_has_its_sensors_name_depths_and_points(start, graph):
 
 def test_what_a_bridge_nests_too_deeply_is_nothing():
     assert bridged._parsed(b"[" * 200_000) is None
+
+
+def test_a_legacy_world_is_served_in_ros2(start, graph):
+    server = start((Path(__file__).parent / "legacy.world").read_text())
+    assert server.topic("/robot/odom").child_frame_id == "robot/base_link"
+    assert len(server.topic("/laser/scan").ranges) > 100
+    twist = message_type("geometry_msgs/Twist")()
+    twist.linear.x = 0.4
+    graph.publish("/robot/cmd_vel", cdr(twist.kind, fields("geometry_msgs/Twist", "msg")[0]).pack(twist))
+    wait_for(lambda: server.topic("/robot/odom").pose.pose.position.x > 0.1)
+    goal = message_type("control_msgs/GripperCommand_Goal", 2)()
+    goal.command.position = 1.0
+    uuid = message_type("unique_identifier_msgs/UUID", 2)(uuid=list(range(16)))
+    action, kind = "/gripper/gripper_cmd/_action", "control_msgs/GripperCommand"
+    assert server.call(f"{action}/send_goal", f"{kind}_SendGoal", goal_id=uuid, goal=goal).accepted
+    done = server.call(f"{action}/get_result", f"{kind}_GetResult", goal_id=uuid)
+    assert (done.status, done.result.reached_goal) == (4, True)
+    assert "robot" in server.call("/get_model_list", "gazebo_msgs/GetModelList").model_names
+    state = server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name="robot")
+    assert state.success
+    assert not server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name="nobody").success
+    assert server.call("/delete_entity", "gazebo_msgs/DeleteEntity", name="robot").success

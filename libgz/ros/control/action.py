@@ -208,6 +208,16 @@ class ActionServer2:
 
         return Later(poll, KEPT, self._result.response()) if known else self._result.response()
 
+    @property
+    def watched(self) -> bool:
+        """Whether something is to be done in each step without a goal: nothing."""
+        return False
+
+    def end(self) -> None:
+        """Serve it no longer."""
+        for service in self._services:
+            service.end()
+
     def _info(self, goal: Goal) -> Any:
         info = message_type("action_msgs/GoalInfo", 2)()
         info.goal_id.uuid = list(goal.identity)

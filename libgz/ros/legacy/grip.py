@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.interfaces.gripper import CLOSE, OPEN, STOP
-from libgz.ros.control.action import ActionServer, Goal
+from libgz.ros.control.action import ActionServer, ActionServer2, Goal
 from libgz.ros.legacy.kinds import Holder, Obey, order, paddles
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ class Grip:
         session = device.session
         name = session.resolve("gripper_cmd", device.id)
         kind = "control_msgs/GripperCommand"
-        self._action = ActionServer(session, name, kind, self._now, self._accept, self._cancel)
+        made = ActionServer2 if session.version == 2 else ActionServer
+        self._action: ActionServer | ActionServer2 = made(session, name, kind, self._now, self._accept, self._cancel)
 
     @property
     def busy(self) -> bool:

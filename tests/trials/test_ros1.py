@@ -35,8 +35,6 @@ LEGACY = {
     "/gripper/gripper/opened": "data:",
     "/eyes/left/image_raw": "height: 24",
     "/eyes/disparity": "32FC1",
-    "/gazebo/model_states": "name:",
-    "/gazebo/link_states": "name:",
 }
 COUNT = """
 import time, rospy
@@ -209,6 +207,7 @@ def test_commands_and_transforms(turtle):
 def test_legacy_models(serve):
     serve("gazebo", WORLDS / "legacy.world", "/robot/odom")
     wait_until(lambda: set(LEGACY) <= set(in_root("rostopic", "list").split()))
+    assert "gazebo_msgs/ModelStates" in in_root("rostopic", "info", "/gazebo/model_states")
     for topic, text in LEGACY.items():
         assert text in in_root("rostopic", "echo", "-n1", topic), topic
     in_root("rostopic", "pub", "-1", "/robot/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.3}}")

@@ -69,8 +69,8 @@ def _drive(count: int, client: Any) -> None:
         position.command(vx=0.2, vyaw=0.1)
 
 
-def _driven(text: str, count: int) -> libgz.World:
-    world = libgz.World.from_string(text)
+def _driven(text: str, count: int, solver: str = "world") -> libgz.World:
+    world = libgz.World.from_string(text, solver=solver)
     _drive(count, world)
     world.step(60)
     return world
@@ -159,13 +159,15 @@ def legs() -> Iterator[Figure]:
     """A robot with twelve joints beside one with wheels: over the C loop, and other engines over libgz."""
     for scene, text, count in (("legged", legged_text(1), 0), ("pioneers", pioneers_text(10), 10)):
         what = "12 joints on four legs" if scene == "legged" else "10 Pioneer2AT"
-        with ExitStack() as stack, _driven(text, count) as world:
+        with ExitStack() as stack, _driven(text, count) as world, _driven(text, count, "tree") as other:
             loop = stack.enter_context(Reference(scene_of(world, sensors=False)))
-            runs = {"libgz": _own(world), "C": loop.run, **_peers(stack, scene, max(count, 1))}
+            runs = {"libgz": _own(world), "C": loop.run, "tree": _own(other), **_peers(stack, scene, max(count, 1))}
             times = take_turns(runs)
         yield _ratio(f"{what}: in process / C loop", times, "libgz", "C")
-        for name in list(runs)[2:]:
+        yield _ratio(f"{what}: solver tree / default", times, "tree", "libgz")
+        for name in list(runs)[3:]:
             yield _ratio(f"{what}: {name} / libgz", times, name, "libgz")
+            yield _ratio(f"{what}: solver tree / {name}", times, "tree", name)
 
 
 def start() -> Iterator[Figure]:

@@ -37,6 +37,7 @@ from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError, PluginError, StrictError, WorldFileError
 from libgz.base.files import exists, is_file
 from libgz.front import World
+from libgz.ode.context import SOLVERS
 from libgz.rendering.choice import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.sdf.recognition import is_sdf
@@ -160,9 +161,10 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add(
         "--solver",
-        choices=("world", "quick"),
+        choices=SOLVERS,
         default="world",
-        help="ODE's solver: world, the exact one (default), or quick, the iterative one, which holds stacks",
+        help="solver: world, ODE's exact one (default), quick, its iterative one, which holds stacks, or tree, "
+        "exact and quicker for robots with many joints",
     )
     add("--strict", action="store_true", help=STRICT_HELP)
     add_untrusted_option(parser)

@@ -15,12 +15,14 @@ __all__ = [
     "MAX_CONTACTS",
     "MOST_CONTACTS",
     "NO_HIT",
+    "SOLVERS",
     "STEP_NEEDS_RECOVERY",
     "Publication",
     "RayScan",
     "StepContext",
 ]
 
+SOLVERS = ("world", "quick", "tree")  # dWorldStep, dWorldQuickStep, tree.c
 MAX_CONTACTS = 10  # of a pair of geoms
 MOST_CONTACTS = 250  # of a pair of geoms under the classic rule, which keeps the deepest of them
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
@@ -54,7 +56,7 @@ class StepContext(ctypes.Structure):
         ("stand_in", c_void_p),
         ("no_cylinder_pairs", c_int64),
         ("step", c_double),
-        ("quick", c_int64),
+        ("solver", c_int64),
         ("contact_rule", c_int64),
         ("count_turns", c_int64),
         ("seed", c_uint64),

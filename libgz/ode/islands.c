@@ -128,12 +128,31 @@ static int iterate(context *c)
     return done;
 }
 
+/* Solve along trees what can be solved so. ODE's joints write their rows only where ODE has made the memory of its step,
+ * which it does in a step in which nothing moves. */
+static void use_trees(context *c)
+{
+    if (!begin_trees(c))
+        return;
+    if (!c->work->stepped) {
+        c->parted = 1;
+        set_aside(c, 0);
+        c->work->stepped = dWorldStep(c->world, c->step);
+        bring_back(c);
+        c->parted = 0;
+    }
+    if (c->work->stepped)
+        solve_trees(c);
+}
+
 /* Move everything; 0 when ODE ran out of memory. */
 int move_bodies(context *c)
 {
-    int kind = !c->quick ? ALL_EXACT : ALL_QUICK, done;
+    int kind = c->solver == QUICK ? ALL_QUICK : ALL_EXACT, done;
     if (solves_islands(c) && have_members(c))
         kind = sort_islands(c);
+    if (c->solver == TREE)
+        use_trees(c);
     if (kind == ALL_QUICK)
         return iterate(c);
     if (kind == ALL_EXACT)

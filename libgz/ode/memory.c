@@ -34,6 +34,7 @@ void gz_close(context *c)
         free(w->resting_points);
         gz_free_resting(&w->resting);
         gz_free_calls(&w->calls);
+        free_trees(w->trees);
         free(w);
     }
     c->work = NULL;

@@ -45,6 +45,7 @@ static void free_step_memory(context *c)
 {
     static const memory_functions own = {sizeof own, get_block, shrink_block, drop_block};
     dWorldCleanupWorkingMemory(c->world);
+    c->work->stepped = 0;
     while (block_count > 0)
         free(blocks[--block_count]);
     if (!c->own_memory)
@@ -118,6 +119,7 @@ static int solve(context *c)
         done = move_bodies(c);
     guarded = 0;
     end_iterations(c);
+    release_trees(c);
     if (c->parted) { /* the step was abandoned meanwhile */
         c->parted = 0;
         bring_back(c);

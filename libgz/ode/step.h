@@ -114,6 +114,13 @@ typedef struct {
     X(double, dWorldGetCFM, (void *))                                           \
     X(double, dWorldGetContactMaxCorrectingVel, (void *))                       \
     X(void, dJointDisable, (void *))                                            \
+    X(void, dJointEnable, (void *))                                             \
+    X(int, dJointIsEnabled, (void *))                                           \
+    X(feedback *, dJointGetFeedback, (void *))                                  \
+    X(int, dBodyGetNumJoints, (void *))                                         \
+    X(void *, dBodyGetJoint, (void *, int))                                     \
+    X(int, dBodyGetGyroscopicMode, (void *))                                    \
+    X(double, dWorldGetERP, (void *))                                           \
     X(const double *, dBodyGetRotation, (void *))                               \
     X(const double *, dBodyGetPosition, (void *))                               \
     X(const double *, dBodyGetQuaternion, (void *))                             \
@@ -219,7 +226,7 @@ typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
     int64_t no_cylinder_pairs; /* 1: boxes stand in for a cylinder against cylinders and capsules */
     double step;
-    int64_t quick;            /* 1: dWorldQuickStep */
+    int64_t solver;           /* EXACT, QUICK or TREE */
     int64_t contact_rule;     /* LEGACY_RULE or CLASSIC_RULE */
     int64_t count_turns;      /* 1: joint angles continue beyond pi; 0: they stay within -pi to pi */
     uint64_t seed;            /* ODE's random state, one per world */
@@ -274,6 +281,7 @@ typedef struct {
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
+enum { EXACT, QUICK, TREE }; /* dWorldStep, dWorldQuickStep, tree.c; as SOLVERS in context.py */
 
 enum { MAX_CONTACTS = 10, MOST_CONTACTS = 250 }; /* of a pair: legacy; those of which classic keeps the deepest */
 enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
@@ -362,6 +370,8 @@ struct workspace {
     int64_t member_capacity, group_capacity, held_capacity, ranked_capacity;
     int64_t resting_body_capacity, resting_point_capacity;
     resting_memory resting;
+    struct trees *trees;
+    int stepped; /* 1: ODE has the memory of its own step */
 };
 
 static inline double smaller(double a, double b) { return a < b ? a : b; }
@@ -389,7 +399,7 @@ static inline int is_awake(void *body) { return body && dBodyIsEnabled(body); }
 /* Whether small calm islands are solved exactly. */
 static inline int solves_islands(const context *c)
 {
-    return c->exact_rest && c->quick && c->contact_rule == CLASSIC_RULE;
+    return c->exact_rest && c->solver == QUICK && c->contact_rule == CLASSIC_RULE;
 }
 
 /* v rotated by the quaternion q; the same operations in the same order as libgz.base.geometry.rotate. */
@@ -459,6 +469,12 @@ int move_bodies(context *c);
 
 /* resting_islands.c */
 void solve_resting(context *c);
+
+/* tree.c */
+int begin_trees(context *c);
+void solve_trees(context *c);
+void release_trees(const context *c);
+void free_trees(struct trees *w);
 
 /* overlaps.c */
 void note_overlap(context *c, const touching *t, const contact *point);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import threading
@@ -26,6 +27,11 @@ LIBRARY = Path(__file__).with_name("_step.so")
 LONGEST = 0.01  # [s] of real time without Python, if there is more than one step; then signals are noticed
 _ALLOCATORS = tuple(f"d{verb}{what}Handler" for what in ("Alloc", "Realloc", "Free") for verb in ("Get", "Set"))
 _loading = threading.Lock()
+# ODE's classes of joints by their number; those without a name have no rows.
+_JOINTS = (
+    *("", "Ball", "Hinge", "Slider", "Contact", "Universal", "Hinge2", "Fixed", "", "AMotor", "LMotor", "Plane2D"),
+    *("PR", "PU", "Piston", "DBall", "DHinge", "Transmission"),
+)
 
 
 def library_path() -> Path:
@@ -104,6 +110,7 @@ class Step:
         library.gz_step_bind(addresses)
         library.gz_use_blocks.argtypes = [c_void_p]
         library.gz_calls_made.argtypes, library.gz_calls_made.restype = [c_void_p], c_int64
+        _bind_joints(library)
         library.gz_use_blocks((c_void_p * len(_ALLOCATORS))(*(ode().address(name) for name in _ALLOCATORS)))
         return library
 
@@ -184,6 +191,18 @@ class Step:
         )
         count, owner = c_int64(len(scan.rays)), c_int64(scan.owner)
         return functools.partial(self._scan, c_void_p(self._address), frame, rays, count, owner, ranges, rows)
+
+
+def _bind_joints(library: ctypes.CDLL) -> None:
+    """Pass it the functions by which ODE's joints count and write their rows, as far as this ODE exports them."""
+    counting, writing = (c_void_p * len(_JOINTS))(), (c_void_p * len(_JOINTS))()
+    for number, name in enumerate(_JOINTS):
+        scope = f"_ZN{len(name) + 7}dxJoint{name}8getInfo"
+        with contextlib.suppress(AttributeError):
+            if name:
+                counting[number] = ode().address(f"{scope}1EPN7dxJoint5Info1E")
+                writing[number] = ode().address(f"{scope}2EddiPdS0_iS0_S0_Pi")
+    library.gz_tree_bind(counting, writing)
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:

@@ -22,7 +22,7 @@ from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import VectorLike
 from libgz.base.law import law
 from libgz.base.quota import Quota
-from libgz.ode.context import HeldEffort, RayScan, StepContext
+from libgz.ode.context import SOLVERS, HeldEffort, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
 from libgz.ode.nearby import geoms_near
@@ -43,7 +43,6 @@ MOST_RAYS, MOST_TRIANGLES = 20_000_000, 70_000_000  # of all lasers, and of all 
 MOST_COMPARED = 5_000  # geoms, when a crowd is searched for
 SMALLEST_CFM = 1e-10  # ODE's default with doubles; with none at all its solvers fail on redundant joints
 CELLS, WIDE_CELLS = (-3, 10), (2, 10)  # of the hash space, as powers of two [m]: ODE's default, and for far bodies
-SOLVERS = ("world", "quick")
 DEFAULT_LAYER = 0.001  # [m] of SDF
 
 
@@ -107,7 +106,8 @@ class Engine:
     Args:
         gravity: [m/s^2], shape (3,).
         step_time: length of a step [s].
-        solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
+        solver: ``"world"``, ODE's exact solver, ``"quick"``, its iterative one, or ``"tree"``, which is exact, too, and
+            eliminates joints along their tree: for robots with many joints.
         seed: start of ODE's random numbers, which only the quick solver uses.
 
     Raises:
@@ -217,15 +217,15 @@ class Engine:
 
     @property
     def solver(self) -> str:
-        """``"world"`` or ``"quick"``."""
-        return SOLVERS[self._context.quick]
+        """``"world"``, ``"quick"`` or ``"tree"``."""
+        return SOLVERS[self._context.solver]
 
     @solver.setter
     @exclusive
     def solver(self, name: str) -> None:
         if name not in SOLVERS:
             raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
-        self._context.quick = SOLVERS.index(name)
+        self._context.solver = SOLVERS.index(name)
 
     @property
     def seed(self) -> int:

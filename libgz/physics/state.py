@@ -37,7 +37,7 @@ import numpy as np
 from libgz.base import encoding
 from libgz.base.errors import GazeboError, LibraryError, ParameterError, StateError
 from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
-from libgz.ode.context import CONTACT, StepContext
+from libgz.ode.context import CONTACT, SOLVERS, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.memory import layout, order_bodies
 from libgz.ode.parts import Parts
@@ -55,7 +55,7 @@ PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "
 
 # Fields of the context that are saved as their bytes, for they follow each other.
 SAVED_FIELDS = (
-    *("step", "quick", "contact_rule", "count_turns", "seed", "steps", "contact_count"),
+    *("step", "solver", "contact_rule", "count_turns", "seed", "steps", "contact_count"),
     *("max_contacts", "cone", "gravity", "record_contacts"),
 )
 _FIELDS = struct.Struct("=d3qQ4q3dq")
@@ -256,7 +256,7 @@ class EngineState:
             for name in SETTINGS:
                 if then[name] != now[name]:
                     setattr(engine, name, then[name])
-            context.quick = then["quick"]
+            context.solver = then["solver"]
         present[_PROGRESS:_REST] = settings[_PROGRESS:_REST]  # random state, how many steps and contacts there were
         if numbers != (others := list(_numbers(engine))):
             for name, value, other in zip(SWITCHES, numbers, others, strict=False):
@@ -448,13 +448,13 @@ def _counts(census: Any, count: int) -> bool:
 
 
 def _fields(settings: Any) -> dict[str, Any]:
-    """What is to be set, by the names of SETTINGS, and `quick`."""
-    step, quick, rule, *values = _FIELDS.unpack(settings)
-    if quick not in (0, 1) or rule not in list(ContactRule):
+    """What is to be set, by the names of SETTINGS, and `solver`."""
+    step, solver, rule, *values = _FIELDS.unpack(settings)
+    if solver not in range(len(SOLVERS)) or rule not in list(ContactRule):
         raise StateError("the state is damaged: the engine has no such solver or rule of contacts")
     turns, _, _, _, most, cone, x, y, z, record = values
     return {
-        **{"step_time": step, "quick": quick, "contact_rule": rule, "count_turns": turns},
+        **{"step_time": step, "solver": solver, "contact_rule": rule, "count_turns": turns},
         **{"max_contacts": most, "cone": cone, "gravity": (x, y, z), "record_contacts": record},
     }
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from libgz.base.errors import Diagnostics, ParameterError
+from libgz.ode.context import SOLVERS
 from libgz.sdf.element import Element
 from libgz.simulation.world import World
 
@@ -125,7 +126,7 @@ def read_physics(physics: Element) -> dict[str, Any]:
         for part in path:
             holder = holder.child(part)
         found[key] = holder.Get(parameter.kind, name)
-    found["solver_type"] = "world" if found["solver_type"] == "world" else "quick"
+    found["solver_type"] = found["solver_type"] if found["solver_type"] in SOLVERS else "quick"
     if found["friction_model"] not in FRICTION_MODELS:
         found["friction_model"] = FRICTION_MODELS[0]
     return found

@@ -15,6 +15,7 @@ import numpy as np
 
 from libgz.base.errors import ParameterError, nearest
 from libgz.base.files import read_limited
+from libgz.ode.context import SOLVERS
 from libgz.study.distribution import Distribution
 from libgz.study.signals import split_signal
 from libgz.study.variant import Variant
@@ -46,7 +47,7 @@ KEYS = {
     "seed": "of the repeats",
     "period": "sim time between two calls of a controller [s]",
     "sample": "sim time between two samples of measures [s]",
-    "solver": "world or quick",
+    "solver": "world, quick or tree",
     "retries": "how often a failed run is repeated",
     "parameters": "path of an element, or controller/NAME -> a list of values, or a distribution",
     "list": "an array of tables of parameters, each one a case",
@@ -210,8 +211,8 @@ class Study:
         limits = _table(table, "limits")
         _check_keys(limits, {"time": "", "memory": ""}, "limits")
         solver = table.get("solver", "world")
-        if solver not in ("world", "quick"):
-            raise ParameterError(f"solver is {solver!r}; allowed are world, quick")
+        if solver not in SOLVERS:
+            raise ParameterError(f"solver is {solver!r}; allowed are {', '.join(SOLVERS)}")
         study = cls(
             folder,
             world if world.lstrip().startswith("<") else _beside(folder, world),

@@ -30,7 +30,7 @@ echo "${COMPREPLY[@]}"
 CASES = [
     (("gazebo", "pio"), {"pioneer2at", "pioneer2dx", "pioneer2sonars"}),
     (("gazebo", "--so"), {"--solver"}),
-    (("gazebo", "--solver", ""), {"world", "quick"}),
+    (("gazebo", "--solver", ""), {"world", "quick", "tree"}),
     (("gzserver", "emp"), {"empty"}),
     (("gzclient", "--pic"), {"--picture"}),
     (("libgz", "wor"), {"world", "worlds"}),

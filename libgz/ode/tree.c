@@ -1,0 +1,725 @@
+/* Islands solved along the tree of their joints, at a cost that grows with their bodies and not with the cube of their rows.
+ *
+ * ODE says what its joints demand (rows of a Jacobian, as in its own solvers); what is found is given to ODE as efforts on
+ * the bodies, and ODE moves them. Rows without bounds of joints that form a tree are eliminated from the leaves to the root,
+ * block by block: D. Baraff, Linear-time dynamics using Lagrange multipliers, SIGGRAPH 1996. What is left, contacts, motors,
+ * limits and joints that close loops, is a small dense problem (boxes.c) in which only paths towards the root meet.
+ *
+ * With the velocities v, the inertia M, the impulses p, rows J, softness C and aims c: M v = g + J^T p and J v + C p = c,
+ * where g is the momentum that the bodies would have without joints. */
+#include "boxes.h"
+#include "memory.h"
+#include "step.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_ROWS = 6 };    /* of a joint, and as many as the motions of a body; loops have this constant length */
+enum { JOINT_KINDS = 18 }; /* ODE's numbers of joint types end below */
+enum { MOST_DENSE = 1000 }; /* rows; ODE solves islands with more of them */
+
+typedef struct {
+    uint8_t rows, unbounded;
+} row_count;
+
+typedef void count_rows(void *joint, row_count *found);
+typedef void write_rows(void *joint, double rate, double erp, int row_skip, double *one, double *two, int pair_skip,
+                        double *aim_softness, double *low_high, int *normal);
+
+static count_rows *counters[JOINT_KINDS];
+static write_rows *writers[JOINT_KINDS];
+
+/* Take the addresses of the functions with which ODE's joints count and write their rows, by type; NULL: no such type. */
+void gz_tree_bind(void *const *counting, void *const *writing)
+{
+    memcpy(counters, counting, sizeof counters);
+    memcpy(writers, writing, sizeof writers);
+}
+
+typedef struct {
+    void *body;
+    int64_t parent, joint; /* towards the root: -1 for the world, or none */
+    int64_t first;         /* of its joints, -1: none */
+    int64_t degree;        /* joints that may be part of the tree; -1: the body is in the tree */
+    int64_t rank;          /* in the order from the root on */
+    int64_t met;           /* the last station at the body, -1: none */
+    double factor[MOTIONS][MOTIONS]; /* of the inertia of the body and all beyond it, lower triangle */
+    double load[MOTIONS];            /* momentum, then solved forward */
+    double velocity[MOTIONS], effort[MOTIONS];
+} tree_body;
+
+typedef struct {
+    void *joint;
+    int64_t body[2]; /* -1: none that moves */
+    int64_t next[2]; /* joint of those bodies, -1: none */
+    int64_t first;   /* of its rows */
+    int rows, free;  /* free: those without bounds, which come first */
+    int side;        /* of the body that it leads to the root, -1: it is no part of the tree */
+    double factor[MOST_ROWS][MOST_ROWS], child[MOST_ROWS][MOTIONS], parent[MOST_ROWS][MOTIONS];
+    double load[MOST_ROWS];
+} tree_joint;
+
+typedef struct {
+    int64_t joint;
+    double line[2][MOTIONS];
+    double aim, softness, low, high;
+    int64_t normal; /* the row whose impulse scales the bounds, -1: none */
+    int64_t place;  /* in the dense problem, -1: part of the tree */
+    double impulse;
+} tree_row;
+
+/* A row of the dense problem, solved forward: what it is at a body of its path to the root, and at the joint there. */
+typedef struct {
+    int64_t row, at;  /* of the dense problem; the body */
+    int64_t previous; /* station at the body, of an earlier row; -1: none */
+    double body[MOTIONS], joint[MOST_ROWS];
+} station;
+
+/* The island that is being solved, and joints that have no part in ODE's step. */
+struct trees {
+    tree_body *bodies;
+    tree_joint *joints;
+    tree_row *rows;
+    int64_t *order;      /* bodies from the root on */
+    int64_t *dense;      /* rows of the dense problem */
+    int64_t *places;     /* where its unknowns are */
+    station *stations;   /* row by row */
+    double *numbers;     /* of the dense problem */
+    int64_t body_capacity, joint_capacity, row_capacity, order_capacity, dense_capacity, place_capacity, station_capacity;
+    int64_t number_capacity;
+    int64_t body_count, joint_count, row_count, order_count, dense_count, station_count;
+    void **disabled;
+    int64_t disabled_count, disabled_capacity;
+};
+
+typedef struct trees island;
+
+#define GROW(array, capacity, count)                                                       \
+    do {                                                                                   \
+        void *grown = enlarged(w->array, &w->capacity, (count), sizeof *w->array);         \
+        if (!grown)                                                                        \
+            return 0;                                                                      \
+        w->array = grown;                                                                  \
+    } while (0)
+
+/* Small dense algebra ------------------------------------------------------------------------------------------ */
+
+/* The lower factor of a positive matrix, in place, with reciprocals on the diagonal; 0 if it is not positive. */
+static inline int factorise(double a[][MOTIONS])
+{
+    int i, j, k;
+    for (j = 0; j < MOTIONS; j++) {
+        double sum = a[j][j];
+        for (k = 0; k < j; k++)
+            sum -= a[j][k] * a[j][k];
+        if (!(sum > 0.0))
+            return 0;
+        a[j][j] = 1.0 / sqrt(sum);
+        for (i = j + 1; i < MOTIONS; i++) {
+            sum = a[i][j];
+            for (k = 0; k < j; k++)
+                sum -= a[i][k] * a[j][k];
+            a[i][j] = sum * a[j][j];
+        }
+    }
+    return 1;
+}
+
+static inline void solve_lower(const double l[][MOTIONS], double *x)
+{
+    int i, k;
+#pragma GCC unroll 6
+    for (k = 0; k < MOTIONS; k++) {
+        x[k] *= l[k][k];
+#pragma GCC unroll 6
+        for (i = k + 1; i < MOTIONS; i++)
+            x[i] -= l[i][k] * x[k];
+    }
+}
+
+static inline void solve_upper(const double l[][MOTIONS], double *x)
+{
+    int i, k;
+    for (i = MOTIONS - 1; i >= 0; i--) {
+        for (k = i + 1; k < MOTIONS; k++)
+            x[i] -= l[k][i] * x[k];
+        x[i] *= l[i][i];
+    }
+}
+
+static inline double dot_of(const double *a, const double *b)
+{
+    return (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + (a[4] * b[4] + a[5] * b[5]);
+}
+
+/* What an island is ------------------------------------------------------------------------------------------- */
+
+/* Solve a 3x3 system by Cramer's rule; 0 if it is singular. */
+static int solve_three(double m[3][3], const double *b, double *x)
+{
+    double c[3][3], determinant;
+    int i;
+    cross(m[1], m[2], c[0]);
+    cross(m[2], m[0], c[1]);
+    cross(m[0], m[1], c[2]);
+    determinant = dot(m[0], c[0]);
+    if (determinant == 0.0)
+        return 0;
+    for (i = 0; i < 3; i++)
+        x[i] = (c[0][i] * b[0] + c[1][i] * b[1] + c[2][i] * b[2]) / determinant;
+    return 1;
+}
+
+/* Inertia, and the momentum after the step without joints. Gyroscopic torque as in ODE: C. Lacoursiere, Stabilizing
+ * gyroscopic forces in rigid multibody simulations, 2006. */
+static void describe(const context *c, tree_body *b)
+{
+    const double *r = dBodyGetRotation(b->body), *v = dBodyGetLinearVel(b->body), *omega = dBodyGetAngularVel(b->body);
+    const double *force = dBodyGetForce(b->body), *torque = dBodyGetTorque(b->body);
+    double turned[3][3], inertia[3][3], angular[3], implicit[3][3], rotated[3];
+    int i, k, falls = dBodyGetGravityMode(b->body);
+    body_mass m;
+    dBodyGetMass(b->body, &m);
+    for (i = 0; i < 3; i++)
+        for (k = 0; k < 3; k++)
+            turned[i][k] = r[4 * i] * m.inertia[k] + r[4 * i + 1] * m.inertia[4 + k] + r[4 * i + 2] * m.inertia[8 + k];
+    memset(b->factor, 0, sizeof b->factor);
+    for (i = 0; i < 3; i++) {
+        b->factor[i][i] = m.mass;
+        for (k = 0; k < 3; k++)
+            b->factor[3 + i][3 + k] = inertia[i][k] = dot(turned[i], r + 4 * k);
+    }
+    for (i = 0; i < 3; i++)
+        angular[i] = dot(inertia[i], omega);
+    for (i = 0; i < 3; i++) {
+        b->load[i] = m.mass * v[i] + c->step * (force[i] + (falls ? m.mass * c->gravity[i] : 0.0));
+        b->load[3 + i] = angular[i] + c->step * torque[i];
+    }
+    if (dBodyGetGyroscopicMode(b->body)) {
+        /* The torque is (I (I - h [L])^-1 - 1) L / h, where [L] is the matrix of the cross product with L. */
+        memcpy(implicit, inertia, sizeof implicit);
+        for (i = 0; i < 3; i++) {
+            int j = (i + 1) % 3, l = (i + 2) % 3;
+            implicit[i][j] += c->step * angular[l];
+            implicit[i][l] -= c->step * angular[j];
+        }
+        if (solve_three(implicit, angular, rotated))
+            for (i = 0; i < 3; i++)
+                b->load[3 + i] += dot(inertia[i], rotated) - angular[i];
+    }
+    memset(b->effort, 0, sizeof b->effort);
+}
+
+static int moves(void *body) { return body && !dBodyIsKinematic(body); }
+
+/* The bodies of a joint in ODE's order, in which rows are written: the first one is never the world. */
+static void find_sides(void *joint, void *bodies[2])
+{
+    bodies[0] = dJointGetBody(joint, 0);
+    bodies[1] = dJointGetBody(joint, 1);
+    if (!bodies[0]) {
+        bodies[0] = bodies[1];
+        bodies[1] = NULL;
+    }
+}
+
+/* Write a joint's rows behind the others; 0 without memory. */
+static int add_joint(const context *c, island *w, void *joint, void *const *bodies)
+{
+    double block[MOST_ROWS][16], rate = 1.0 / c->step, cfm = dWorldGetCFM(c->world);
+    int normal[MOST_ROWS], type = dJointGetType(joint), i, k, side;
+    row_count found = {0, 0};
+    tree_joint *j;
+    if (type < 0 || type >= JOINT_KINDS || !counters[type])
+        return 0;
+    counters[type](joint, &found);
+    if (found.rows <= 0)
+        return 1;
+    if (found.rows > MOST_ROWS)
+        return 0;
+    GROW(joints, joint_capacity, w->joint_count + 1);
+    GROW(rows, row_capacity, w->row_count + found.rows);
+    memset(block, 0, sizeof block);
+    for (i = 0; i < found.rows; i++) {
+        block[i][13] = cfm;
+        block[i][14] = -HUGE_VAL;
+        block[i][15] = HUGE_VAL;
+        normal[i] = -1;
+    }
+    writers[type](joint, rate, dWorldGetERP(c->world), 16, block[0], block[0] + 6, 16, block[0] + 12, block[0] + 14, normal);
+    j = w->joints + w->joint_count;
+    memset(j, 0, sizeof *j);
+    j->joint = joint;
+    j->rows = found.rows;
+    j->first = w->row_count;
+    j->side = -1;
+    for (side = 0; side < 2; side++)
+        j->body[side] = moves(bodies[side]) ? c->work->members[row_of(bodies[side])].place : -1;
+    for (i = 0; i < found.rows; i++) {
+        tree_row *r = w->rows + w->row_count++;
+        memset(r, 0, sizeof *r);
+        r->joint = w->joint_count;
+        r->aim = block[i][12];
+        r->softness = block[i][13] * rate;
+        r->low = block[i][14] == -HUGE_VAL ? -HUGE_VAL : block[i][14] * (normal[i] < 0 ? c->step : 1.0);
+        r->high = block[i][15] == HUGE_VAL ? HUGE_VAL : block[i][15] * (normal[i] < 0 ? c->step : 1.0);
+        r->normal = normal[i] < 0 ? -1 : j->first + normal[i];
+        for (side = 0; side < 2; side++) {
+            const double *line = block[i] + 6 * side;
+            if (j->body[side] >= 0)
+                memcpy(r->line[side], line, sizeof r->line[side]);
+            else if (bodies[side]) /* it moves as it does, whatever happens */
+                r->aim -= dot(line, dBodyGetLinearVel(bodies[side])) + dot(line + 3, dBodyGetAngularVel(bodies[side]));
+        }
+    }
+    if (type != JOINT_CONTACT)
+        for (k = 0; k < j->rows && w->rows[j->first + k].low == -HUGE_VAL && w->rows[j->first + k].high == HUGE_VAL; k++)
+            j->free = k + 1;
+    w->joint_count++;
+    return 1;
+}
+
+/* Collect the island of a body: all that enabled joints connect; it is awake then. 0 if ODE has to solve it. */
+static int collect(const context *c, island *w, int64_t row)
+{
+    int64_t at;
+    int i;
+    w->body_count = w->joint_count = w->row_count = 0;
+    GROW(bodies, body_capacity, 1);
+    w->bodies[0].body = c->bodies[row];
+    c->work->members[row].place = w->body_count++;
+    for (at = 0; at < w->body_count; at++) {
+        void *body = w->bodies[at].body;
+        for (i = 0; i < dBodyGetNumJoints(body); i++) {
+            void *joint = dBodyGetJoint(body, i), *bodies[2], *other;
+            if (!dJointIsEnabled(joint))
+                continue;
+            find_sides(joint, bodies);
+            other = bodies[bodies[0] == body];
+            if (moves(other) && c->work->members[row_of(other)].place < 0) {
+                GROW(bodies, body_capacity, w->body_count + 1);
+                w->bodies[w->body_count].body = other;
+                c->work->members[row_of(other)].place = w->body_count++;
+                if (!dBodyIsEnabled(other))
+                    dBodyEnable(other);
+            }
+        }
+    }
+    for (at = 0; at < w->body_count; at++) {
+        void *body = w->bodies[at].body;
+        for (i = 0; i < dBodyGetNumJoints(body); i++) {
+            void *joint = dBodyGetJoint(body, i), *bodies[2];
+            if (!dJointIsEnabled(joint))
+                continue;
+            find_sides(joint, bodies);
+            if ((moves(bodies[0]) ? bodies[0] : bodies[1]) == body && !add_joint(c, w, joint, bodies))
+                return 0;
+        }
+    }
+    for (at = 0; at < w->body_count; at++) /* now, for motors at a limit have applied efforts */
+        describe(c, w->bodies + at);
+    return 1;
+}
+
+static void take_place(island *w, int64_t body)
+{
+    w->bodies[body].degree = -1;
+    w->bodies[body].rank = w->order_count;
+    w->bodies[body].met = -1;
+    w->order[w->order_count++] = body;
+}
+
+/* Hang a body on another one, or on the world, by a joint. */
+static void hang(island *w, int64_t joint, int side)
+{
+    tree_joint *j = w->joints + joint;
+    tree_body *b = w->bodies + j->body[side];
+    j->side = side;
+    b->joint = joint;
+    b->parent = j->body[1 - side];
+    take_place(w, j->body[side]);
+}
+
+static void list_joints(island *w)
+{
+    int64_t i;
+    int side;
+    for (i = 0; i < w->body_count; i++) {
+        w->bodies[i].parent = w->bodies[i].joint = w->bodies[i].first = -1;
+        w->bodies[i].degree = 0;
+    }
+    for (i = 0; i < w->joint_count; i++)
+        for (side = 0; side < 2; side++) {
+            tree_joint *j = w->joints + i;
+            tree_body *b;
+            if (!j->free || j->body[side] < 0)
+                continue;
+            b = w->bodies + j->body[side];
+            j->next[side] = b->first;
+            b->first = i;
+            b->degree++;
+        }
+}
+
+/* Order the bodies from the root on: first what joints hold to the world; then a tree from the body with most joints. */
+static int grow_tree(island *w)
+{
+    int64_t i, at = 0, best;
+    GROW(order, order_capacity, w->body_count);
+    w->order_count = 0;
+    list_joints(w);
+    for (i = 0; i < w->joint_count; i++) {
+        const tree_joint *j = w->joints + i;
+        int side = j->body[0] < 0;
+        if (j->free && j->body[1 - side] < 0 && w->bodies[j->body[side]].degree >= 0)
+            hang(w, i, side);
+    }
+    for (;;) {
+        for (; at < w->order_count; at++)
+            for (i = w->bodies[w->order[at]].first; i >= 0;) {
+                const tree_joint *j = w->joints + i;
+                int side = j->body[0] == w->order[at];
+                int64_t next = j->next[1 - side];
+                if (j->body[side] >= 0 && w->bodies[j->body[side]].degree >= 0)
+                    hang(w, i, side);
+                i = next;
+            }
+        for (best = -1, i = 0; i < w->body_count; i++)
+            if (w->bodies[i].degree >= 0 && (best < 0 || w->bodies[i].degree > w->bodies[best].degree))
+                best = i;
+        if (best < 0)
+            return 1;
+        take_place(w, best);
+    }
+}
+
+/* Solving ----------------------------------------------------------------------------------------------------- */
+
+/* Factorise from the leaves to the root, with the loads; 0 if that is not possible. */
+static int eliminate(island *w)
+{
+    int64_t at;
+    int i, k, m;
+    for (at = w->order_count - 1; at >= 0; at--) {
+        tree_body *b = w->bodies + w->order[at], *p;
+        tree_joint *j;
+        if (!factorise(b->factor))
+            return 0;
+        solve_lower(b->factor, b->load);
+        if (b->joint < 0)
+            continue;
+        j = w->joints + b->joint;
+        m = j->free;
+        for (i = 0; i < m; i++) {
+            const tree_row *r = w->rows + j->first + i;
+            memcpy(j->child[i], r->line[j->side], sizeof j->child[i]);
+            solve_lower(b->factor, j->child[i]);
+            memcpy(j->parent[i], r->line[1 - j->side], sizeof j->parent[i]);
+            j->load[i] = r->aim - dot_of(j->child[i], b->load);
+            for (k = 0; k <= i; k++)
+                j->factor[i][k] = dot_of(j->child[i], j->child[k]);
+            j->factor[i][i] += r->softness;
+        }
+        for (; i < MOST_ROWS; i++)
+            j->factor[i][i] = 1.0; /* the other numbers of these rows are zeros */
+        if (!factorise(j->factor))
+            return 0;
+        solve_lower(j->factor, j->load);
+        if (b->parent < 0)
+            continue;
+        p = w->bodies + b->parent;
+        for (i = 0; i < MOST_ROWS; i++) {
+            for (k = 0; k < i; k++) {
+                int a;
+                for (a = 0; a < MOTIONS; a++)
+                    j->parent[i][a] -= j->factor[i][k] * j->parent[k][a];
+            }
+            for (k = 0; k < MOTIONS; k++)
+                j->parent[i][k] *= j->factor[i][i];
+        }
+        for (i = 0; i < MOTIONS; i++) {
+            for (k = 0; k < MOST_ROWS; k++)
+                p->load[i] += j->parent[k][i] * j->load[k];
+            for (k = 0; k <= i; k++) {
+                int a;
+                for (a = 0; a < MOST_ROWS; a++)
+                    p->factor[i][k] += j->parent[a][i] * j->parent[a][k];
+            }
+        }
+    }
+    return 1;
+}
+
+/* Carry a dense row forward along the paths from its bodies to the root. */
+static int follow(island *w, int64_t place)
+{
+    const tree_row *r = w->rows + w->dense[place];
+    int64_t ends[2] = {w->joints[r->joint].body[0], w->joints[r->joint].body[1]};
+    double carried[2][MOTIONS];
+    int i, k;
+    memcpy(carried, r->line, sizeof carried);
+    while (ends[0] >= 0 || ends[1] >= 0) {
+        /* The end that is farther from the root; both where they meet. */
+        int64_t ranks[2] = {ends[0] < 0 ? -1 : w->bodies[ends[0]].rank, ends[1] < 0 ? -1 : w->bodies[ends[1]].rank};
+        int far = ranks[1] > ranks[0];
+        tree_body *b = w->bodies + ends[far];
+        const tree_joint *j = b->joint < 0 ? NULL : w->joints + b->joint;
+        station *s;
+        GROW(stations, station_capacity, w->station_count + 1);
+        s = w->stations + w->station_count;
+        s->row = place;
+        s->at = ends[far];
+        s->previous = b->met;
+        b->met = w->station_count++;
+        memcpy(s->body, carried[far], sizeof s->body);
+        if (ranks[0] == ranks[1]) {
+            for (i = 0; i < MOTIONS; i++)
+                s->body[i] += carried[1 - far][i];
+            ends[1 - far] = -1;
+        }
+        solve_lower(b->factor, s->body);
+        ends[far] = b->parent;
+        if (!j) {
+            memset(s->joint, 0, sizeof s->joint);
+            continue;
+        }
+        for (i = 0; i < MOST_ROWS; i++)
+            s->joint[i] = -dot_of(j->child[i], s->body);
+        solve_lower(j->factor, s->joint);
+        memset(carried[far], 0, sizeof carried[far]);
+        for (k = 0; k < MOST_ROWS; k++)
+            for (i = 0; i < MOTIONS; i++)
+                carried[far][i] += j->parent[k][i] * s->joint[k];
+    }
+    return 1;
+}
+
+/* List the rows that are no part of the tree. */
+static int list_dense(island *w)
+{
+    int64_t i;
+    w->dense_count = w->station_count = 0;
+    for (i = 0; i < w->row_count; i++) {
+        const tree_joint *j = w->joints + w->rows[i].joint;
+        if (j->side >= 0 && i - j->first < j->free)
+            continue;
+        GROW(dense, dense_capacity, w->dense_count + 1);
+        w->rows[i].place = w->dense_count;
+        w->dense[w->dense_count++] = i;
+    }
+    return w->dense_count <= MOST_DENSE;
+}
+
+/* The matrix of the dense problem, and what its rows still miss: only rows that meet at a body know of each other. */
+static void compare(const island *w, int64_t n, double *a, double *missing)
+{
+    int64_t i, k;
+    memset(a, 0, (size_t)(n * n) * sizeof *a);
+    for (i = 0; i < n; i++)
+        missing[i] = w->rows[w->dense[i]].aim;
+    for (i = 0; i < w->station_count; i++) {
+        const station *one = w->stations + i;
+        const tree_body *b = w->bodies + one->at;
+        double *elements = a + one->row * n;
+        missing[one->row] -= dot_of(one->body, b->load);
+        if (b->joint >= 0)
+            missing[one->row] += dot_of(one->joint, w->joints[b->joint].load);
+        for (k = i; k >= 0; k = w->stations[k].previous) {
+            const station *two = w->stations + k;
+            elements[two->row] += dot_of(one->body, two->body) - dot_of(one->joint, two->joint);
+        }
+    }
+    for (i = 0; i < n; i++) {
+        a[i * n + i] += w->rows[w->dense[i]].softness;
+        for (k = 0; k < i; k++)
+            a[k * n + i] = a[i * n + k];
+    }
+}
+
+/* Find the impulses of the rows that are no part of the tree. As in ODE, friction has the bounds that the contacts' normal
+ * impulses have without friction. */
+static int solve_dense(island *w)
+{
+    int64_t i, n;
+    double *a, *b, *low, *high, *x;
+    box_problem problem;
+    int rubs = 0;
+    if (!list_dense(w))
+        return 0;
+    n = w->dense_count;
+    GROW(places, place_capacity, n);
+    GROW(numbers, number_capacity, n * n + 4 * n + n * (n + 1));
+    a = w->numbers;
+    b = a + n * n;
+    low = b + n;
+    high = low + n;
+    x = high + n;
+    w->station_count = 0;
+    for (i = 0; i < n; i++)
+        if (!follow(w, i))
+            return 0;
+    compare(w, n, a, b);
+    for (i = 0; i < n; i++) {
+        const tree_row *r = w->rows + w->dense[i];
+        low[i] = r->normal < 0 ? r->low : 0.0;
+        high[i] = r->normal < 0 ? r->high : 0.0;
+        w->places[i] = FREE;
+    }
+    problem = (box_problem){n, a, b, low, high, w->places, x, x + n};
+    if (!solve_box(&problem))
+        return 0;
+    for (i = 0; i < n; i++) {
+        const tree_row *r = w->rows + w->dense[i];
+        if (r->normal < 0)
+            continue;
+        high[i] = fabs(r->high * x[w->rows[r->normal].place]);
+        low[i] = -high[i];
+        w->places[i] = FREE;
+        rubs |= high[i] > 0.0;
+    }
+    if (rubs && !solve_box(&problem))
+        return 0;
+    for (i = 0; i < n; i++)
+        w->rows[w->dense[i]].impulse = x[i];
+    return 1;
+}
+
+/* The impulses of the tree's rows, from the root to the leaves. */
+static void substitute(island *w)
+{
+    int64_t i, at;
+    int k;
+    for (i = 0; i < w->station_count; i++) {
+        const station *s = w->stations + i;
+        double x = w->rows[w->dense[s->row]].impulse;
+        tree_body *b = w->bodies + s->at;
+        for (k = 0; k < MOTIONS; k++)
+            b->load[k] += x * s->body[k];
+        if (b->joint >= 0)
+            for (k = 0; k < MOST_ROWS; k++)
+                w->joints[b->joint].load[k] += x * s->joint[k];
+    }
+    for (at = 0; at < w->body_count; at++) {
+        tree_body *b = w->bodies + w->order[at];
+        memcpy(b->velocity, b->load, sizeof b->velocity);
+        if (b->joint >= 0) {
+            tree_joint *j = w->joints + b->joint;
+            if (b->parent >= 0)
+                for (k = 0; k < MOST_ROWS; k++)
+                    j->load[k] -= dot_of(j->parent[k], w->bodies[b->parent].velocity);
+            solve_upper(j->factor, j->load);
+            for (k = 0; k < j->free; k++) {
+                int a;
+                w->rows[j->first + k].impulse = j->load[k];
+                for (a = 0; a < MOTIONS; a++)
+                    b->velocity[a] += j->child[k][a] * j->load[k];
+            }
+        }
+        solve_upper(b->factor, b->velocity);
+    }
+}
+
+/* Whether all impulses are numbers. */
+static int is_finite(const island *w)
+{
+    int64_t i;
+    for (i = 0; i < w->row_count; i++)
+        if (!isfinite(w->rows[i].impulse))
+            return 0;
+    return 1;
+}
+
+/* Let the joints of the island act as efforts; they have no part in ODE's step. */
+static int apply(const context *c, island *w)
+{
+    double rate = 1.0 / c->step;
+    int64_t i;
+    int k, side, row;
+    GROW(disabled, disabled_capacity, w->disabled_count + w->joint_count);
+    for (i = 0; i < w->joint_count; i++) {
+        const tree_joint *j = w->joints + i;
+        feedback *f = dJointGetFeedback(j->joint);
+        double effort[2][MOTIONS] = {{0.0}};
+        for (row = 0; row < j->rows; row++)
+            for (side = 0; side < 2; side++)
+                for (k = 0; k < MOTIONS; k++)
+                    effort[side][k] += w->rows[j->first + row].impulse * rate * w->rows[j->first + row].line[side][k];
+        for (side = 0; side < 2; side++)
+            if (j->body[side] >= 0)
+                for (k = 0; k < MOTIONS; k++)
+                    w->bodies[j->body[side]].effort[k] += effort[side][k];
+        if (f) {
+            memcpy(f->f1, effort[0], 3 * sizeof(double));
+            memcpy(f->t1, effort[0] + 3, 3 * sizeof(double));
+            memcpy(f->f2, effort[1], 3 * sizeof(double));
+            memcpy(f->t2, effort[1] + 3, 3 * sizeof(double));
+        }
+        dJointDisable(j->joint);
+        w->disabled[w->disabled_count++] = j->joint;
+    }
+    for (i = 0; i < w->body_count; i++) {
+        const tree_body *b = w->bodies + i;
+        const double *force = dBodyGetForce(b->body), *torque = dBodyGetTorque(b->body), *e = b->effort;
+        dBodySetForce(b->body, force[0] + e[0], force[1] + e[1], force[2] + e[2]);
+        dBodySetTorque(b->body, torque[0] + e[3], torque[1] + e[4], torque[2] + e[5]);
+    }
+    return 1;
+}
+
+/* Number the bodies; 0 without memory. */
+int begin_trees(context *c)
+{
+    int64_t i;
+    if (!c->work->trees)
+        c->work->trees = calloc(1, sizeof *c->work->trees);
+    if (!c->work->trees || !have_members(c))
+        return 0;
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i]) {
+            c->work->members[i] = alone(i, 0);
+            c->work->members[i].place = -1;
+            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+        }
+    return 1;
+}
+
+/* Solve all islands that are awake; those that cannot be solved so are left to ODE. */
+void solve_trees(context *c)
+{
+    island *w = c->work->trees;
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        if (!moves(body) || !dBodyIsEnabled(body) || c->work->members[i].place >= 0)
+            continue;
+        if (collect(c, w, i) && w->row_count && grow_tree(w) && eliminate(w) && solve_dense(w)) {
+            substitute(w);
+            if (is_finite(w))
+                apply(c, w);
+        }
+    }
+}
+
+/* Give the joints back to ODE. */
+void release_trees(const context *c)
+{
+    island *w = c->work->trees;
+    while (w && w->disabled_count > 0)
+        dJointEnable(w->disabled[--w->disabled_count]);
+}
+
+void free_trees(struct trees *w)
+{
+    if (!w)
+        return;
+    free(w->bodies);
+    free(w->joints);
+    free(w->rows);
+    free(w->order);
+    free(w->dense);
+    free(w->places);
+    free(w->stations);
+    free(w->numbers);
+    free(w->disabled);
+    free(w);
+}

@@ -1,0 +1,112 @@
+"""The tree solver finds the velocities and forces that ODE's exact solver finds."""
+
+import os
+
+import numpy as np
+import pytest
+from random_islands import island
+
+import libgz
+from libgz.base.files import installed_worlds
+
+TRIALS = int(os.environ.get("TRIAL_ISLANDS", "10000"))
+
+
+def moved(seed, solver, loops):
+    """States after a step, and what the joints did to their bodies."""
+    engine, _bodies, joints = island(seed, solver, loops=loops)
+    for joint in joints:
+        joint.provide_feedback(True)
+    engine.step()
+    found = engine.states.copy(), np.array([tuple(part) for joint in joints for part in joint.feedback])
+    engine.close()
+    return found
+
+
+def differences(seed, loops=False):
+    """Of states and of efforts, relative to the largest."""
+    pairs = zip(moved(seed, "world", loops), moved(seed, "tree", loops), strict=True)
+    return [np.abs(one - two).max() / np.abs(one).max() for one, two in pairs]
+
+
+def test_random_trees_move_as_with_the_exact_solver():
+    for seed in range(150):
+        state, effort = differences(seed)
+        assert state <= 1e-9, seed
+        assert effort <= 1e-6, seed
+
+
+def test_random_loops_move_as_with_the_exact_solver():
+    """Where constraints nearly say the same twice, there is no one answer."""
+    found = [differences(seed, loops=True)[0] for seed in range(100)]
+    assert np.quantile(found, 0.95) <= 1e-9
+    assert max(found) <= 1e-6
+
+
+@pytest.mark.trial
+@pytest.mark.parametrize("loops", [False, True])
+def test_many_random_islands(loops):
+    found = [differences(seed, loops)[0] for seed in range(1000, 1000 + TRIALS)]
+    assert np.quantile(found, 0.95 if loops else 1.0) <= 1e-9
+    assert max(found) <= 1e-6
+
+
+@pytest.mark.parametrize("name", ["pioneer2at", "shrimp", "wheelchair", "gripper"])
+def test_robots_move_as_with_the_exact_solver(name):
+    path = installed_worlds() / f"{name}.world"
+    with libgz.World.from_file(path) as one, libgz.World.from_file(path, solver="tree") as two:
+        assert two.engine.solver == "tree"
+        one.step(100)
+        two.step(100)
+        assert np.abs(one.engine.states - two.engine.states).max() < 1e-9
+
+
+CHAIN = "".join(
+    f"<link name='l{i}'><pose>{0.2 * i} 0 0 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy>"
+    f"<izz>.01</izz></inertia></inertial></link><joint name='j{i}' type='revolute'><parent>{f'l{i - 1}' if i else 'world'}"
+    f"</parent><child>l{i}</child><axis><xyz>0 1 0</xyz></axis></joint>"
+    for i in range(20)
+)
+SDF = (
+    "<sdf version='1.6'><world name='w'><physics type='ode'><max_step_size>0.001</max_step_size><ode><solver><type>tree</type>"
+    f"</solver></ode></physics><model name='m'><pose>0 0 10 0 0 0</pose>{CHAIN}</model></world></sdf>"
+)
+
+
+def energy(world):
+    """Kinetic and potential energy of the chain [J]."""
+    state = world.engine.states[:20]
+    linear, angular = state[:, 10:13], state[:, 13:16]
+    return 0.5 * (linear**2).sum() + 0.005 * (angular**2).sum() + 9.8 * state[:, 2].sum()
+
+
+def test_a_swinging_chain_holds_together_and_keeps_its_energy():
+    with libgz.World.from_string(SDF) as world:
+        assert world.engine.solver == "tree"
+        before = energy(world)
+        world.step(1000)
+        lengths = np.linalg.norm(np.diff(world.engine.states[:20, :3], axis=0), axis=1)
+        assert np.abs(lengths - 0.2).max() < 2e-4
+        assert energy(world) == pytest.approx(before, abs=0.01 * 9.8 * 20 * 2)
+
+
+def test_a_state_continues_to_the_bit():
+    path = installed_worlds() / "pioneer2at.world"
+    with libgz.World.from_file(path, solver="tree") as world:
+        world.step(50)
+        state = world.get_state()
+        world.step(50)
+        after = world.get_state()
+        world.set_state(state)
+        world.step(50)
+        assert world.get_state() == after
+
+
+def test_motors_and_efforts_wake_what_sleeps():
+    """An island of which one body sleeps is solved whole."""
+    engine, bodies, _joints = island(3, "tree")
+    for body in bodies[1:]:
+        body.Enable(False)
+    engine.step()
+    assert all(body.IsEnabled() for body in bodies)
+    engine.close()

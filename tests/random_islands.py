@@ -46,7 +46,7 @@ def island(seed, solver, *, loops=False):
     height = random.uniform(0.15, 1.0)
     bodies = []
     for _ in range(count):
-        place = random.uniform(-0.6, 0.6, 3) + (0.0, 0.0, height + 0.6)
+        place = random.uniform((-0.6, -0.6, height), (0.6, 0.6, height + 1.2))
         bodies.append(
             solid(
                 engine,

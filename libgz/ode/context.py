@@ -22,7 +22,7 @@ __all__ = [
     "StepContext",
 ]
 
-SOLVERS = ("world", "quick", "tree")  # dWorldStep, dWorldQuickStep, tree.c
+SOLVERS = ("world", "quick", "tree")  # ODE's exact and iterative ones, and tree.c
 MAX_CONTACTS = 10  # of a pair of geoms
 MOST_CONTACTS = 250  # of a pair of geoms under the classic rule, which keeps the deepest of them
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing

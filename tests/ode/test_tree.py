@@ -63,13 +63,14 @@ def test_robots_move_as_with_the_exact_solver(name):
 
 CHAIN = "".join(
     f"<link name='l{i}'><pose>{0.2 * i} 0 0 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy>"
-    f"<izz>.01</izz></inertia></inertial></link><joint name='j{i}' type='revolute'><parent>{f'l{i - 1}' if i else 'world'}"
-    f"</parent><child>l{i}</child><axis><xyz>0 1 0</xyz></axis></joint>"
+    f"<izz>.01</izz></inertia></inertial></link><joint name='j{i}' type='revolute'>"
+    f"<parent>{f'l{i - 1}' if i else 'world'}</parent><child>l{i}</child><axis><xyz>0 1 0</xyz></axis></joint>"
     for i in range(20)
 )
 SDF = (
-    "<sdf version='1.6'><world name='w'><physics type='ode'><max_step_size>0.001</max_step_size><ode><solver><type>tree</type>"
-    f"</solver></ode></physics><model name='m'><pose>0 0 10 0 0 0</pose>{CHAIN}</model></world></sdf>"
+    "<sdf version='1.6'><world name='w'><physics type='ode'><max_step_size>0.001</max_step_size>"
+    "<ode><solver><type>tree</type></solver></ode></physics>"
+    f"<model name='m'><pose>0 0 10 0 0 0</pose>{CHAIN}</model></world></sdf>"
 )
 
 

@@ -72,6 +72,9 @@ class SnapshotControl:
                     worlds_log.error("%s: %s", request.verb, error)
             except GazeboError as error:
                 request.answer(error=str(error))
+            except Exception as error:
+                log.exception("request %r failed", request.verb)
+                request.answer(error=f"the request failed, see the server's log: {type(error).__name__}: {error}")
             except BaseException:
                 request.answer(error="the server failed; its log says why")
                 raise

@@ -103,7 +103,7 @@ class WorldControl:
             raise GazeboError(f"there is no request {request.verb!r}; there are {', '.join(self._verbs)}")
         try:
             content = json.loads(request.content) if request.content else {}
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise GazeboError(f"the content of request {request.verb!r} is no JSON: {error}") from None
         if not isinstance(content, dict):
             raise GazeboError(f"the content of request {request.verb!r} is no JSON object")

@@ -446,6 +446,6 @@ def _names(content: bytes) -> list[str]:
     """The names in a request for readings; none if it is not understood."""
     try:
         names = json.loads(content)["names"]
-    except (ValueError, TypeError, KeyError):
+    except (ValueError, TypeError, KeyError, RecursionError):
         return []
     return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []

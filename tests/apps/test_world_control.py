@@ -3,11 +3,14 @@
 import base64
 import json
 import logging
+from collections import deque
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import libgz
+from libgz.apps.snapshot_control import SnapshotControl
 from libgz.apps.world_control import WorldControl
 from libgz.base.errors import GazeboError
 from libgz.transport.control import Request
@@ -272,3 +275,17 @@ def test_numbers_of_legacy_models_are_read():
         ask = Asker(world)
         [charge] = ask("probes", name="robot1")
         assert ask("values", names=[charge["key"]])["values"] == {charge["key"]: 0.25}
+
+
+def test_no_request_ends_the_server(monkeypatch, caplog):
+    with libgz.World() as world:
+        world.Initialize()
+        control = SnapshotControl(world)
+        nested, failing = Request("insert", "-", b"[" * 200_000), Request("save", "-", b"")
+        control._control = SimpleNamespace(waiting=deque((nested, failing)))
+        monkeypatch.setattr(type(world), "get_state", lambda _self: 1 // 0)
+        control.act()
+    assert nested._answer[0] == failing._answer[0] == "error"
+    assert b"is no JSON" in nested._answer[1]
+    assert b"ZeroDivisionError" in failing._answer[1]
+    assert "request 'save' failed" in caplog.text

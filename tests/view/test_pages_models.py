@@ -231,6 +231,7 @@ def test_the_catalogue_shows_models_and_takes_meshes_and_numbers_of_plugins_are_
         assert page.get_by_role("option").count() == 1
         card.click()
         wait_for(lambda: "mesh_my_part" in ids(observer), "the model of the catalogue is inserted")
+        until(page, "libgz.store.entities.get(libgz.store.selection?.entity)?.id === 'mesh_my_part'")
 
         page.evaluate("libgz.store.select(null)")
         page.get_by_role("tab", name="Plots").click()

@@ -34,6 +34,7 @@ export class Inspector {
     /** @type {Set<string>} */
     this.folded = new Set(recall('inspector.folded', /** @type {string[]} */ ([])));
     this.shown = '';
+    this.builds = 0; // how often it was made anew: what is asked for one is not for the next
     const { store } = workplace;
     const refresh = throttled(() => this.refresh(), PERIOD);
     store.addEventListener('state', refresh);
@@ -65,6 +66,7 @@ export class Inspector {
   build() {
     const { store } = this.workplace;
     this.shown = this.#subject;
+    this.builds += 1;
     this.live = [];
     store.want('fields', this.workplace.plots?.fields() ?? []);
     const { selection } = store;
@@ -523,10 +525,10 @@ export class Inspector {
 
   /** The numbers of topics and plugins, which are read where they are plotted. @param {string} name of the entity; empty for the world */
   #addProbes(name) {
-    const { workplace, shown } = this;
+    const { workplace, builds } = this;
     if (!workplace.store.control || !workplace.store.abilities.has('probes')) return;
     void workplace.ask('probes', '-', { name }).then((/** @type {{ key: string, label: string, group: string }[] | undefined} */ answer) => {
-      if (this.shown !== shown || !Array.isArray(answer)) return;
+      if (this.builds !== builds || !Array.isArray(answer)) return;
       /** @type {Map<string, Series[]>} */
       const groups = new Map();
       for (const { key, label, group } of answer) {
@@ -554,9 +556,9 @@ export class Inspector {
     const { workplace } = this;
     const { store } = workplace;
     if (!store.abilities.has('fields')) return;
-    const { shown } = this;
+    const { builds } = this;
     void workplace.ask('fields', entity.id).then((/** @type {{ key: string, label: string, unit: string, value: number }[]} */ answer) => {
-      if (this.shown !== shown || !Array.isArray(answer) || !answer.length) return;
+      if (this.builds !== builds || !Array.isArray(answer) || !answer.length) return;
       const some = answer.slice(0, MOST_FIELDS);
       const section = this.#section(
         'Fields',
@@ -575,9 +577,9 @@ export class Inspector {
    * @param {string} [kind] of the part
    */
   #addEditors(name, part, kind) {
-    const { shown } = this;
+    const { builds } = this;
     void editors(this.workplace, { name, part, kind }).then((groups) => {
-      if (this.shown !== shown) return;
+      if (this.builds !== builds) return;
       for (const { title, rows } of groups) this.root.append(this.#section(title, rows));
     });
   }

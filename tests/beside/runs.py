@@ -12,15 +12,29 @@ import libgz
 from beside.worlds import STEPS
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d
+from libgz.classic.sensors import SensorManager
 from libgz.classic.server import attach
 
+MEDIA = Path(libgz.__file__).parent / "sdf" / "media" / "models"
 RECORDED = Path(__file__).parents[1] / "data" / "beside.tsv"
 PLUGIN = Path(__file__).parents[1] / "data" / "beside" / "follow.cc"
+CONFIG = "<model><name>robot</name><version>1.0</version><sdf>robot.urdf</sdf></model>"
 OURS = "<plugin name='follow' filename='libfollow.so'/></world>"
 
 
+def write_description(beside, folder):
+    """Write the model folder of the robot that a world includes."""
+    place = folder / "robot"
+    place.mkdir(parents=True, exist_ok=True)
+    (place / "model.config").write_text(CONFIG)
+    (place / "robot.urdf").write_text(beside.description)
+
+
 def followed(beside):
-    """{link: position and rotation} after all iterations, in this process."""
+    """{link: position and rotation} after all iterations, in this process.
+
+    A world with a robot description includes it from GAZEBO_MODEL_PATH.
+    """
     with libgz.World.from_string(beside.text) as world:
         kept, done = [], 0
         for iteration, topic, speed, turn in beside.commands:
@@ -30,11 +44,38 @@ def followed(beside):
             msgs.Set(message, Pose3d(speed, 0.0, 0.0, 0.0, 0.0, turn))
             kept.append(send(topic, message))
         world.step(STEPS - done)
-        return {
+        view = attach(world).world
+        poses = {
             link.GetScopedName(): [*link.WorldPose().Pos(), *link.WorldPose().Rot()]
-            for model in attach(world).world.Models()
+            for model in _models(view.Models())
             for link in model.GetLinks()
         }
+        return poses | dict(filter(None, map(_measured, SensorManager.Instance().GetSensors())))
+
+
+def _models(models):
+    """Models, each before those in it."""
+    for model in models:
+        yield model
+        yield from _models(model.NestedModels())
+
+
+def _measured(sensor):
+    """(name, seven numbers) of a sensor, as the plugin in C++ writes them."""
+    kind = sensor.Type()
+    if kind == "imu":
+        found = [*sensor.LinearAcceleration(), *sensor.AngularVelocity()]
+    elif kind == "force_torque":
+        found = [*sensor.Force(), *sensor.Torque()]
+    elif kind == "ray":
+        found = [*(sensor.Range(ray) for ray in range(3)), sensor.RangeCount()]
+    elif kind == "sonar":
+        found = [sensor.Range()]
+    elif kind == "contact":
+        found = [float(len(sensor.Contacts().contact) > 0)]
+    else:
+        return None
+    return f"sensor {sensor.Name()}", found + [0.0] * (7 - len(found))
 
 
 def environment(beside, file, **more):
@@ -54,13 +95,15 @@ class RealGazebo:
 
     Args:
         root: the root directory.
+        plugins: folders in it, before those of its own plugins.
     """
 
-    def __init__(self, root):
+    def __init__(self, root, plugins=""):
         self.folder = Path(root) / "beside"
         self.folder.mkdir(exist_ok=True)
-        self._root = root
-        shutil.copy(PLUGIN, self.folder)
+        self._root, self._plugins = root, plugins
+        for path in (PLUGIN, *MEDIA.glob("*.dae")):
+            shutil.copy(path, self.folder)
         build = "g++ -O1 -std=c++17 -shared -fPIC follow.cc -o libfollow.so $(pkg-config --cflags gazebo)"
         self._run(f"cd /beside && {build}", {})
 
@@ -73,23 +116,31 @@ class RealGazebo:
     def poses(self, beside):
         """{link: position and rotation} after all iterations."""
         (self.folder / "own.world").write_text(beside.text.replace("</world>", OURS))
+        write_description(beside, self.folder / "models")
         file = self.folder / "poses.tsv"
         file.unlink(missing_ok=True)
-        plugins = "/beside:/usr/lib/x86_64-linux-gnu/gazebo-11/plugins"
+        # Sensors are measured in other threads there, with images; in lockstep at the right iterations. In it MudPlugin
+        # stops the server.
+        lockstep = "<sensor" in beside.text and "MudPlugin" not in beside.text
+        command = "xvfb-run -a gzserver --lockstep" if lockstep else "gzserver"
         variables = {
-            "GAZEBO_PLUGIN_PATH": plugins,
+            "GAZEBO_PLUGIN_PATH": f"/beside:{self._plugins}:/usr/lib/x86_64-linux-gnu/gazebo-11/plugins",
+            "GAZEBO_RESOURCE_PATH": "/usr/share/gazebo-11",
+            "GAZEBO_MODEL_PATH": "/beside/models",
             "GAZEBO_MODEL_DATABASE_URI": "",
             "GAZEBO_MASTER_URI": "http://127.0.0.1:11397",
         }
-        self._run("timeout 120 gzserver /beside/own.world", environment(beside, "/beside/poses.tsv", **variables))
+        self._run(
+            f"cd /beside && timeout 40 {command} own.world", environment(beside, "/beside/poses.tsv", **variables)
+        )
         return read(file)
 
 
 def run_server(beside, folder, plugins):
-    """{link: position and rotation} after all iterations of libgz's gzserver with the plugin in C++."""
+    """{link: position and rotation} after all iterations of libgz's gzserver with plugins in C++, from some folders."""
     (folder / "own.world").write_text(beside.text.replace("</world>", OURS))
     file = folder / "poses.tsv"
-    variables = environment(beside, file, GAZEBO_PLUGIN_PATH=str(plugins), GAZEBO_MASTER_URI="http://127.0.0.1:11398")
+    variables = environment(beside, file, GAZEBO_PLUGIN_PATH=str(plugins), GAZEBO_MASTER_URI="http://localhost:0")
     command = [sys.executable, "-P", "-m", "libgz.apps.gzserver", str(folder / "own.world")]
-    subprocess.run(command, env={**os.environ, **variables}, check=True, capture_output=True, timeout=300)
+    subprocess.run(command, env={**os.environ, **variables}, check=True, capture_output=True, timeout=100)
     return read(file)

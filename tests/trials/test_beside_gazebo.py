@@ -1,7 +1,9 @@
 """The worlds of tests/beside in the real Gazebo 11.1, asked again, and by a C++ plugin in both servers.
 
-LIBGZ_BENCH_GAZEBO names a root directory in which Gazebo 11.1, its headers and g++ are installed; as root, for chroot.
-With LIBGZ_RECORD=1 what it says is written to tests/data/beside.tsv.
+LIBGZ_BENCH_GAZEBO names a root directory in which Gazebo 11.1, its headers, g++ and Xvfb are installed; as root, for
+chroot. LIBGZ_BENCH_PLUGINS names a folder with plugins that were compiled for libgz, by the names in the worlds: then
+they run there, and not the ready ones. LIBGZ_BENCH_GAZEBO_PLUGINS names a folder in the root with those of them that do
+not come with Gazebo. With LIBGZ_RECORD=1 what Gazebo says is written to tests/data/beside.tsv.
 """
 
 import math
@@ -10,10 +12,12 @@ import subprocess
 import sys
 
 import pytest
-from beside.runs import PLUGIN, RECORDED, RealGazebo, followed, run_server
+from beside.runs import PLUGIN, RECORDED, RealGazebo, followed, run_server, write_description
+from beside.scenes import ROBOTS, SCENES
 from beside.worlds import WORLDS
 
 ROOT = os.environ.get("LIBGZ_BENCH_GAZEBO", "")
+COMPILED = os.environ.get("LIBGZ_BENCH_PLUGINS", "")
 pytestmark = [
     pytest.mark.trial,
     pytest.mark.skipif(not ROOT, reason="LIBGZ_BENCH_GAZEBO names no root with Gazebo 11.1"),
@@ -25,13 +29,16 @@ def apart(one, other):
     return max(math.dist(one[link][:3], other[link][:3]) for link in one)
 
 
-def test_worlds_beside_the_real_gazebo(tmp_path):
+def test_worlds_beside_the_real_gazebo(tmp_path, monkeypatch):
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))
     subprocess.run(
         [sys.executable, "-m", "libgz", "cxx", "build", str(PLUGIN), "-o", str(tmp_path / "libfollow.so")], check=True
     )
-    gazebo, lines, far = RealGazebo(ROOT), [], {}
-    for name, world in WORLDS.items():
-        ours, served = followed(world), run_server(world, tmp_path, tmp_path)
+    gazebo, lines, far = RealGazebo(ROOT, os.environ.get("LIBGZ_BENCH_GAZEBO_PLUGINS", "")), [], {}
+    for name, world in {**WORLDS, **SCENES, **ROBOTS}.items():
+        write_description(world, tmp_path)
+        served = run_server(world, tmp_path, f"{tmp_path}:{COMPILED}")
+        ours = served if world.compiled else followed(world)
         there = gazebo.poses(world)
         for _ in range(TRIES):
             if apart(there, ours) < world.tolerance:

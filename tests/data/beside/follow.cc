@@ -1,5 +1,6 @@
 // Publishes the commands of FOLLOW_COMMANDS, lines of "iteration topic x yaw", at the ends of iterations; after the last
-// one, FOLLOW_STEPS, writes the positions and rotations of all links into FOLLOW_FILE and ends the process.
+// one, FOLLOW_STEPS, writes the positions and rotations of all links, and what sensors measure, into FOLLOW_FILE and ends
+// the process.
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -7,6 +8,7 @@
 
 #include <gazebo/gazebo.hh>
 #include <gazebo/physics/physics.hh>
+#include <gazebo/sensors/sensors.hh>
 #include <gazebo/transport/transport.hh>
 
 using namespace gazebo;
@@ -38,14 +40,39 @@ public:
     connection = event::Events::ConnectWorldUpdateEnd(std::bind(&Follow::End, this));
   }
 
+  void Write(FILE *file, const std::string &name, std::vector<double> numbers) {
+    numbers.resize(7);
+    fprintf(file, "%s", name.c_str());
+    for (double number : numbers)
+      fprintf(file, "\t%.12g", number);
+    fprintf(file, "\n");
+  }
+
   void Write(FILE *file, physics::ModelPtr model) {
     for (auto link : model->GetLinks()) {
       auto p = link->WorldPose();
-      fprintf(file, "%s\t%.12g\t%.12g\t%.12g\t%.12g\t%.12g\t%.12g\t%.12g\n", link->GetScopedName().c_str(), p.Pos().X(),
-              p.Pos().Y(), p.Pos().Z(), p.Rot().W(), p.Rot().X(), p.Rot().Y(), p.Rot().Z());
+      Write(file, link->GetScopedName(),
+            {p.Pos().X(), p.Pos().Y(), p.Pos().Z(), p.Rot().W(), p.Rot().X(), p.Rot().Y(), p.Rot().Z()});
     }
     for (auto nested : model->NestedModels())
       Write(file, nested);
+  }
+
+  void Write(FILE *file, sensors::SensorPtr sensor) {
+    auto name = "sensor " + sensor->Name();
+    if (auto imu = std::dynamic_pointer_cast<sensors::ImuSensor>(sensor)) {
+      auto a = imu->LinearAcceleration(), w = imu->AngularVelocity();
+      Write(file, name, {a.X(), a.Y(), a.Z(), w.X(), w.Y(), w.Z()});
+    } else if (auto torque = std::dynamic_pointer_cast<sensors::ForceTorqueSensor>(sensor)) {
+      auto f = torque->Force(), t = torque->Torque();
+      Write(file, name, {f.X(), f.Y(), f.Z(), t.X(), t.Y(), t.Z()});
+    } else if (auto ray = std::dynamic_pointer_cast<sensors::RaySensor>(sensor)) {
+      Write(file, name, {ray->Range(0), ray->Range(1), ray->Range(2), double(ray->RangeCount())});
+    } else if (auto sonar = std::dynamic_pointer_cast<sensors::SonarSensor>(sensor)) {
+      Write(file, name, {sonar->Range()});
+    } else if (auto contact = std::dynamic_pointer_cast<sensors::ContactSensor>(sensor)) {
+      Write(file, name, {double(contact->Contacts().contact_size() > 0)});
+    }
   }
 
   void End() {
@@ -61,6 +88,8 @@ public:
     FILE *file = fopen(getenv("FOLLOW_FILE"), "w");
     for (auto model : world->Models())
       Write(file, model);
+    for (auto sensor : sensors::SensorManager::Instance()->GetSensors())
+      Write(file, sensor);
     fclose(file);
     _exit(0);
   }

@@ -218,12 +218,15 @@ URDF = """
 LINK = """<link name="{}"><inertial><origin xyz="0 0 0.3"/><mass value="0.3"/>
 <inertia ixx="0.009" iyy="0.009" izz="0.0002" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
 STEPS = 10
+ANGLES = (0.03, -0.02)  # of shoulder and elbow at the start [rad]: upright, the rods of some engines would not move
 
 
 def libgz_steps() -> Callable[[], object]:
     """The task DoublePendulum."""
     env: Any = gymnasium.make("libgz/DoublePendulum-v0").unwrapped
     env.reset(seed=0)
+    for joint, angle in zip(env._joints[1:], ANGLES, strict=True):
+        joint.set_position(angle)
     loop = bare(env)
     return lambda: loop([0.0])
 
@@ -234,6 +237,7 @@ def mujoco_steps() -> Callable[[], object]:
 
     model = mujoco.MjModel.from_xml_string(MUJOCO)
     data = mujoco.MjData(model)
+    data.qpos[1:] = ANGLES
 
     def run() -> object:
         data.ctrl[0] = 0.0
@@ -256,7 +260,8 @@ def pybullet_steps() -> Callable[[], object]:
         file.write(URDF.format(links=LINK.format("lower") + LINK.format("upper")))
         file.flush()
         robot = pybullet.loadURDF(file.name, useFixedBase=True, physicsClientId=client)
-    for joint in (1, 2):
+    for joint, angle in zip((1, 2), ANGLES, strict=True):
+        pybullet.resetJointState(robot, joint, angle, physicsClientId=client)
         pybullet.setJointMotorControl2(robot, joint, pybullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
     pybullet.setJointMotorControl2(robot, 0, pybullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
 

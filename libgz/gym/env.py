@@ -359,8 +359,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         """The action as efforts that native code holds over the steps of a period; empty where it cannot."""
         if self._held is None:
             return []
-        found = [joint.held_effort(value) for joint, value in zip(self._held, values, strict=True)]
-        return [effort for effort in found if effort is not None] if None not in found else []
+        found: list[Any] = [joint.held_effort(value) for joint, value in zip(self._held, values, strict=True)]
+        return [] if None in found else found
 
     def _clipped(self, action: Any) -> list[Any]:
         """The numbers of an action within their bounds; whole ones rounded."""

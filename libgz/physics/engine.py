@@ -369,8 +369,11 @@ class Engine:
     @exclusive
     def hold(self, efforts: Sequence[HeldEffort]) -> None:
         """Apply efforts in each step from now on, in this order, and no others; see `Joint.held_effort`."""
-        self._held = held = (HeldEffort * len(efforts))(*efforts)
-        self._context.held, self._context.held_count = ctypes.addressof(held), len(efforts)
+        context, count = self._context, len(efforts)
+        if count:
+            self._held = held = (HeldEffort * count)(*efforts)
+            context.held = ctypes.addressof(held)
+        context.held_count = count
 
     def drop_held(self, handle: int | None) -> None:
         """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""

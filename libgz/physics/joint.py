@@ -388,9 +388,10 @@ class Joint:
 
     def held_effort(self, effort: float, bodies: Iterable[Body] = ()) -> HeldEffort:
         """An effort [N m or N] on a hinge or slider, for `Engine.holding`; it wakes bodies."""
-        waking = [body.id for body in bodies]
-        effort = finite(effort, "effort [N m or N]")
-        return HeldEffort(self.id, int(self.kind), effort, (ctypes.c_void_p * 2)(*waking))
+        held = HeldEffort(self.id, self.kind, finite(effort, "effort [N m or N]"))
+        for side, body in enumerate(bodies):
+            held.bodies[side] = body.id
+        return held
 
     def was_held(self, effort: float, steps: int) -> None:
         """Note an effort that was held for a number of steps; these joints keep none."""

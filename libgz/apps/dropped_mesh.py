@@ -11,13 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, ParameterError
-from libgz.base.files import exists, expand
+from libgz.base.files import exists, expand, xml_text
 from libgz.physics.mesh_files import read_mesh
 
 __all__ = ["FORMATS", "MeshModel", "keep_mesh"]
@@ -71,7 +70,7 @@ class MeshModel:
     def sdf(self) -> str:
         """As SDF: the mesh is what is seen and what collides; the box is its inertia."""
         x, y, z = self.size**2 * self.mass / 12.0
-        uri = escape(f"model://{self.name}/meshes/{self.file.name}")
+        uri = xml_text(f"model://{self.name}/meshes/{self.file.name}")
         shape = f"<geometry><mesh><uri>{uri}</uri><scale>{_words([self.scale] * 3)}</scale></mesh></geometry>"
         pose = f"<pose>{_words(self.offset)} 0 0 0</pose>"
         inertia = "".join(
@@ -95,7 +94,7 @@ class MeshModel:
         x, y, z = self.offset - [0.0, 0.0, self.size[2] / 2.0]
         return (
             f"<model:SimpleSolid>\n  <id>{id}</id>\n  <shape>box</shape>\n  <size>{_words(self.size)}</size>\n"
-            f"  <mass>{self.mass:.6g}</mass>\n  <skinFile>{escape(str(self.file))}</skinFile>\n"
+            f"  <mass>{self.mass:.6g}</mass>\n  <skinFile>{xml_text(str(self.file))}</skinFile>\n"
             f"  <skinXyz>{_words([x, y, z])}</skinXyz>\n  <skinScale>{_words([self.scale] * 3)}</skinScale>\n"
             "</model:SimpleSolid>"
         )

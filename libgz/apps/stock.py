@@ -6,12 +6,11 @@ import contextlib
 import functools
 from dataclasses import dataclass
 from pathlib import Path
-from xml.sax.saxutils import escape
 
 from lxml import etree
 
 from libgz.base.errors import GazeboError, NotFoundError
-from libgz.base.files import read_limited, xml_parser
+from libgz.base.files import read_limited, xml_parser, xml_text
 from libgz.front import World
 from libgz.sdf.paths import find_model, model_directories
 from libgz.worldfile.file import WorldFile
@@ -92,7 +91,9 @@ class Stock:
         taken = {entity.GetId() for entity in self._world.entities}
         if self._world.sdf is not None:
             return (
-                sdf_shape(name) if name in SHAPES else f"<include><uri>{escape(str(find_model(name)))}</uri></include>"
+                sdf_shape(name)
+                if name in SHAPES
+                else f"<include><uri>{xml_text(str(find_model(name)))}</uri></include>"
             )
         ready = _ready_models().get(name)
         if ready is not None:

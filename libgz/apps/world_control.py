@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.apps.dropped_mesh import keep_mesh
 from libgz.apps.editing import Editing, in_parent, pose_of
 from libgz.apps.probes import Probes
 from libgz.apps.stock import SHAPES, Stock, sdf_shape
@@ -301,6 +300,8 @@ class WorldControl:
 
     def _mesh(self, _argument: str, content: dict[str, Any]) -> list[str]:
         """Insert a model of a mesh file that comes with the request; the names of what came."""
+        from libgz.apps.dropped_mesh import keep_mesh  # only worlds that get a mesh read meshes
+
         made = keep_mesh(str(content.get("file", "")), content.get("data"))
         text = made.sdf() if self.world.sdf is not None else made.legacy(self._stock.free(made.name))
         return self._insert(

@@ -184,10 +184,11 @@ def _texture(path: Path) -> Asset:
 
     from libgz.rendering.image import read_image
 
-    image = Image.fromarray(read_image(path, alpha=True))
+    pixels = read_image(path, alpha=True)
+    image = Image.fromarray(pixels)
     image.thumbnail((LARGEST_TEXTURE, LARGEST_TEXTURE))
     file = io.BytesIO()
-    if image.getextrema()[3][0] < OPAQUE:
+    if pixels[..., 3].min() < OPAQUE:
         image.save(file, "png")
         return Asset(file.getvalue(), PNG)
     image.convert("RGB").save(file, "jpeg", quality=90)

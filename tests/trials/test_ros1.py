@@ -57,14 +57,14 @@ found = buffer.lookup_transform(sys.argv[1], sys.argv[2], rospy.Time(0), rospy.D
 print(found.translation.x, found.translation.y, found.translation.z)
 """
 GRIP = """
-import rospy
+import time, rospy
 from std_srvs.srv import Empty
 rospy.init_node("gripper")
 rospy.wait_for_service("/gripper/gripper/close", 20)
 rospy.ServiceProxy("/gripper/gripper/close", Empty)()
 from std_msgs.msg import Bool
-end = rospy.Time.now() + rospy.Duration(20)
-while not rospy.wait_for_message("/gripper/gripper/closed", Bool, 20).data: assert rospy.Time.now() < end
+end = time.time() + 40
+while not rospy.wait_for_message("/gripper/gripper/closed", Bool, 20).data: assert time.time() < end
 print("closed")
 """
 

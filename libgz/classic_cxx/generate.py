@@ -22,6 +22,11 @@ FORWARD = {
     "rendering": ("ViewController", "SelectionObj", "RayQuery"),
     "util": (),
 }
+# Macros of ignition-common's profiler, which is off unless a program is built for it; plugins need no more of it.
+PROFILER = (
+    *("(name)", "_BEGIN(name)", "_END()", "_THREAD_NAME(name)"),
+    *("_LOG_TEXT(text)", "_LOG_VALUE(name, value)", "_CPU_ONLY(name)"),
+)
 _SHARED = re.compile(r"(?:boost|std)::(?:shared|weak)_ptr<(?:gazebo::)?(?:(\w+)::)?(\w+)>$")
 _LIST = re.compile(r"std::(?:vector|list)<(\w+)>$")
 _STATES = re.compile(r"std::map<std::string, \w+State>$")
@@ -40,6 +45,8 @@ def headers() -> dict[str, str]:
         "gazebo/libgz/classes.hh": _guarded("classes", _classes()),
         "gazebo/libgz/messages.hh": _guarded("messages", _messages()),
     }
+    macros = "".join(f"#define IGN_PROFILE{name}\n" for name in PROFILER)
+    made["ignition/common/Profiler.hh"] = _guarded("profiler", macros)
     for name in SENSOR_PLUGINS:
         made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/sensor_plugins.hh"\n'
     for name in {row.header for row in rows() if row.header} | set(HEADERS):
@@ -183,6 +190,19 @@ def _class(one: Class) -> Iterator[str]:
 CONNECT = """\
   template <typename T> event::ConnectionPtr Connect{name}(T callback) {{
     return libgz_connect(this, "Connect{name}", std::function<void()>(callback)); }}"""
+ANY_CAST = """\
+  template <typename T> static T any_cast(const boost::any &value) {
+    if constexpr (std::is_arithmetic_v<T>) {
+      if (auto *found = boost::any_cast<double>(&value)) return static_cast<T>(*found);
+      if (auto *found = boost::any_cast<float>(&value)) return static_cast<T>(*found);
+      if (auto *found = boost::any_cast<int>(&value)) return static_cast<T>(*found);
+      if (auto *found = boost::any_cast<unsigned int>(&value)) return static_cast<T>(*found);
+      if (auto *found = boost::any_cast<bool>(&value)) return static_cast<T>(*found);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      if (auto *found = boost::any_cast<const char *>(&value)) return *found;
+    }
+    return boost::any_cast<T>(value);
+  }"""
 EXTRA = {
     "common::Image": (
         "  void GetData(unsigned char **data, unsigned int &count) const;",
@@ -190,6 +210,7 @@ EXTRA = {
     ),
     "physics::Actor": ("  std::map<std::string, common::SkeletonAnimation *> SkeletonAnimations() const;",),
     "physics::Joint": (CONNECT.format(name="JointUpdate"),),
+    "physics::PhysicsEngine": (ANY_CAST,),
     "physics::MultiRayShape": (CONNECT.format(name="NewLaserScans"),),
 }
 

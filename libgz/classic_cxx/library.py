@@ -230,6 +230,8 @@ def built(progress: Progress = lambda _line: None) -> Library:
                     made = Path(place) / key
                     _build(made, key, folder / "lib", progress)
                     made.rename(folder)
+    except LibraryError:  # which is an OSError, too
+        raise
     except OSError as error:
         raise LibraryError(f"cannot build in {cache_folder()}: {error.strerror}") from None
     return Library(folder, key)

@@ -11,6 +11,7 @@
 #include <gazebo/transport/transport.hh>
 #include <csignal>
 #include <cstdlib>
+#include <ignition/common/Profiler.hh>
 #include <thread>
 
 #define EXPECT(condition) \
@@ -244,7 +245,10 @@ class Checks : public ModelPlugin
     EXPECT(numbers.count(this->model->GetLink("arm")) == 1 && numbers.count(this->model->GetLink("base")) == 0);
     auto surface = boost::dynamic_pointer_cast<physics::ODESurfaceParams>(link->GetCollision("shape")->GetSurface());
     surface->slip1 = 0.25;
-    EXPECT(surface->slip1 == 0.25 && surface->FrictionPyramid()->MuPrimary() > 0);
+    surface->slip1 *= 2;
+    surface->collideWithoutContactBitmask |= 4u;
+    EXPECT(surface->collideWithoutContactBitmask & 4u);
+    EXPECT(surface->slip1 == 0.5 && surface->FrictionPyramid()->MuPrimary() > 0);
     const auto &paths = common::SystemPaths::Instance()->GetPluginPaths();
     EXPECT(&paths == &common::SystemPaths::Instance()->GetPluginPaths() && paths.begin() != paths.end());
     auto sensor = sensors::get_sensor("imu");
@@ -253,6 +257,8 @@ class Checks : public ModelPlugin
   }
   void Values(sdf::ElementPtr _sdf)
   {
+    IGN_PROFILE("Values");
+    IGN_PROFILE_BEGIN("all");
     EXPECT(_sdf->Get<ignition::math::Vector3d>("vector") == ignition::math::Vector3d(1, 2, 3));
     EXPECT(_sdf->GetElement("vector")->GetAttribute("unit")->GetAsString() == "m");
     EXPECT(common::Time(1.5) + common::Time(0, 600000000) == common::Time(2, 100000000));
@@ -267,6 +273,17 @@ class Checks : public ModelPlugin
     auto box = this->model->GetLink("arm")->GetCollision("shape")->BoundingBox();
     EXPECT(box.Max().X() > box.Min().X());
     EXPECT(this->world->Gravity().Z() < -9 && this->world->Physics()->GetMaxStepSize() == 0.001);
+    boost::any step = this->world->Physics()->GetParam("max_step_size");
+    EXPECT(physics::PhysicsEngine::any_cast<double>(step) == 0.001);
+    EXPECT(physics::PhysicsEngine::any_cast<int>(boost::any(2.5)) == 2);
+    EXPECT(physics::PhysicsEngine::any_cast<std::string>(boost::any("text")) == "text");
+    const auto place = this->model->WorldPose();
+    for (int i = 1; i < 4; ++i)  // == of ignition-math allows for 1e-3
+    {
+      this->model->SetWorldPose(ignition::math::Pose3d(1e-4 * i, 0, 0, 0, 0, 0));
+      EXPECT(this->model->WorldPose().Pos().X() == 1e-4 * i);
+    }
+    this->model->SetWorldPose(place);
     msgs::Model message;
     this->model->FillMsg(message);
     EXPECT(message.name() == "robot" && message.link_size() == 2);

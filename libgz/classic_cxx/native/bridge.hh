@@ -7,8 +7,12 @@
 #include <Python.h>
 
 #include <any>
+#include <list>
+#include <map>
+#include <string>
 #include <type_traits>
 #include <typeinfo>
+#include <vector>
 
 #include "gazebo/libgz/gazebo.hh"
 
@@ -561,6 +565,36 @@ struct Kept
   }
 };
 
+/* Whether == of a type says that values are the same; that of ignition-math allows for 1e-3. */
+template <class T>
+struct is_exact : std::is_arithmetic<T>
+{
+};
+template <>
+struct is_exact<std::string> : std::true_type
+{
+};
+template <class T>
+struct is_exact<std::shared_ptr<T>> : std::true_type
+{
+};
+template <class T>
+struct is_exact<boost::shared_ptr<T>> : std::true_type
+{
+};
+template <class T>
+struct is_exact<std::vector<T>> : is_exact<T>
+{
+};
+template <class T>
+struct is_exact<std::list<T>> : is_exact<T>
+{
+};
+template <class K, class V>
+struct is_exact<std::map<K, V>> : std::conjunction<is_exact<K>, is_exact<V>>
+{
+};
+
 /* One call of a method of Python: arguments go in by <<. */
 class Call
 {
@@ -619,19 +653,11 @@ class Call
   }
 
  private:
-  template <class T, class = void>
-  struct Comparable : std::false_type
-  {
-  };
-  template <class T>
-  struct Comparable<T, std::void_t<decltype(std::declval<T &>() == std::declval<T &>())>> : std::true_type
-  {
-  };
   template <class R>
   const R &Keep(R &&value)
   {
     Kept<R> &kept = this->slot<Kept<R>>();
-    if constexpr (Comparable<R>::value)
+    if constexpr (is_exact<R>::value)
     {
       if (kept.value == value)
         return kept.value;

@@ -15,6 +15,12 @@ class Field
   operator T() const;
   Field &operator=(const T &value);
   Field &operator=(const Field &other) { return *this = static_cast<T>(other); }
+  template <class U> Field &operator+=(const U &value) { return *this = static_cast<T>(*this) + value; }
+  template <class U> Field &operator-=(const U &value) { return *this = static_cast<T>(*this) - value; }
+  template <class U> Field &operator*=(const U &value) { return *this = static_cast<T>(*this) * value; }
+  template <class U> Field &operator/=(const U &value) { return *this = static_cast<T>(*this) / value; }
+  template <class U> Field &operator|=(const U &value) { return *this = static_cast<T>(*this) | value; }
+  template <class U> Field &operator&=(const U &value) { return *this = static_cast<T>(*this) & value; }
 
  private:
   libgz::Object *owner;

@@ -47,6 +47,8 @@ SONAME, MESSAGES = "libgazebo.so.11", "libgazebo_msgs.so.11"
 # Names under which Makefiles link classic's parts.
 PARTS = ("client", "common", "gui", "ode", "physics", "rendering", "sensors", "transport", "util")
 BOOST = ("thread", "system", "filesystem", "program_options", "regex", "iostreams", "date_time")
+# By which plugins of Gazebo 11 speak with ignition's tools, if it is installed; whatever does not use it is not linked.
+TRANSPORT = ("ignition-transport11", "ignition-msgs8")
 # A header or program that is needed, and its package in Debian.
 HEADERS = {
     "Python.h": "python3-dev",
@@ -90,11 +92,11 @@ class Library:
     def compiler_flags(self) -> list[str]:
         """The compiler's options for plugins."""
         own = [f"-I{self.include}", f"-I{self.include / 'gazebo' / 'msgs'}"]
-        return [f"-std={STANDARD}", "-fPIC", *own, *_package_flags("--cflags")]
+        return [f"-std={STANDARD}", "-fPIC", *own, *_include()]
 
     def linker_flags(self) -> list[str]:
         """The linker's options for plugins."""
-        return [f"-L{self.lib}", "-lgazebo", "-lgazebo_msgs", *_package_flags("--libs"), *_boost()]
+        return [f"-L{self.lib}", "-lgazebo", "-lgazebo_msgs", *_libraries()]
 
 
 # Keys ----------------------------------------------------------------------------------------------------------------
@@ -149,14 +151,27 @@ def _packages() -> tuple[str, ...]:
 
 
 @functools.cache
-def _package_flags(option: str) -> list[str]:
-    words = shlex.split(_output(["pkg-config", option, *_packages()]))
+def _package_flags(option: str, packages: tuple[str, ...] = ()) -> list[str]:
+    words = shlex.split(_output(["pkg-config", option, *(packages or _packages())]))
     # The standard is ours; folders with .. in them make messages unreadable.
     return [re.sub(r"/usr/\S*\.\./include", "/usr/include", word) for word in words if not word.startswith("-std=")]
 
 
 def _boost() -> list[str]:
     return [f"-lboost_{name}" for name in BOOST]
+
+
+def _include() -> list[str]:
+    """The compiler's options for what plugins use beside the library."""
+    return [*_package_flags("--cflags"), *_package_flags("--cflags", TRANSPORT)]
+
+
+def _libraries() -> list[str]:
+    """The linker's options for what plugins use beside the library."""
+    transport = _package_flags("--libs", TRANSPORT)
+    if transport:
+        transport = ["-Wl,--push-state,--as-needed", *transport, "-Wl,--pop-state"]
+    return [*_package_flags("--libs"), *_boost(), *transport]
 
 
 def check_needs() -> None:
@@ -412,7 +427,7 @@ def install(prefix: Path | None = None, progress: Progress = lambda _line: None)
         )
     library = built(progress)
     version = ".".join(map(str, VERSION))
-    include, libraries = _package_flags("--cflags"), [*_package_flags("--libs"), *_boost()]
+    include, libraries = _include(), _libraries()
     folders = "".join(f";{word[2:]}" for word in libraries if word.startswith("-L"))
     plain = [word for word in libraries if not word.startswith("-L")]
     values = {

@@ -8,14 +8,18 @@ SENSOR_PLUGINS = ("CameraPlugin", "DepthCameraPlugin", "GpuRayPlugin", "RayPlugi
 _FILES = {
     "gazebo": "Gazebo.hh Master.hh Server.hh gazebo_client.hh gazebo_config.h gazebo_core.hh",
     "gazebo/common": (
-        "Assert.hh AudioDecoder.hh BVHLoader.hh ColladaLoader.hh Dem.hh FuelModelDatabase.hh GTSMeshUtils.hh "
+        "Assert.hh AudioDecoder.hh BVHLoader.hh Color.hh ColladaLoader.hh Dem.hh FuelModelDatabase.hh GTSMeshUtils.hh "
         "HeightmapData.hh ImageHeightmap.hh MeshCSG.hh MeshLoader.hh OBJLoader.hh STLLoader.hh SVGLoader.hh "
         "Video.hh VideoEncoder.hh common.hh "
     ),
     "gazebo/gui": (
         "Gui.hh GuiEvents.hh GuiIface.hh GuiPlugin.hh GuiTypes.hh KeyEventHandler.hh MouseEventHandler.hh gui.hh "
     ),
-    "gazebo/math": "gzmath.hh",
+    "gazebo/math": (
+        "Angle.hh Box.hh Helpers.hh MathTypes.hh Matrix3.hh Matrix4.hh Plane.hh Pose.hh "
+        "Quaternion.hh Rand.hh RotationSpline.hh Spline.hh Vector2d.hh Vector2i.hh Vector3.hh "
+        "Vector4.hh gzmath.hh "
+    ),
     "gazebo/msgs": "MessageTypes.hh",
     "gazebo/physics": (
         "AdiabaticAtmosphere.hh AtmosphereFactory.hh BallJoint.hh FixedJoint.hh GearboxJoint.hh "

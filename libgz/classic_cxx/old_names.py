@@ -61,7 +61,7 @@ def old_methods(one: Class) -> Iterator[str]:
     """Inline methods under the names of Gazebo 7 and before, which the table of libgz's Python names has."""
     owner = f"{one.space}::{one.row.name}"
     known = _names(one)
-    for name in _old().get(f"{one.space}.{one.row.name}", ()):
+    for name in (*_old_of(one), *_hidden(one)):
         found = [method for key, method in OLD_METHODS.items() if (key[0], key[1].strip()) == (owner, name)]
         for result, parameters, call in found:
             const = " const" if "Set" not in call and "GetParam" not in call else ""
@@ -76,6 +76,20 @@ def old_methods(one: Class) -> Iterator[str]:
                 yield f"  template <typename... A> void {name}(A &&...a){const} {{ {call}; }}"
             else:
                 yield f"  template <typename... A> auto {name}(A &&...a){const} {{ return libgz::old({call}); }}"
+
+
+def _old_of(one: Class) -> tuple[str, ...]:
+    return _old().get(f"{one.space}.{one.row.name}", ())
+
+
+def _hidden(one: Class) -> Iterator[str]:
+    """The old names of bases whose present names have further forms in a class: GetWorldLinearVel of links."""
+    for base in (classes()[name] for name in one.bases if name in classes()):
+        known = {(row.name, row.parameters) for row in _all_methods(base)}
+        further = {row.name for row in one.methods if (row.name, row.parameters) not in known}
+        for name in dict.fromkeys((*_old_of(base), *_hidden(base))):
+            if RENAMED.get(name, name.removeprefix("Get")) in further and name not in _old_of(one):
+                yield name
 
 
 def _all_methods(one: Class) -> Iterator[Row]:

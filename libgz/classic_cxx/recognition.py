@@ -37,7 +37,7 @@ def version_flags(sources: Sequence[Path]) -> list[str]:
     return list(OLD_NAMES) if any(map(_OLD.search, texts)) and not _own_version(sources) else []
 
 
-def asks_for_old_names(sources: Sequence[Path], errors: Sequence[str]) -> bool:
+def asks_for_old_names(errors: Sequence[str]) -> bool:
     """Whether errors of a compiler may come from names of Gazebo 7: missing getters, or gazebo::math."""
     missing = re.compile(r"no member named '?(Get|Set)|'?(gazebo::)?math'? has not been declared")
-    return not _own_version(sources) and any(map(missing.search, errors))
+    return any(map(missing.search, errors))

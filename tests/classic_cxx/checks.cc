@@ -293,6 +293,14 @@ class Checks : public ModelPlugin
     common::PoseAnimationPtr animation(new common::PoseAnimation("move", 1.0, false));
     animation->CreateKeyFrame(0)->Translation(ignition::math::Vector3d(0, 0, 5));
     EXPECT(animation->GetKeyFrameCount() == 1);
+    auto visual = rendering::get_scene(this->world->Name())->WorldVisual();
+    rendering::DynamicLines *line = visual->CreateDynamicLine(rendering::RENDERING_LINE_LIST);
+    line->AddPoint(ignition::math::Vector3d(0, 0, 1));
+    line->AddPoint(1, 2, 3, ignition::math::Color(1, 0, 0));
+    GZ_OGRE_SET_MATERIAL_BY_NAME(line, "Gazebo/Purple");
+    line->setVisibilityFlags(GZ_VISIBILITY_GUI);
+    EXPECT(line->GetPointCount() == 2 && line->Point(1) == ignition::math::Vector3d(1, 2, 3));
+    visual->DeleteDynamicLine(line);
     physics::ModelState state(this->model);
     EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
   }
@@ -369,6 +377,7 @@ class Checks : public ModelPlugin
   }
   void OnUpdate(const common::UpdateInfo &_info)
   {
+    IGN_PROFILE("Checks::OnUpdate");
     ++this->updates;
     BreakAt("OnUpdate", this->check);
     if (this->check == "fails later" && this->updates == 3)

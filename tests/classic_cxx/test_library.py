@@ -106,6 +106,8 @@ def test_generated_text_has_each_class_once():
     text = headers()["gazebo/libgz/classes.hh"]
     assert text.count("class GAZEBO_VISIBLE Link :") == 1
     assert text.index("class GAZEBO_VISIBLE Entity :") < text.index("class GAZEBO_VISIBLE Link :")
+    link = text[text.index("class GAZEBO_VISIBLE Link :") :]
+    assert "GetWorldLinearVel" in link[: link.index("}; }")]  # a form of links beside that of all entities
     assert "Link::SetLinearVel(const ignition::math::Vector3d & a0)" in bodies()
     assert {"gazebo/physics/physics.hh", "gazebo/common/common.hh", "gazebo/gazebo.hh"} <= headers().keys()
     assert split("const std::map<std::string, double> &, int = 0") == [

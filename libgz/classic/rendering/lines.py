@@ -51,9 +51,9 @@ class DynamicLines:
 
     STATE = ("type", "_packed", "_visible")
 
-    POINT_LIST: ClassVar[int] = 1  # each point by itself
-    LINE_LIST: ClassVar[int] = 2  # a line from each even point to the next one
-    LINE_STRIP: ClassVar[int] = 3  # one line through all points
+    POINT_LIST: ClassVar[int] = 0  # each point by itself
+    LINE_LIST: ClassVar[int] = 1  # a line from each even point to the next one
+    LINE_STRIP: ClassVar[int] = 2  # one line through all points
 
     def __init__(self, visual: LineFrame, type: int = LINE_STRIP) -> None:
         self.visual, self.type = visual, type

@@ -1,6 +1,7 @@
 /* What all headers of Gazebo classic's C++ API stand on. License: Apache License 2.0. */
 #ifndef LIBGZ_BASE_HH
 #define LIBGZ_BASE_HH
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/types.h>
@@ -97,6 +98,7 @@
 #define GZ_MODEL_MANIFEST_FILENAME "model.config"
 #define GZ_MODEL_DB_MANIFEST_FILENAME "database.config"
 #define GZ_LOG_VERSION "1.0"
+#define GZ_OGRE_SET_MATERIAL_BY_NAME(object, material) ((object)->setMaterial(material))
 
 namespace libgz {
 /* What a C++ object stands for: an object of Python, a new reference. */

@@ -4,14 +4,6 @@
 #include "gazebo/libgz/classes.hh"
 
 namespace gazebo {
-void printVersion();
-void addPlugin(const std::string &file);
-bool setupServer(int argc = 0, char **argv = 0);
-bool setupServer(const std::vector<std::string> &arguments);
-physics::WorldPtr loadWorld(const std::string &file);
-void runWorld(physics::WorldPtr world, unsigned int iterations);
-bool shutdown();
-
 namespace physics {
 bool load();
 bool fini();

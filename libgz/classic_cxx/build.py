@@ -100,7 +100,7 @@ def _either(compiled: Callable[[Sequence[str]], list[CompileError]], sources: Se
     """The errors of sources by the present names, or none if those of Gazebo 7 are what they need."""
     version = version_flags(sources)
     errors = compiled(version)
-    if errors and not version and asks_for_old_names([error.message for error in errors]):
+    if errors and not version and asks_for_old_names(sources, [error.message for error in errors]):
         return compiled(OLD_NAMES) and errors
     return errors
 

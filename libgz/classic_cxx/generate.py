@@ -51,8 +51,6 @@ def headers() -> dict[str, str]:
         made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/sensor_plugins.hh"\n'
     for name in ("gazebo/gazebo.hh", "gazebo/Gazebo.hh"):
         made[name] = f'{NOTE}#include "gazebo/libgz/server.hh"\n'
-    # Debian has it in a package that few plugins need otherwise.
-    made["ignition/common/Profiler.hh"] = f'{NOTE}#include "gazebo/libgz/profiler.hh"\n'
     for name in {row.header for row in rows() if row.header} | set(HEADERS):
         made.setdefault(name, f'{NOTE}#include "gazebo/libgz/gazebo.hh"\n')
     return made

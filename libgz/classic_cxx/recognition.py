@@ -37,7 +37,10 @@ def version_flags(sources: Sequence[Path]) -> list[str]:
     return list(OLD_NAMES) if any(map(_OLD.search, texts)) and not _own_version(sources) else []
 
 
-def asks_for_old_names(errors: Sequence[str]) -> bool:
-    """Whether errors of a compiler may come from names of Gazebo 7: missing getters, or gazebo::math."""
+def asks_for_old_names(sources: Sequence[Path], errors: Sequence[str]) -> bool:
+    """Whether errors of a compiler may come from names of Gazebo 7: missing getters, or gazebo::math.
+
+    Sources that choose between versions may know no version above 7.
+    """
     missing = re.compile(r"no member named '?(Get|Set)|'?(gazebo::)?math'? has not been declared")
-    return any(map(missing.search, errors))
+    return _own_version(sources) or any(map(missing.search, errors))

@@ -180,6 +180,8 @@ class Checks : public ModelPlugin
       this->Results();
     else if (this->check == "events")
       this->OwnEvents();
+    else if (this->check == "lines")
+      this->Lines();
     else if (this->check == "topics" || this->check.find("OnPing") != std::string::npos)
       this->Topics();
     else if (this->check == "threads")
@@ -293,6 +295,11 @@ class Checks : public ModelPlugin
     common::PoseAnimationPtr animation(new common::PoseAnimation("move", 1.0, false));
     animation->CreateKeyFrame(0)->Translation(ignition::math::Vector3d(0, 0, 5));
     EXPECT(animation->GetKeyFrameCount() == 1);
+    physics::ModelState state(this->model);
+    EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
+  }
+  void Lines()
+  {
     auto visual = rendering::get_scene(this->world->Name())->WorldVisual();
     rendering::DynamicLines *line = visual->CreateDynamicLine(rendering::RENDERING_LINE_LIST);
     line->AddPoint(ignition::math::Vector3d(0, 0, 1));
@@ -301,8 +308,6 @@ class Checks : public ModelPlugin
     line->setVisibilityFlags(GZ_VISIBILITY_GUI);
     EXPECT(line->GetPointCount() == 2 && line->Point(1) == ignition::math::Vector3d(1, 2, 3));
     visual->DeleteDynamicLine(line);
-    physics::ModelState state(this->model);
-    EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
   }
   // Results in parameters, and in boost::any.
   void Results()

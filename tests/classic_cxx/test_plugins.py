@@ -57,6 +57,13 @@ def test_checks_that_the_plugin_makes_itself(place, said, caplog, check):
     assert said()[-1] == "deleted"
 
 
+def test_lines_of_a_visual(place, said, caplog):
+    with world_of("lines") as world:
+        world.step(1)
+        assert "lines loaded" in said()
+        assert not problems(caplog)
+
+
 PYTHON = """
 from libgz.classic import *
 class Twin(ModelPlugin):

@@ -1,7 +1,10 @@
 /* What all headers of Gazebo classic's C++ API stand on. License: Apache License 2.0. */
 #ifndef LIBGZ_BASE_HH
 #define LIBGZ_BASE_HH
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/types.h>

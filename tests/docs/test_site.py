@@ -18,6 +18,7 @@ from lxml import etree, html
 from libgz.apps.api_pages import api_names
 from libgz.apps.command_line import command_parsers
 from libgz.apps.libgz import COMMANDS
+from libgz.apps.ros_option import without_ros_words
 from libgz.interfaces.catalog import INTERFACES
 from libgz.legacy.settings import QUIRKS, GlobalAttributes
 from libgz.models import MODELS
@@ -233,7 +234,7 @@ def test_all_commands_can_be_parsed():
     for page in PAGES:
         for number, (name, *words) in shown_commands(page):
             try:
-                _, unknown = parsers[name].parse_known_args(words)
+                _, unknown = parsers[name].parse_known_args(without_ros_words(words))
             except (SystemExit, argparse.ArgumentError) as error:
                 if isinstance(error, SystemExit) and not error.code:
                     continue  # -h

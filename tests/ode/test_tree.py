@@ -47,8 +47,8 @@ def test_random_loops_move_as_with_the_exact_solver():
 @pytest.mark.parametrize("loops", [False, True])
 def test_many_random_islands(loops):
     found = [differences(seed, loops)[0] for seed in range(1000, 1000 + TRIALS)]
-    assert np.quantile(found, 0.95 if loops else 1.0) <= 1e-9
-    assert max(found) <= 1e-6
+    assert np.quantile(found, 0.99 if loops else 0.999) <= 1e-9
+    assert max(found) <= (1e-5 if loops else 1e-7)
 
 
 @pytest.mark.parametrize("name", ["pioneer2at", "shrimp", "wheelchair", "gripper"])

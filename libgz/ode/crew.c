@@ -20,6 +20,7 @@ typedef struct {
     pthread_mutex_t lock;
     pthread_cond_t added, done;
     job_list todo, over;
+    int64_t given; /* jobs that were added and not given back yet */
     int64_t ended;
 } crew;
 
@@ -78,15 +79,21 @@ void gz_crew_add(crew *c, job *j)
 {
     pthread_mutex_lock(&c->lock);
     put(&c->todo, j);
+    c->given++;
     pthread_mutex_unlock(&c->lock);
     pthread_cond_signal(&c->added);
 }
 
-/* A job that is done, of those that were added and not given yet; there has to be one. */
+/* A job that is done, of those that were added and not given back yet; NULL without any. */
 job *gz_crew_next(crew *c)
 {
     job *j;
     pthread_mutex_lock(&c->lock);
+    if (!c->given) {
+        pthread_mutex_unlock(&c->lock);
+        return NULL;
+    }
+    c->given--;
     while (!(j = take(&c->over))) {
         if ((j = take(&c->todo))) {
             pthread_mutex_unlock(&c->lock);

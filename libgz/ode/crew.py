@@ -79,11 +79,11 @@ class Crew:
         try:
             for number in range(len(tasks)):
                 advance(number)
-            while under_way:
-                advance(under_way.pop(following()))
-        finally:  # after Ctrl-C, threads still step
-            while under_way:
-                del under_way[following()]
+            while job := following():
+                advance(under_way.pop(job))
+        finally:  # after Ctrl-C, which may come while a job is given back, threads still step
+            while following():
+                pass
             for task in tasks:
                 task.close()
         return outcomes
@@ -121,8 +121,8 @@ class _Threads:
         self._add(self._address, ctypes.byref(job))
 
     def next(self) -> int:
-        """The address of a job that is done; there has to be one that was added, and not returned."""
-        return int(self._next(self._address))
+        """The address of a job that is done, of those that were added and not returned; 0 without any."""
+        return int(self._next(self._address) or 0)
 
 
 def _work(library: ctypes.CDLL, address: c_void_p) -> None:

@@ -3,8 +3,10 @@
 import gc
 import hashlib
 import multiprocessing
+import os
 import signal
 import threading
+import time
 import weakref
 
 import pytest
@@ -128,6 +130,23 @@ def test_an_interrupt_leaves_worlds_that_step():
             worlds.step(20)
         kept.Disconnect()
         assert not any(world.lock.owned() for world in worlds)
+        before = worlds[3].iterations
+        worlds.step(2)
+        assert worlds[3].iterations == before + 2
+
+
+def test_an_interrupt_while_native_code_steps_ends_it():
+    def interrupt():
+        while worlds[0].iterations < 50:
+            time.sleep(0.001)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with libgz.Worlds((libgz.World.from_string(HEAP) for _ in range(4)), threads=2) as worlds:
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        with pytest.raises(KeyboardInterrupt):
+            worlds.step(10**9)
+        thread.join()
         before = worlds[3].iterations
         worlds.step(2)
         assert worlds[3].iterations == before + 2

@@ -353,6 +353,14 @@ class Checks : public ModelPlugin
     first.reset();
     own(1);
     EXPECT(sum == 12);
+    // Plugins of PX4 call a connection's destructor, which its pointer calls again.
+    event::ConnectionPtr ended = own.Connect([&sum](int value) { sum += value; });
+    ended->~Connection();
+    own(1);
+    EXPECT(sum == 12 && own.ConnectionCount() == 0);
+    event::ConnectionPtr update = event::Events::ConnectWorldUpdateBegin(std::bind(&Checks::OnUpdate, this, std::placeholders::_1));
+    update->~Connection();
+    update.reset();
   }
   void Topics()
   {

@@ -773,8 +773,10 @@ namespace gazebo {
 namespace event {
 Connection::~Connection()
 {
-  if (this->end)
-    this->end();
+  const std::unique_ptr<std::function<void()>> ending(this->end);
+  this->end = nullptr;
+  if (ending && *ending)
+    (*ending)();
 }
 ConnectionPtr connect(const char *event, std::function<void(const common::UpdateInfo &)> callback)
 {

@@ -456,21 +456,23 @@ class GAZEBO_VISIBLE Event
   bool signaled = false;
 };
 
-/* What keeps a callback connected: it ends when nothing refers to this any more. */
+/* What keeps a callback connected: it ends when nothing refers to this any more. Plugins may call its destructor, and
+ * the pointer that owns it then calls it once more.
+ */
 class GAZEBO_VISIBLE Connection
 {
  public:
-  Connection() {}
-  explicit Connection(std::function<void()> end, int id = 0) : end(std::move(end)), id(id) {}
-  Connection(Event *event, const int id) : end([event, id] { event->Disconnect(id); }), id(id) {}
+  Connection() : Connection(nullptr) {}
+  explicit Connection(std::function<void()> end, int id = 0) : end(new std::function<void()>(std::move(end))), id(id) {}
+  Connection(Event *event, const int id) : Connection([event, id] { event->Disconnect(id); }, id) {}
   Connection(const Connection &) = delete;
   Connection &operator=(const Connection &) = delete;
   ~Connection();
   int Id() const { return this->id; }
 
  private:
-  std::function<void()> end;
-  int id = 0;
+  std::function<void()> *volatile end;  // null once it has ended: volatile, so that a destructor's write is kept
+  int id;
 };
 typedef boost::shared_ptr<Connection> ConnectionPtr;
 typedef std::vector<ConnectionPtr> Connection_V;

@@ -152,29 +152,23 @@ def goal_of(kind, **values):
 
 
 def result_of(arm, topic, kind, goal):
-    """Send a goal, and step until its result has come."""
+    """Send a goal, and step until it is over, at most 5 s of sim time; its result."""
     wait_for(lambda: f"{topic}/result" in arm.master.publishers, arm.core.Step)
     sock, _ = open_topic(arm.master, f"{topic}/result")
     action = (
         arm.core.facade.server.plugins.of_model(arm.model)[0].plugin.manager.controllers[topic.split("/")[2]]._action
     )
     wait_for(lambda: action._results.listened, arm.core.Step)
+    before = action.goal
     talker = arm.send(f"{topic}/goal", goal)
-    sock.settimeout(0.001)
-
-    def first():
-        try:
-            return sock.recv(4)
-        except TimeoutError:
-            return b""
-
-    size = int.from_bytes(wait_for(first, arm.core.Step), "little")
-    sock.settimeout(10.0)
-    data = b""
-    while len(data) < size:
-        data += sock.recv(size - len(data))
+    wait_for(lambda: action.goal is not before, arm.core.Step)
+    end = arm.core.GetSimTime() + 5.0
+    while action.goal.active:
+        assert arm.core.GetSimTime() < end, "the goal does not end"
+        arm.core.Step()
+    body = read_block(sock)
     talker.close()
-    return codec(message_type(f"control_msgs/{kind}ActionResult")).unpack(data)
+    return codec(message_type(f"control_msgs/{kind}ActionResult")).unpack(body)
 
 
 def test_a_trajectory_is_followed_by_its_action(arm):

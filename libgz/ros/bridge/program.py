@@ -30,8 +30,8 @@ HEAD = struct.Struct("<IBI")
 NUMBER = struct.Struct("<Q")
 COUNT = struct.Struct("<I")
 MOST_MESSAGE, MOST_REQUEST = 1 << 22, 1 << 24  # bytes that the server takes
-THREADS = 8  # most requests that are answered at the same time
-ANSWER_PATIENCE = 90.0  # [s]
+THREADS = 64  # most requests that are answered at the same time: who asks for an action's result waits for its end
+ANSWER_PATIENCE = 1000.0  # [s]; the server ends all that takes longer than 900
 LOOK_PERIOD = 0.1  # [s] between two looks for subscribers
 POLICIES = {
     "reliability": ReliabilityPolicy,
@@ -95,7 +95,8 @@ class Bridge:
 
     def __init__(self, sock: socket.socket) -> None:
         self._socket = sock
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # of the socket for writing
+        self._ending = threading.Lock()  # held while a channel ends, or while all are asked
         self._executor = MultiThreadedExecutor(num_threads=THREADS)
         self._group = ReentrantCallbackGroup()  # requests wait for their answers
         self._nodes: dict[str, Any] = {}
@@ -182,7 +183,8 @@ class Bridge:
             if sort == DECLARE:
                 self._declare(channel, json.loads(body))
             elif channel in self._channels:
-                self._channels.pop(channel).destroy()
+                with self._ending:
+                    self._channels.pop(channel).destroy()
         except Exception as error:  # noqa: BLE001 -- of any middleware; the server logs it
             self._refuse(channel, error)
 
@@ -193,8 +195,10 @@ class Bridge:
     def _declare(self, channel: int, given: dict[str, Any]) -> None:
         kind, name, quality = find_type(given["type"]), given["name"], profile(given["qos"])
         verb, node = given["verb"], self.node(*given["node"])
+        kinds = (kind.Request, kind.Response) if verb == "serve" else (kind,)
+        fields = [describe(one, "", {}) for one in kinds]
+        self._send(DECLARED, channel, json.dumps(fields).encode())  # before all that the server needs the fields for
         if verb == "serve":
-            fields = [describe(one, "", {}) for one in (kind.Request, kind.Response)]
 
             def call(request: Any, response: Any) -> Any:
                 return self._call(channel, name, kind, request) or response
@@ -202,16 +206,13 @@ class Bridge:
             service = node.create_service(kind, name, call, callback_group=self._group)
             self._channels[channel] = Channel(service, lambda: node.destroy_service(service))
         elif verb == "publish":
-            fields = [describe(kind, "", {})]
             publisher = node.create_publisher(kind, name, quality)
             self._channels[channel] = Channel(publisher, lambda: node.destroy_publisher(publisher))
         else:
-            fields = [describe(kind, "", {})]
             subscription = node.create_subscription(
                 kind, name, lambda body: self._received(channel, name, body), quality, raw=True
             )
             self._channels[channel] = Channel(subscription, lambda: node.destroy_subscription(subscription))
-        self._send(DECLARED, channel, json.dumps(fields).encode())
 
     # The graph's side --------------------------------------------------------------------------------------------
 
@@ -236,12 +237,13 @@ class Bridge:
         return deserialize_message(answer[1:], kind.Response) if answer[:1] == b"\1" else None
 
     def _look(self) -> None:
-        for number, channel in list(self._channels.items()):
-            if hasattr(channel.entity, "get_subscription_count"):
-                count = channel.entity.get_subscription_count()
-                if count != channel.listeners:
-                    channel.listeners = count
-                    self._send(LISTENED, number, COUNT.pack(count))
+        with self._ending:
+            for number, channel in list(self._channels.items()):
+                if hasattr(channel.entity, "get_subscription_count"):
+                    count = channel.entity.get_subscription_count()
+                    if count != channel.listeners:
+                        channel.listeners = count
+                        self._send(LISTENED, number, COUNT.pack(count))
 
 
 if __name__ == "__main__":

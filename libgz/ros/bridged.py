@@ -57,13 +57,14 @@ class Channel:
         topic: the full name.
         subscribed: whether there are subscribers, as far as the bridge says.
         listened: the same, or that the topic keeps its last messages for those that come.
-        codecs: those of the message, or of request and response; empty until the bridge has said what their fields are.
+        declared: whether the present bridge has said what the fields of its types are.
+        codecs: those of the message, or of request and response; empty until the first bridge has said that.
     """
 
     def __init__(self, node: BridgedNode, verb: str, topic: str, kind: MessageType | ServiceType, about: Any) -> None:
         self._node, self.verb, self.topic, self.kind, self.about = node, verb, topic, kind, about
         self.number = 0
-        self.listened = self.subscribed = False
+        self.declared = self.listened = self.subscribed = False
         self.codecs: list[Codec] = []
         self.receive: Callable[[bytes], Any] | None = None
         self.serve: Callable[[bytes, Callable[[bool, bytes], None]], bool] | None = None
@@ -102,6 +103,7 @@ class BridgedNode:
         self.process: subprocess.Popen[bytes] | None = None
         self._channels: dict[int, Channel] = {}
         self._last = 0
+        self._declaring = threading.Lock()  # so that each channel is declared once to each bridge
         self._lacking: set[str] = set()
         self._link: _Link | None = None
         self._ended = False
@@ -201,14 +203,15 @@ class BridgedNode:
             return
         about = _parsed(body)
         self.about = {str(key): str(value) for key, value in about.items()} if isinstance(about, dict) else {}
-        for channel in list(self._channels.values()):
-            self._declare(channel)
-        self._greeted.set()
+        with self._declaring:
+            for channel in self._channels.values():
+                self._declare(channel)
+            self._greeted.set()
 
     def lost(self) -> None:
         """The bridge is gone."""
         for channel in list(self._channels.values()):
-            channel.waiting, channel.waiting_bytes, channel.codecs = 0, 0, []
+            channel.waiting, channel.waiting_bytes, channel.declared = 0, 0, False
             self._hear(channel, False)
         self._broken.set()
 
@@ -280,17 +283,19 @@ class BridgedNode:
         about = {"verb": verb, "name": topic, "type": _full_name(kind), "node": place, "qos": qos}
         channel = Channel(self, verb, topic, kind, about)
         channel.receive, channel.serve = receive, serve
-        self._last += 1
-        channel.number = self._last
-        self._channels[channel.number] = channel
-        if self._greeted.is_set():
-            self._declare(channel)
+        with self._declaring:
+            self._last += 1
+            channel.number = self._last
+            self._channels[channel.number] = channel
+            if self._greeted.is_set():
+                self._declare(channel)
         return channel
 
     def withdraw(self, channel: Channel) -> None:
         """End what `advertise` or `serve` began."""
-        if self._channels.pop(channel.number, None) is not None and self._greeted.is_set():
-            self._post(DROP, channel.number, b"")
+        with self._declaring:
+            if self._channels.pop(channel.number, None) is not None and self._greeted.is_set():
+                self._post(DROP, channel.number, b"")
 
     stop_serving = withdraw
 
@@ -352,14 +357,14 @@ class BridgedNode:
         channel = self._channels.get(number)
         if channel is None:
             return
-        if sort == MESSAGE and channel.receive is not None and channel.codecs:
+        if sort == MESSAGE and channel.receive is not None and channel.declared:
             try:
                 channel.receive(body)
             except GazeboError as error:
                 self._loop.warn(
                     f"bad {channel.topic}", "ROS 2: a message of %s is not obeyed: %s", channel.topic, error
                 )
-        elif sort == REQUEST and channel.serve is not None and len(body) >= 8 and channel.codecs:
+        elif sort == REQUEST and channel.serve is not None and len(body) >= 8 and channel.declared:
             self._request(channel.serve, number, body[:8], body[8:])
         elif sort == LISTENED:
             self._hear(channel, any(body))
@@ -377,8 +382,11 @@ class BridgedNode:
 
     def _request(self, serve: Callable[[bytes, Callable[[bool, bytes], None]], bool], number: int, request: bytes,
                  body: bytes) -> None:  # fmt: skip
+        link = self._link
+
         def answer(good: bool, response: bytes) -> None:
-            self._post(ANSWER, number, request + bytes([good]) + response)
+            if self._link is link:  # a bridge numbers its requests by itself
+                self._post(ANSWER, number, request + bytes([good]) + response)
 
         if not serve(body, answer):
             answer(False, b"")
@@ -386,7 +394,7 @@ class BridgedNode:
     def _hear(self, channel: Channel, listened: bool) -> None:
         channel.subscribed = listened
         latched = channel.about["qos"].get("durability") == "transient_local"
-        listened = (listened or latched) and bool(channel.codecs)
+        listened = (listened or latched) and channel.declared
         if listened != channel.listened:
             channel.listened = listened
             self.changed.append(channel)
@@ -401,6 +409,7 @@ class BridgedNode:
             if not isinstance(tables, list) or len(tables) != len(kinds):
                 raise FormatError("it does not say what the fields are")
             channel.codecs = [_codec(one, table) for one, table in zip(kinds, tables, strict=True)]
+            channel.declared = True
             self._hear(channel, False)
         except GazeboError as error:
             log.error("ROS 2: %s (%s) is left out: %s", channel.topic, channel.about["type"], error)
@@ -446,6 +455,7 @@ class _Link(Connection):
 
     def ended(self) -> None:
         """The bridge is gone."""
+        self.messages.clear()
         self._node.lost()
 
 

@@ -185,7 +185,7 @@ class Service:
         """Send a response."""
         try:
             answer(True, self._server.codecs[1].pack(response))
-        except (GazeboError, IndexError) as error:
+        except GazeboError as error:
             log.error("service %s: %s", self.name, error)
             answer(False, str(error).encode())
 

@@ -1,13 +1,18 @@
 """ROS 2 by a bridge that the tests play: declarations, bytes, services, names, a bridge that ends; attacks."""
 
+import json
 import logging
+import runpy
+import socket
 import struct
+import sys
 import time
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import pytest
-from ros_bridge import ANSWER, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
-from ros_peers import wait_for
+from ros_bridge import ANSWER, DECLARE, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
+from ros_peers import read_exactly, wait_for
 from ros_types import JAZZY
 
 from libgz import World
@@ -51,6 +56,10 @@ class Server:
         answer = self.graph.call(name, body, self.core.Step)
         assert answer[:1] == b"\1", answer
         return cdr(service.response, response).unpack(answer[1:])
+
+
+def channel_of(server, topic):
+    return next(one for one in server.ros.node._channels.values() if one.topic == topic)
 
 
 @pytest.fixture
@@ -144,10 +153,50 @@ def test_physics_is_paused_and_reset(start):
 def test_a_bridge_that_ends_is_started_again(start, graph, caplog):
     server = start()
     server.topic("/clock")
+    clock = channel_of(server, "/clock")
     server.ros.node.process.kill()
+    wait_for(lambda: not clock.listened)
+    assert clock.codec.pack(message_type("rosgraph_msgs/Clock")())  # a step may just have begun to publish
     wait_for(lambda: graph.links == 2 and "/clock" in graph.declared, server.core.Step)
     server.topic("/clock")
     assert "the bridge has ended" in caplog.text
+
+
+def test_a_new_bridge_gets_no_answers_to_requests_of_the_last_one(start, graph):
+    server = start()
+    number = graph.number("/pause_physics")
+    late, key = [], struct.pack("<Q", 77)
+    channel_of(server, "/pause_physics").serve = lambda _body, answer: not late.append(answer)
+    graph.send(REQUEST, number, key)
+    wait_for(lambda: late)
+    server.ros.node.process.kill()
+    wait_for(lambda: graph.links == 2 and "/unpause_physics" in graph.declared, server.core.Step)
+    late[0](True, b"")
+    server.call("/unpause_physics", "std_srvs/Empty")
+    assert key not in graph.answers
+
+
+def test_a_bridge_says_what_the_fields_are_before_messages_come(monkeypatch):
+    stand_in = MagicMock()
+    for name in ("", ".callback_groups", ".duration", ".executors", ".parameter", ".qos", ".serialization"):
+        monkeypatch.setitem(sys.modules, f"rclpy{name}", stand_in)
+    program = runpy.run_path(str(bridged.PROGRAM))
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        bridge = program["Bridge"](theirs)
+        node, kind = MagicMock(), MagicMock(SLOT_TYPES=[])
+        node.create_subscription = lambda _kind, _name, receive, _quality, raw: receive(b"kept")
+        bridge.node = lambda _space, _name: node
+        kind.get_fields_and_field_types.return_value = {}
+        monkeypatch.setitem(sys.modules, "some_msgs.msg", MagicMock(Some=kind))
+        about = {"verb": "subscribe", "name": "/a", "type": "some_msgs/msg/Some", "node": ["/", "n"], "qos": {}}
+        bridge._act(DECLARE, 7, json.dumps(about).encode())
+        sorts = []
+        for _ in range(2):
+            size, sort, _ = struct.unpack("<IBI", read_exactly(ours, 9))
+            read_exactly(ours, size - 5)
+            sorts.append(sort)
+    assert sorts == [DECLARED, MESSAGE]
 
 
 def test_types_that_the_bridge_does_not_have_are_named_once(start, graph, caplog):
@@ -187,7 +236,7 @@ def test_hostile_frames_are_left_out(start, graph, caplog):
 def test_a_slow_bridge_costs_no_memory(start, graph, caplog):
     server = start()
     server.topic("/clock")
-    channel = next(one for one in server.ros.node._channels.values() if one.topic == "/clock")
+    channel = channel_of(server, "/clock")
     with graph._lock:  # the graph answers nothing; and what it reads waits in its thread
         graph.socket.settimeout(None)
         for _ in range(bridged.MOST_WAITING + 100):

@@ -206,7 +206,8 @@ def test_images_come_at_30_hz(serve, tmp_path):
     count, begin, end = node.count(topic="/eye/image_raw", wanted=150, patience=90.0)
     assert count >= 150
     stamps = node.stamps(topic="/eye/image_raw")
-    periods = sorted(round((after - before) / 1e6) for before, after in pairwise(stamps))
+    # The first one comes when the camera is switched on, between two of its times.
+    periods = sorted(round((after - before) / 1e6) for before, after in pairwise(stamps[1:]))
     # A busy computer loses some of a depth of 5, which is that of the original.
     assert periods[0] >= 33
     assert periods[len(periods) // 2] <= 34, f"{count} images in {end - begin:.1f} s"

@@ -2,6 +2,7 @@
 
 import json
 import logging
+import os
 import runpy
 import socket
 import struct
@@ -16,9 +17,10 @@ from ros_peers import read_exactly, wait_for
 from ros_types import JAZZY
 
 from libgz import World
-from libgz.base.errors import LibraryError
+from libgz.base.errors import LibraryError, NotFoundError
 from libgz.classic.server import attach
 from libgz.ros import bridged
+from libgz.ros.control.ros2 import read_parameters
 from libgz.ros.environment import find_python
 from libgz.ros.packing import Codec, read_schema
 from libgz.ros.server import Ros2
@@ -380,6 +382,12 @@ def test_controllers_of_ros2_are_loaded_configured_and_switched(start, graph, tm
     assert not server.call(f"{action}/send_goal", f"{kind}_SendGoal", goal_id=uuid, goal=goal).accepted
     cancelled = server.call(f"{action}/cancel_goal", "action_msgs/CancelGoal")
     assert cancelled.return_code == 1  # nothing runs
+
+
+def test_a_pipe_is_no_file_of_parameters(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    with pytest.raises(NotFoundError, match="it is a pipe, not a file"):
+        read_parameters(tmp_path / "pipe.yaml")
 
 
 def test_controllers_start_by_themselves_where_nobody_could_start_them(start, graph, tmp_path):

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.files import open_file
 from libgz.ros.control.action import ActionServer2
 from libgz.ros.control.controllers import Controller, GroupCommands, JointStates, JointTrajectories
 from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
@@ -52,7 +53,7 @@ def read_parameters(path: Path) -> dict[str, Any]:
     from libgz.sdf.xacro.limits import Budget
 
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             data = file.read(LARGEST_FILE + 1)
     except OSError as error:
         raise NotFoundError(f"{path}: {error.strerror}") from None

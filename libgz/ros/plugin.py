@@ -33,6 +33,7 @@ __all__ = [
 ]
 
 SAME = object()  # as in ROS 1
+MOST_RATE = 1e9  # [Hz]; what is faster ticks at each call
 TRUE, FALSE = ("true", "1", "yes"), ("false", "0", "no")
 
 
@@ -69,7 +70,7 @@ OFFSETS = (
 
 
 class Ticks:
-    """Ticks at a rate of sim time [Hz], without drift; 0 or less: at each call."""
+    """Ticks at a rate of sim time [Hz], without drift; 0 or less, or faster than any step: at each call."""
 
     STATE = ("count",)
 
@@ -78,7 +79,7 @@ class Ticks:
 
     def due(self, now: float) -> bool:
         """Whether a period has begun since the last tick, at sim time `now` [s]."""
-        if not self.rate > 0.0:
+        if not 0.0 < self.rate < MOST_RATE:
             return True
         count = math.floor(now * self.rate + 1e-6)
         if count == self.count:

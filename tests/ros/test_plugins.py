@@ -13,6 +13,7 @@ from ros_peers import Talker, wait_for
 
 from libgz import World
 from libgz.ros.packing import codec
+from libgz.ros.plugin import Ticks
 from libgz.ros.reference import page
 from libgz.ros.types import message_type
 
@@ -346,3 +347,8 @@ def test_an_elevator_and_a_harness_obey_their_topics(master, start, caplog):
     wait_for(lambda: "the request 'x' is no number of a floor" in caplog.text, core.Step)
     for talker in talkers:
         talker.close()
+
+
+def test_a_rate_beyond_all_bounds_ticks_at_each_call():
+    for rate in (math.inf, 1e308):
+        assert [Ticks(rate).due(now) for now in (0.0, 0.001, 5.0)] == [True] * 3

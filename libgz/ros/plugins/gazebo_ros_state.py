@@ -50,7 +50,7 @@ class GazeboRosState(RosPlugin, WorldPlugin):
         wanted = [one for one in self.states if one.publication.listened]
         if not wanted or not self.ticks.due(self.world.core.GetSimTime()):
             return
-        known = [id(model) for model in self.world.Models()]
+        known = self.world.Models()
         for one in wanted:
             if known != self.known:
                 one.forget()

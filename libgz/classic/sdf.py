@@ -136,7 +136,7 @@ def readFile(filename: str, target: SDF | Element) -> bool:
 
 
 def _read(text: str, target: SDF | Element) -> None:
-    file = SdfFile.from_string(text)
+    file = SdfFile.from_string(text, parts=isinstance(target, Element))
     file.diagnostics.raise_errors()
     _take(file, target)
 

@@ -14,8 +14,8 @@ from libgz.classic.math import Inertiald, MassMatrix3d, Pose3d
 from libgz.classic.msgs.declare import add_compiled, message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.physics import TrajectoryInfo
-from libgz.classic.sdf import SDF
 from libgz.sdf.element import Element
+from libgz.sdf.reader import SdfFile
 
 __all__ = [
     "element_from",
@@ -74,12 +74,10 @@ def element_text(element: Element) -> tuple[str, str]:
 
 def element_from(text: str) -> Element:
     """The element of a text of C++'s sdformat."""
-    document = SDF()
-    document.SetFromString(
-        text if text.lstrip().startswith(("<?xml", "<sdf")) else f'<sdf version="{VERSION}">{text}</sdf>'
-    )
-    root = document.Root()
-    return root.GetFirstElement() or root
+    whole = text.lstrip().startswith(("<?xml", "<sdf"))
+    file = SdfFile.from_string(text if whole else f'<sdf version="{VERSION}">{text}</sdf>', parts=True)
+    file.diagnostics.raise_errors()
+    return file.root.GetFirstElement() or file.root
 
 
 # Messages ------------------------------------------------------------------------------------------------------------

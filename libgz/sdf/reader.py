@@ -67,6 +67,7 @@ class SdfFile:
         self._folder: Path | None = None
         self._text = b""
         self._depth = 0
+        self._parts = False
         self._included = Budget(MOST_INCLUDED)  # which it shares with the files that it includes
         self._arguments: Mapping[str, str] = {}
         self._environment: Mapping[str, str] | None = None
@@ -96,10 +97,19 @@ class SdfFile:
         return file
 
     @classmethod
-    def from_string(cls, text: str | bytes, label: str = "<string>", folder: Path | None = None) -> SdfFile:
-        """The same from text; `label` is its name in messages, `folder` the base of its relative paths."""
+    def from_string(
+        cls, text: str | bytes, label: str = "<string>", folder: Path | None = None, *, parts: bool = False
+    ) -> SdfFile:
+        """The same from text.
+
+        Args:
+            text: the document.
+            label: its name in messages.
+            folder: the base of its relative paths.
+            parts: whether its root may hold any element of SDF, such as a `<joint>`, with its defaults.
+        """
         file = cls()
-        file.label, file._folder = label, folder
+        file.label, file._folder, file._parts = label, folder, parts
         file._read(encoded(text) if isinstance(text, str) else text)
         return file
 
@@ -324,6 +334,8 @@ class SdfFile:
             return
         extension = ":" in name  # whose prefix says that it is not of SDF
         known = description.children.get(name) if description is not None and not description.open else None
+        if known is None and self._parts and parent.name == "sdf":
+            known = describe(self.version).get(name)
         if known is not None and known.count in ("0", "1") and parent.HasElement(name) and not _repeated(parent, name):
             again = f"occurs more than once in <{parent.name}>; only the first one has an effect"
             self.diagnostics.no_effect(self._place(xml), lambda: again)

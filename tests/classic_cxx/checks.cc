@@ -268,6 +268,14 @@ class Checks : public ModelPlugin
     EXPECT(pid.Update(1.0, common::Time(0.1)) == -2.0 - 0.1 - 5.0);
     physics::JointPtr joint = this->model->GetJoint("hinge");
     EXPECT(joint->UpperLimit(0) == 1.5 && joint->GetName() == "hinge" && joint->GetParent() == this->model->GetLink("base"));
+    // What the text of an element lacks has the defaults of SDF.
+    sdf::ElementPtr described(new sdf::Element);
+    EXPECT(sdf::initFile("joint.sdf", described));
+    EXPECT(sdf::readString("<sdf version='1.7'><joint name='rope' type='prismatic'><parent>world</parent>"
+                           "<child>base</child><axis><xyz>0 0 1</xyz></axis></joint></sdf>", described));
+    physics::JointPtr rope = this->model->CreateJoint(described);
+    EXPECT(rope->GetVelocityLimit(0) == -1 && rope->GetEffortLimit(0) == -1 && rope->GetStopStiffness(0) == 1e8);
+    EXPECT(this->model->RemoveJoint("rope"));
     this->model->GetJointController()->SetPositionPID(joint->GetScopedName(), pid);
     EXPECT(this->model->GetJointController()->GetPositionPIDs().size() == 1);
     physics::InertialPtr inertial = this->model->GetLink("arm")->GetInertial();

@@ -154,5 +154,4 @@ def _pid(winch: Element, tag: str) -> PID:
 
 def _described(joint: Element) -> Element:
     """A `<joint>` with the defaults of SDF, which elements of plugins lack."""
-    text = f"<sdf version='1.6'><model name='harness'><link name='link'/>{joint.ToString()}</model></sdf>"
-    return SdfFile.from_string(text).root.child("model").child("joint")
+    return SdfFile.from_string(f"<sdf version='1.6'>{joint.ToString()}</sdf>", parts=True).root.child("joint")

@@ -105,6 +105,15 @@ def test_elements_take_descriptions_and_documents():
     assert (light.GetName(), light.Get(bool, "cast_shadows")) == ("light", False)
     assert sdf.readString("<light name='lamp' type='point'><cast_shadows>true</cast_shadows></light>", light)
     assert (light.Get(str, "name"), light.Get(bool, "cast_shadows")) == ("lamp", True)
+    joint = sdf.Element()
+    assert sdf.initFile("joint.sdf", joint)
+    assert sdf.readString(
+        "<sdf version='1.7'><joint name='j' type='prismatic'><parent>world</parent><child>l</child>"
+        "<axis><limit/></axis></joint></sdf>",
+        joint,
+    )
+    limit = joint.GetElement("axis").GetElement("limit")
+    assert (limit.Get(float, "velocity"), limit.Get(float, "stiffness")) == (-1.0, 1e8)  # not 0: SDF's defaults
     whole = sdf.SDF()
     assert sdf.init(whole)
     assert sdf.readString("<sdf version='1.5'><model name='m'><link name='l'/></model></sdf>", whole)

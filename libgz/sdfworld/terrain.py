@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,7 @@ __all__ = ["Cover", "read_cover", "terrain_mesh"]
 
 MOST_PIXELS = 4097 * 4097
 MOST_LAYERS = 16
+MOST_IMAGES = 8  # that are kept, of terrains in use
 FINEST, COARSEST = 1024, 64  # [px] sides of the image of a terrain
 STRIP = 64  # rows of it that are computed at once
 
@@ -111,10 +113,15 @@ class Cover:
 
     def image(self) -> NDArray[np.uint8]:
         """All of the terrain from above, top row at +y, shape (n, n, 3); computed when it is rendered."""
-        return _image_of(self)
+        found = _images.get(self)
+        if found is None:
+            found = self._compute_image()
+            for oldest in list(_images)[: 1 - MOST_IMAGES]:
+                _images.pop(oldest, None)
+            _images[self] = found
+        return found
 
-    def compute_image(self) -> NDArray[np.uint8]:
-        """Compute the image."""
+    def _compute_image(self) -> NDArray[np.uint8]:
         images = [BARE if layer.file is None else _tile(layer.file) for layer in self.layers]
         # As fine as the finest texture, where that is not too fine.
         finest = min(layer.size / image.shape[0] for layer, image in zip(self.layers, images, strict=True))
@@ -142,9 +149,7 @@ class Cover:
         return found
 
 
-@functools.lru_cache(maxsize=8)
-def _image_of(cover: Cover) -> NDArray[np.uint8]:
-    return cover.compute_image()
+_images: weakref.WeakKeyDictionary[Cover, NDArray[np.uint8]] = weakref.WeakKeyDictionary()
 
 
 def read_cover(path: Path, shape: Element, note: Note) -> Cover | None:

@@ -1,8 +1,10 @@
 """Shapes of SDF: meshes of files, height maps, outlines, and how many contacts they make."""
 
+import gc
 import math
 import os
 import struct
+import weakref
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.ode.types import Surface
 from libgz.physics.image_files import open_image
 from libgz.rendering.camera import Camera
+from libgz.sdfworld.terrain import MOST_IMAGES, Cover, _Layer
 
 CUBE = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
 QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -265,6 +268,17 @@ def test_a_shape_with_a_length_of_0_falls_through_the_ground_as_in_gazebo(load, 
     made.step(1000)
     assert made.body("m").GetPosition().z == pytest.approx(0.5 - 4.9, abs=0.01)
     assert "touches nothing" in caplog.text
+
+
+def test_images_of_terrains_are_kept_while_the_terrains_are_and_a_few_at_most():
+    covers = [Cover(np.zeros((2, 2)), (8.0, 8.0), (_Layer(None, 1.0),)) for _ in range(MOST_IMAGES + 2)]
+    images = [weakref.ref(cover.image()) for cover in covers]
+    assert covers[-1].image() is images[-1]()
+    gc.collect()
+    assert sum(image() is not None for image in images) == MOST_IMAGES
+    covers.clear()
+    gc.collect()
+    assert not any(image() is not None for image in images)
 
 
 def terrain(shape):

@@ -43,6 +43,7 @@ typedef struct {
     int64_t degree;        /* joints that may be part of the tree; -1: the body is in the tree */
     int64_t rank;          /* in the order from the root on */
     int64_t met;           /* the last station at the body, -1: none */
+    double applied[MOTIONS]; /* force and torque before the island was described */
     double factor[MOTIONS][MOTIONS]; /* of the inertia of the body and all beyond it, lower triangle */
     double load[MOTIONS];            /* momentum, then solved forward */
     double velocity[MOTIONS], effort[MOTIONS];
@@ -64,7 +65,7 @@ typedef struct {
     double line[2][MOTIONS];
     double aim, softness, low, high;
     int64_t normal; /* the row whose impulse scales the bounds, -1: none */
-    int64_t place;  /* in the dense problem, -1: part of the tree */
+    int64_t place;  /* in the dense problem, unless it is part of the tree */
     double impulse;
 } tree_row;
 
@@ -212,6 +213,34 @@ static void describe(const context *c, tree_body *b)
 
 static int moves(void *body) { return body && !dBodyIsKinematic(body); }
 
+/* A body as a member; NULL if it is not in the tables, as one that a plugin made past the library. */
+static member *member_of(const context *c, void *body)
+{
+    int64_t row = row_of(body);
+    return row >= 0 && row < c->body_count && c->bodies[row] == body ? c->work->members + row : NULL;
+}
+
+/* Where a body is in the island, -1: it does not move, or is not there. */
+static int64_t place_of(const context *c, const island *w, void *body)
+{
+    const member *m = moves(body) ? member_of(c, body) : NULL;
+    return m && m->place >= 0 && m->place < w->body_count && w->bodies[m->place].body == body ? m->place : -1;
+}
+
+/* Take a body into the island; 0 without memory. */
+static int add_body(island *w, void *body, member *m)
+{
+    const double *force = dBodyGetForce(body), *torque = dBodyGetTorque(body);
+    tree_body *b;
+    GROW(bodies, body_capacity, w->body_count + 1);
+    b = w->bodies + w->body_count;
+    b->body = body;
+    memcpy(b->applied, force, 3 * sizeof *force);
+    memcpy(b->applied + 3, torque, 3 * sizeof *torque);
+    m->place = w->body_count++;
+    return 1;
+}
+
 /* The bodies of a joint in ODE's order, in which rows are written: the first one is never the world. */
 static void find_sides(void *joint, void *bodies[2])
 {
@@ -254,7 +283,7 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
     j->first = w->row_count;
     j->side = -1;
     for (side = 0; side < 2; side++)
-        j->body[side] = moves(bodies[side]) ? c->work->members[row_of(bodies[side])].place : -1;
+        j->body[side] = place_of(c, w, bodies[side]);
     for (i = 0; i < found.rows; i++) {
         tree_row *r = w->rows + w->row_count++;
         memset(r, 0, sizeof *r);
@@ -283,28 +312,31 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
 static int collect(const context *c, island *w, int64_t row)
 {
     int64_t at;
-    int i;
+    int i, whole = 1;
     w->body_count = w->joint_count = w->row_count = 0;
-    GROW(bodies, body_capacity, 1);
-    w->bodies[0].body = c->bodies[row];
-    c->work->members[row].place = w->body_count++;
+    if (!add_body(w, c->bodies[row], c->work->members + row))
+        return 0;
     for (at = 0; at < w->body_count; at++) {
         void *body = w->bodies[at].body;
         for (i = 0; i < dBodyGetNumJoints(body); i++) {
             void *joint = dBodyGetJoint(body, i), *bodies[2], *other;
+            member *m;
             if (!dJointIsEnabled(joint))
                 continue;
             find_sides(joint, bodies);
             other = bodies[bodies[0] == body];
-            if (moves(other) && c->work->members[row_of(other)].place < 0) {
-                GROW(bodies, body_capacity, w->body_count + 1);
-                w->bodies[w->body_count].body = other;
-                c->work->members[row_of(other)].place = w->body_count++;
+            m = moves(other) ? member_of(c, other) : NULL;
+            if (m && m->place < 0) {
+                if (!add_body(w, other, m))
+                    return 0;
                 if (!dBodyIsEnabled(other))
                     dBodyEnable(other);
             }
+            whole &= !moves(other) || place_of(c, w, other) >= 0;
         }
     }
+    if (!whole)
+        return 0;
     for (at = 0; at < w->body_count; at++) {
         void *body = w->bodies[at].body;
         for (i = 0; i < dBodyGetNumJoints(body); i++) {
@@ -683,6 +715,26 @@ int begin_trees(context *c)
     return 1;
 }
 
+/* 0 if ODE has to solve the island. */
+static int solve_island(const context *c, island *w, int64_t row)
+{
+    if (!collect(c, w, row) || !w->row_count || !grow_tree(w) || !eliminate(w) || !solve_dense(w))
+        return 0;
+    substitute(w);
+    return is_finite(w) && apply(c, w);
+}
+
+/* Take back what motors at a limit have applied: they do so again when ODE asks for their rows. */
+static void take_back(const island *w)
+{
+    int64_t i;
+    for (i = 0; i < w->body_count; i++) {
+        const double *e = w->bodies[i].applied;
+        dBodySetForce(w->bodies[i].body, e[0], e[1], e[2]);
+        dBodySetTorque(w->bodies[i].body, e[3], e[4], e[5]);
+    }
+}
+
 /* Solve all islands that are awake; those that cannot be solved so are left to ODE. */
 void solve_trees(context *c)
 {
@@ -692,11 +744,8 @@ void solve_trees(context *c)
         void *body = c->bodies[i];
         if (!moves(body) || !dBodyIsEnabled(body) || c->work->members[i].place >= 0)
             continue;
-        if (collect(c, w, i) && w->row_count && grow_tree(w) && eliminate(w) && solve_dense(w)) {
-            substitute(w);
-            if (is_finite(w))
-                apply(c, w);
-        }
+        if (!solve_island(c, w, i))
+            take_back(w);
     }
 }
 

@@ -4,10 +4,14 @@ import os
 
 import numpy as np
 import pytest
+from engine_parts import box, solid
 from random_islands import island
 
 import libgz
 from libgz.base.files import installed_worlds
+from libgz.ode.lib import ode
+from libgz.ode.types import dParamFMax, dParamHiStop, dParamLoStop, dParamVel
+from libgz.physics.engine import Engine
 
 TRIALS = int(os.environ.get("TRIAL_ISLANDS", "10000"))
 
@@ -111,3 +115,48 @@ def test_motors_and_efforts_wake_what_sleeps():
     engine.step()
     assert all(body.IsEnabled() for body in bodies)
     engine.close()
+
+
+def hang_unknown(engine, body):
+    """A body that is in no table."""
+    other = ode().dBodyCreate(engine.world)
+    ode().dBodySetData(other, 1 << 40)
+    hold = ode().dJointCreateFixed(engine.world, None)
+    ode().dJointAttach(hold, other, body.id)
+    ode().dJointSetFixed(hold)
+
+
+def hang_often(engine, body):
+    """Loops of more rows than the tree solver takes."""
+    other = solid(engine, box(0.2, 0.2, 0.2))
+    for _ in range(180):
+        hold = libgz.FixedJoint(engine)
+        hold.Attach(other, body)
+        hold.SetFixed()
+
+
+def turned_by_a_motor_at_its_stop(solver, hang):
+    """The states of an arm that drives away from its stop, with something on it."""
+    engine = Engine(solver=solver)
+    engine.gravity = 0, 0, 0
+    body = solid(engine, box(0.2, 0.2, 0.2))
+    joint = libgz.HingeJoint(engine)
+    joint.Attach(body, None)
+    joint.SetAxis((0, 0, 1))
+    for parameter, value in ((dParamLoStop, 0.0), (dParamHiStop, 1.0)):
+        joint.SetParam(parameter, value)
+    engine.step()
+    hang(engine, body)
+    joint.SetParam(dParamVel, 1.0)
+    joint.SetParam(dParamFMax, 0.5)
+    engine.step()
+    found = engine.states.copy()
+    engine.close()
+    return found
+
+
+@pytest.mark.parametrize("hang", [hang_unknown, hang_often])
+def test_what_cannot_be_solved_is_left_to_the_exact_solver_as_it_was(hang):
+    exact = turned_by_a_motor_at_its_stop("world", hang)
+    assert exact[0, 15] > 0.0
+    assert np.array_equal(turned_by_a_motor_at_its_stop("tree", hang), exact)

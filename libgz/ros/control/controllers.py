@@ -12,7 +12,7 @@ from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware
 from libgz.ros.control.pid import RosPid, number_of
 from libgz.ros.control.trajectory import Trajectory
 from libgz.ros.plugin import Ticks
-from libgz.ros.session import Session, finite, set_stamp
+from libgz.ros.session import Service, Session, Subscription, finite, set_stamp
 
 __all__ = ["CONTROLLERS", "Controller"]
 
@@ -37,6 +37,7 @@ class Controller:
     """
 
     joints: Sequence[SimJoint] = ()
+    listening: Sequence[Subscription | Service | ActionServer | ActionServer2] = ()
 
     def __init__(
         self,
@@ -62,6 +63,11 @@ class Controller:
 
     def stopping(self) -> None:
         """It stops."""
+
+    def end(self) -> None:
+        """Subscribe and serve no longer: it is unloaded."""
+        for one in self.listening:
+            one.end()
 
     def find(self, names: Any) -> list[SimJoint]:
         """The joints of some names.
@@ -145,7 +151,8 @@ class Commands(Controller):
             self._pids = [self.pid("pid")]
         kind = "std_msgs/Float64MultiArray" if self.group else "std_msgs/Float64"
         self._wanted: list[float] | None = None
-        self._commands = self.session.subscribe(f"{self.name}/{COMMANDS[self.session.version]}", kind, self._on_command)
+        topic = f"{self.name}/{COMMANDS[self.session.version]}"
+        self.listening = [self.session.subscribe(topic, kind, self._on_command)]
         self._states = None
         if self.target and not self.group:
             self._states = self.session.publish(f"{self.name}/state", "control_msgs/JointControllerState", 1)
@@ -274,11 +281,6 @@ class JointTrajectories(Follower):
         """Subscribe and serve."""
         kind = "control_msgs/JointTrajectoryControllerState"
         self._states = self.session.publish(f"{self.name}/state", kind, 1)
-        kind = "trajectory_msgs/JointTrajectory"
-        self._commands = self.session.subscribe(f"{self.name}/command", kind, self._on_command)
-        self._service = self.session.serve(
-            f"{self.name}/query_state", "control_msgs/QueryTrajectoryState", self._on_query
-        )
         self._action: ActionServer | ActionServer2 = ActionServer(
             self.session,
             f"{self.name}/follow_joint_trajectory",
@@ -287,6 +289,14 @@ class JointTrajectories(Follower):
             self._on_goal,
             self._on_cancel,
         )
+        self._service = self.session.serve(
+            f"{self.name}/query_state", "control_msgs/QueryTrajectoryState", self._on_query
+        )
+        self.listening = [
+            self.session.subscribe(f"{self.name}/command", "trajectory_msgs/JointTrajectory", self._on_command),
+            self._service,
+            self._action,
+        ]
 
     def starting(self) -> None:
         """Hold the present positions."""
@@ -448,6 +458,7 @@ class Gripper(Follower):
         self._action: ActionServer | ActionServer2 = ActionServer(
             self.session, f"{self.name}/gripper_cmd", kind, self.now, self._on_goal, self._on_cancel
         )
+        self.listening = [self._action]
 
     _goal: Goal | None
 

@@ -125,6 +125,7 @@ class ControllerManager:
             why = "it runs" if controller is not None else "no controller with this name exists"
             log.error("Could not unload controller with name '%s': %s", name, why)
             return {"ok": False}
+        controller.end()
         del self.controllers[name], self._kinds[name]
         return {"ok": True}
 
@@ -135,6 +136,8 @@ class ControllerManager:
             )
             return {"ok": False}
         self._stop([name for name, one in self.controllers.items() if one.state == "running"])
+        for controller in self.controllers.values():
+            controller.end()
         self.controllers.clear()
         return {"ok": True}
 

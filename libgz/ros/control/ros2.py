@@ -169,8 +169,6 @@ class JointTrajectories2(JointTrajectories):
         """Subscribe and serve."""
         session, name = self.session, self.name
         self._states = session.publish(f"{name}/controller_state", "control_msgs/JointTrajectoryControllerState", 10)
-        kind = "trajectory_msgs/JointTrajectory"
-        self._commands = session.subscribe(f"{name}/joint_trajectory", kind, self._on_command)
         self._action = ActionServer2(
             session,
             f"{name}/follow_joint_trajectory",
@@ -179,6 +177,10 @@ class JointTrajectories2(JointTrajectories):
             self._on_goal,
             self._on_cancel,
         )
+        self.listening = [
+            session.subscribe(f"{name}/joint_trajectory", "trajectory_msgs/JointTrajectory", self._on_command),
+            self._action,
+        ]
 
 
 def _interface(controller: Controller, name: Any) -> str:

@@ -86,7 +86,8 @@ class AckermannDrive(ModelPlugin):
                 f"{sdf.where}: wheels have radius {self.radius:g} m, axles a distance of {self.base:g} m"
             )
         self.most = sdf.Get(float, "maxSteer", 0.6)[0], sdf.Get(float, "maxSpeed", 20.0)[0]
-        self.ratio = sdf.Get(float, "maxSteeringAngle", 7.85)[0] / self.most[0]
+        turn = sdf.Get(float, "maxSteeringAngle", 7.85)[0]
+        self.ratio = turn / self.most[0] if self.most[0] else 0.0  # 0: a car that does not steer
         names_of_pids = ("leftSteering", "rightSteering", "linearVelocity")
         self.pids = [self._pid(sdf, name) for name in names_of_pids]
 

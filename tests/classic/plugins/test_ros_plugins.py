@@ -131,12 +131,27 @@ def car(inside):
     return f"<model name='car'>{base}{steered}{rear}{inside}</model>"
 
 
-def test_an_ackermann_car_drives_in_the_circle_of_its_wheels(run):
+def ackermann_car(most):
+    """A car with an Ackermann drive, whose wheels turn by so much [rad] at most."""
     joints = {f"{end}_{side}_joint": f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right")}
     joints |= {f"{side}_steering_joint": f"{side}_steer" for side in ("left", "right")}
     gains = {f"{side}_steering_pid_gain": "20 0 2" for side in ("left", "right")}
-    gains |= {"linear_velocity_pid_gain": "2 0 0", "max_steer": 0.5}
-    core, world = run(GROUND, car(plugin("gazebo_ros_ackermann_drive", **joints, **gains)))
+    gains |= {"linear_velocity_pid_gain": "2 0 0", "max_steer": most}
+    return car(plugin("gazebo_ros_ackermann_drive", **joints, **gains))
+
+
+def test_an_ackermann_car_that_must_not_steer_drives_straight_on(run):
+    core, world = run(GROUND, ackermann_car(0))
+    kept = command("~/car/cmd_vel", 0.5, 0.3)
+    core.run(0.5)
+    pose = world.ModelByName("car").WorldPose()
+    assert pose.Pos().X() > 0.1
+    assert pose.Pos().Y() == pytest.approx(0.0, abs=1e-3)
+    assert kept
+
+
+def test_an_ackermann_car_drives_in_the_circle_of_its_wheels(run):
+    core, world = run(GROUND, ackermann_car(0.5))
     core.run(0.2)
     kept = command("~/car/cmd_vel", 0.5, 0.3)
     core.run(2.0)

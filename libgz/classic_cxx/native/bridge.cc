@@ -10,7 +10,6 @@
 namespace libgz {
 using namespace gazebo;
 
-
 // Python's end: objects at file scope and threads may outlive it.
 static bool alive()
 {
@@ -24,6 +23,7 @@ static bool alive()
 // What runs --------------------------------------------------------------------------------------------------------
 
 static libgz_frame **(*frames)() = nullptr;  // of libgz's message after a crash
+extern thread_local const void *locked;      // hot.cc
 
 /* A plugin as far as its calls and callbacks need it: they keep its shared object in memory. */
 struct Context
@@ -46,12 +46,13 @@ struct Context
 };
 using Plugin = std::shared_ptr<const Context>;
 
-/* Marks what runs of which plugin. */
+/* Marks what runs of which plugin; which world its thread holds is asked anew. */
 class Frame
 {
  public:
   Frame(const char *method, Plugin plugin)
   {
+    locked = nullptr;
     this->before = current();
     current() = plugin;
     this->plugin = std::move(plugin);
@@ -63,6 +64,7 @@ class Frame
   }
   ~Frame()
   {
+    locked = nullptr;
     current() = this->before;
     if (frames != nullptr)
       *frames() = this->frame.below;
@@ -85,7 +87,6 @@ using Slots = std::unordered_map<const char *, std::pair<const std::type_info *,
 Object::Object(Adopt adopted) : view(adopted.view) {}
 void attach_row(Object *object);  // hot.cc
 void drop_row(void *row);
-extern thread_local const void *locked;
 common::UpdateInfo info_at(const void *clock, const std::string &world);
 
 Object::Object(const Object &other) : view(other.view)
@@ -685,7 +686,6 @@ PyObject *invoke(PyObject *self, PyObject *const *args, Py_ssize_t)
 {
   auto *callback = static_cast<Callback *>(PyCapsule_GetPointer(self, nullptr));
   Frame frame(callback->what, callback->plugin);
-  locked = nullptr;
   try
   {
     return callback->function(args);

@@ -16,7 +16,7 @@ struct Row : RowRecord
 enum { POSITION = 0, ROTATION = 3, CENTRE = 7, VELOCITY = 10, RATE = 13, BODY = 16, JOINT = 4 };  // columns
 
 static Functions ode;
-thread_local const void *locked = nullptr;  // the tables whose world this thread holds, within one callback
+thread_local const void *locked = nullptr;  // the tables whose world this thread holds, within one Frame
 
 void attach_row(Object *object)
 {

@@ -12,7 +12,7 @@ from libgz.classic.physics.link import Link
 from libgz.ros.packages import with_paths
 from libgz.ros.plugin import set_pose, set_twist
 from libgz.ros.services import INERTIAL, RefusedError, Services, pose_of, vector
-from libgz.ros.session import Later, Session, Subscription, set_stamp
+from libgz.ros.session import Later, Session, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
@@ -63,14 +63,13 @@ class WorldApi(Services):
     def __init__(self, session: Session, world: World) -> None:
         self._world = world
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
-        self._topics: list[Subscription] = []
         super().__init__(session, world.core, self.services)
 
     def serve(self) -> None:
         """Serve, and subscribe."""
         super().serve()
         subscribe = self.session.subscribe
-        self._topics = [
+        self._kept += [
             subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10),
             subscribe("~set_link_state", "gazebo_msgs/LinkState", self._on_link_state, 10),
         ]

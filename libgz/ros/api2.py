@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
 from libgz.classic.physics.base import Entity
 from libgz.ros.api import DELETE_PATIENCE, SPAWN_PATIENCE, WorldApi, fill_state
 from libgz.ros.packages import with_paths
-from libgz.ros.services import RefusedError, Services, pose_of, vector
-from libgz.ros.session import Later, Service, Session, set_stamp
+from libgz.ros.services import RefusedError, pose_of, vector
+from libgz.ros.session import Later, Session, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import World
     from libgz.ros.bridged import NodeSettings
 
-__all__ = ["SERVICES2", "STATES", "StateApi", "WorldApi2", "serve_free"]
+__all__ = ["SERVICES2", "STATES", "StateApi", "WorldApi2"]
 
 STATES = {"get_entity_state": "gazebo_msgs/GetEntityState", "set_entity_state": "gazebo_msgs/SetEntityState"}
 
@@ -53,7 +52,7 @@ class WorldApi2(WorldApi):
 
     def serve(self) -> None:
         """Serve; what a plugin of the world serves under the same name is left to it."""
-        serve_free(self, self._services, self.services, "")
+        self.serve_free()
 
     # Entities ----------------------------------------------------------------------------------------------------
 
@@ -211,12 +210,4 @@ class StateApi(WorldApi2):
 
     def serve(self) -> None:
         """Serve, from the plugin's node."""
-        serve_free(self, self._services, self.services, self._space, settings=self._settings)
-
-
-def serve_free(api: Services, kept: list[Service], table: Mapping[str, str], space: str, **more: Any) -> None:
-    """Serve the services of a table in a namespace, but those that this process serves already."""
-    node: Any = api.session.node
-    for name, kind in table.items():
-        if not node.served(api.session.resolve(name, space)):
-            kept.append(api.session.serve(name, kind, api.handler(name), space, **more))
+        self.serve_free(self._space, settings=self._settings)

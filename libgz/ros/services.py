@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import GazeboError
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
-from libgz.ros.session import Later, Service, Session, finite
+from libgz.ros.session import Later, Service, Session, Subscription, finite
 from libgz.ros.types import Message, service_type
 from libgz.transport.tally import Tally
 
@@ -60,13 +60,26 @@ class Services:
         self.session, self.core = session, core
         self.jobs: list[_Job] = []
         self._table, self._refusals = table, Tally(100)
-        self._services: list[Service] = []
+        self._kept: list[Service | Subscription] = []
         self.serve()
 
     def serve(self) -> None:
         """Serve all."""
         for name, kind in self._table.items():
-            self._services.append(self.session.serve(f"~{name}", kind, self.handler(name)))
+            self._kept.append(self.session.serve(f"~{name}", kind, self.handler(name)))
+
+    def serve_free(self, space: str = "", **more: Any) -> None:
+        """Serve all in a namespace of ROS 2, but those that this process serves already."""
+        node: Any = self.session.node
+        for name, kind in self._table.items():
+            if not node.served(self.session.resolve(name, space)):
+                self._kept.append(self.session.serve(name, kind, self.handler(name), space, **more))
+
+    def end(self) -> None:
+        """Serve and subscribe no longer: the world ends."""
+        self.jobs.clear()
+        for one in self._kept:
+            one.end()
 
     def handler(self, name: str) -> Callable[[Any], Message | Later]:
         """What answers a service; a refusal is a response, too."""

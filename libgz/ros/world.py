@@ -121,6 +121,9 @@ class RosWorld(Stateless):
         """The world ends: so do its topics and services."""
         if self._core.lock.interrupt in self._session.interrupts:
             self._session.interrupts.remove(self._core.lock.interrupt)
+        if self._services is not None:
+            self._services.end()
+        self._devices.end()
         self._states, self._services = [], None
 
 

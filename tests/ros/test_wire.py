@@ -8,6 +8,7 @@ import struct
 import threading
 import time
 import xmlrpc.client
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -380,3 +381,11 @@ def test_what_has_just_ended_is_unregistered_before_the_node_is(master):
         wait_for(lambda: all(master.publishers.get(topic.topic) for topic in topics))
         topics.clear()
     assert not any(master.publishers.values())
+
+
+def test_what_a_world_serves_ends_with_it(master, start):
+    core, _ = start((Path(__file__).parent / "legacy.world").read_text())
+    wait_for(lambda: "/robot/cmd_vel" in master.subscribers and "/gazebo/pause_physics" in master.services, core.Step)
+    core.close()
+    wait_for(lambda: "/gazebo/pause_physics" not in master.services)
+    wait_for(lambda: not any(master.subscribers.values()))

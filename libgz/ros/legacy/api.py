@@ -19,7 +19,7 @@ from libgz.base.geometry import (
 )
 from libgz.physics.joint import AxisJoint, SliderJoint
 from libgz.ros.services import INERTIAL, RefusedError, Services
-from libgz.ros.session import Session, Subscription, set_stamp
+from libgz.ros.session import Session, set_stamp
 from libgz.ros.states import Listed
 
 if TYPE_CHECKING:
@@ -72,14 +72,13 @@ class LegacyApi(Services):
 
     def __init__(self, session: Session, core: World) -> None:
         self._asked: dict[str, int] = {}
-        self._topics: list[Subscription] = []
         super().__init__(session, core, self.services)
 
     def serve(self) -> None:
         """Serve, and subscribe."""
         super().serve()
         subscribe = self.session.subscribe
-        self._topics.append(subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10))
+        self._kept.append(subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10))
 
     def _on_model_state(self, state: Any) -> None:
         self.set_by_topic("set_model_state", state)

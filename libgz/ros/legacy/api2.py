@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from libgz.base.errors import NotFoundError
-from libgz.ros.api2 import serve_free
 from libgz.ros.legacy.api import LegacyApi, fill_state
 from libgz.ros.services import RefusedError
 from libgz.ros.session import set_stamp
@@ -36,7 +35,7 @@ class LegacyApi2(LegacyApi):
 
     def serve(self) -> None:
         """Serve."""
-        serve_free(self, self._services, self.services, "")
+        self.serve_free()
 
     def _delete_entity(self, request: Any, answer: Any) -> None:
         self._delete_model(_Named(request.name), answer)

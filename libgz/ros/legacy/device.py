@@ -152,6 +152,12 @@ class Devices:
             if stamp is not None and self._session.transforms.listened:
                 self._send_frames(device, stamp)
 
+    def end(self) -> None:
+        """Serve them no longer: the world ends."""
+        for device in self._devices.values():
+            device.end()
+        self._devices.clear()
+
     def _refresh(self) -> None:
         models = {model.GetIntId(): model for model in self._core.entities}
         present = [

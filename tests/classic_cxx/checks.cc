@@ -409,6 +409,9 @@ class Checks : public ModelPlugin
     }
     if (this->check == "joints")
       this->Joints();
+    if (this->check == "instances")
+      for (int i = 0; i < 1000; ++i)
+        common::SystemPaths::Instance();
     if (this->check != "step")
       return;
     physics::LinkPtr link = this->model->GetLink("arm");

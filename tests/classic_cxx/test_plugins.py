@@ -64,6 +64,16 @@ def test_lines_of_a_visual(place, said, caplog):
         assert not problems(caplog)
 
 
+def test_calls_of_classes_leave_no_memory_behind(place):
+    with world_of("instances") as world:
+        world.step(5)
+        gc.collect()
+        before = sys.getallocatedblocks()
+        world.step(5)
+        gc.collect()
+        assert sys.getallocatedblocks() - before < 1000  # of 5000 calls
+
+
 PYTHON = """
 from libgz.classic import *
 class Twin(ModelPlugin):

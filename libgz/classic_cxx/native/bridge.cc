@@ -361,7 +361,10 @@ Call::Call(const Object *object, const char *name) : self(object), name(name)
 Call::Call(const char *space, const char *owner, const char *name) : self(nullptr), name(name)
 {
   if (owner == nullptr)
+  {
     this->function = attribute(space, name);
+    Py_INCREF(this->function);
+  }
   else
   {
     const std::string module = std::string("libgz.classic.") + space;
@@ -375,6 +378,7 @@ Call::~Call()
   for (int i = 0; i < this->count; ++i)
     Py_XDECREF(this->arguments[i]);
   Py_XDECREF(this->returned);
+  Py_XDECREF(this->function);
 }
 void Call::run()
 {

@@ -670,7 +670,7 @@ class Call
   Gil gil;
   const Object *self;
   const char *name;
-  PyObject *function = nullptr;
+  PyObject *function = nullptr;  // of a class or module
   PyObject *arguments[12] = {};
   int count = 1;
   PyObject *returned = nullptr;

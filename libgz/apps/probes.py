@@ -18,6 +18,7 @@ MOST_LISTED, MOST_READ, MOST_OF_TOPIC = 2000, 200, 40  # numbers of an answer; t
 MOST_TOPICS = 32  # that are listened to
 DEEPEST = 5  # messages in messages
 MOST_REPEATED = 3  # of a repeated field, that are listed
+LONGEST_INDEX = 9  # digits
 UNUSED = 5.0  # [s] of real time after which a topic that nobody asks for is not listened to
 
 
@@ -150,17 +151,19 @@ class Probes:
         value = heard.message
         for part in path.split("."):
             word, _, place = part.partition("[")
-            if value is None or word not in _fields_of(value):
+            field = _fields_of(value).get(word)
+            if field is None:
                 return None
             value = getattr(value, word)
             if place:
-                index = int(place[:-1]) if place[:-1].isdecimal() else -1
+                number = place[:-1]
+                index = int(number) if field.is_repeated and number.isdecimal() and len(number) < LONGEST_INDEX else -1
                 value = value[index] if 0 <= index < len(value) else None
         return _number(value)
 
 
 def _fields_of(message: Any) -> Any:
-    return getattr(getattr(message, "DESCRIPTOR", None), "fields_by_name", ())
+    return getattr(getattr(message, "DESCRIPTOR", None), "fields_by_name", {})
 
 
 def _numbers_of(descriptor: Any, depth: int = DEEPEST) -> Iterator[str]:

@@ -265,7 +265,9 @@ def test_numbers_of_topics_and_plugins_are_read(tmp_path):
         assert answer["time"] > 0.0
         secret = json.dumps(["plugin", "", "the clock", "_hidden"])
         message = json.dumps(["topic", "/gazebo/w/world_stats", "sim_time"])
-        odd = [secret, message, "[", "[" * 100000, 7, '["topic", "/none", "x"]', "[]"]
+        fields = ("iterations[0]", f"sim_time[{'9' * 5000}]", "sim_time.sec.x")
+        beside = [json.dumps(["topic", "/gazebo/w/world_stats", field]) for field in fields]
+        odd = [secret, message, "[", "[" * 100000, 7, '["topic", "/none", "x"]', "[]", *beside]
         assert ask("values", names=odd)["values"] == {}
 
 

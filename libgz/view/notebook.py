@@ -101,7 +101,9 @@ class NotebookWidget(anywidget.AnyWidget):  # type: ignore[misc,unused-ignore]
         if not isinstance(name, str) or len(name) > 100:
             return
         view = self._views.get(name)
-        if content.get("open") is True and view is None and len(self._views) < MOST_VIEWS:
+        if content.get("open") is True and view is None:
+            if len(self._views) >= MOST_VIEWS:  # the oldest: a notebook that is loaded again closes none
+                self._close(next(iter(self._views)))
 
             def send(message: dict[str, Any], data: bytes | None) -> None:
                 self.send({"view": name, **message}, buffers=[data] if data is not None else None)
@@ -112,11 +114,13 @@ class NotebookWidget(anywidget.AnyWidget):  # type: ignore[misc,unused-ignore]
         elif view is None:
             return
         elif content.get("close") is True:
-            del self._views[name]
-            self._viewer.leave(view)
+            self._close(name)
         elif content.get("shown") is True:
             view.shown()
         elif isinstance(content.get("text"), str) and len(content["text"]) <= LARGEST_MESSAGE:
             message = read_message(content["text"])
             if message is not None:
                 self._viewer.hear(view, message)
+
+    def _close(self, name: str) -> None:
+        self._viewer.leave(self._views.pop(name))

@@ -59,6 +59,15 @@ def test_a_notebook_shows_a_widget_and_a_frame_where_there_is_none(view):
     assert view._repr_mimebundle_() == bundle
 
 
+def test_a_notebook_that_is_loaded_again_and_again_shows_the_world(view, monkeypatch):
+    kernel = Kernel(view, monkeypatch)
+    for number in range(20):
+        kernel.hear(view=str(number), open=True)
+    page, _ = kernel.until(lambda message, _: message["view"] == "19" and "page" in message)
+    assert 'id="port"' in page["page"]
+    wait_for(lambda: view.viewer.pages == 16, "the oldest are closed")
+
+
 def test_scene_states_and_answers_come_over_the_channel(view, monkeypatch):
     kernel = Kernel(view, monkeypatch)
     kernel.hear(view="a", open=True)

@@ -96,6 +96,19 @@ def wait_for(condition, also=lambda: None):
     return value
 
 
+def within(lock, act):
+    """Act in a thread that holds a lock; whether it comes to an end."""
+
+    def run():
+        with lock:
+            act()
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(PATIENCE)
+    return not thread.is_alive()
+
+
 def encode(fields):
     parts = [f"{key}={value}".encode() for key, value in fields.items()]
     body = b"".join(struct.pack("<I", len(part)) + part for part in parts)

@@ -103,7 +103,8 @@ class BridgedNode:
         self.process: subprocess.Popen[bytes] | None = None
         self._channels: dict[int, Channel] = {}
         self._last = 0
-        self._declaring = threading.Lock()  # so that each channel is declared once to each bridge
+        # So that each channel is declared once to each bridge; reentrant, because Python may collect a channel within.
+        self._declaring = threading.RLock()
         self._lacking: set[str] = set()
         self._link: _Link | None = None
         self._ended = False
@@ -204,9 +205,10 @@ class BridgedNode:
         about = _parsed(body)
         self.about = {str(key): str(value) for key, value in about.items()} if isinstance(about, dict) else {}
         with self._declaring:
-            for channel in self._channels.values():
-                self._declare(channel)
             self._greeted.set()
+            for channel in list(self._channels.values()):
+                if channel.number in self._channels:
+                    self._declare(channel)
 
     def lost(self) -> None:
         """The bridge is gone."""

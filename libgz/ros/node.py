@@ -120,7 +120,7 @@ class Node:
         self._publishers: dict[str, Publisher] = {}
         self._subscribers: dict[str, Subscriber] = {}
         self._services: dict[str, ServiceServer] = {}
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # reentrant, because Python may collect a publication within
         self._tasks: queue.SimpleQueue[Callable[[], object] | None] = queue.SimpleQueue()
         self._known = self._ended = False
         self._complained = False

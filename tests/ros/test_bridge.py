@@ -13,7 +13,7 @@ from unittest.mock import MagicMock
 
 import pytest
 from ros_bridge import ANSWER, DECLARE, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
-from ros_peers import read_exactly, wait_for
+from ros_peers import read_exactly, wait_for, within
 from ros_types import JAZZY
 
 from libgz import World
@@ -162,6 +162,14 @@ def test_a_bridge_that_ends_is_started_again(start, graph, caplog):
     wait_for(lambda: graph.links == 2 and "/clock" in graph.declared, server.core.Step)
     server.topic("/clock")
     assert "the bridge has ended" in caplog.text
+
+
+def test_a_channel_that_is_collected_within_a_lock_ends(start, graph):
+    server = start()
+    number = graph.number("/pause_physics")
+    channel = channel_of(server, "/pause_physics")
+    assert within(server.ros.node._declaring, lambda: server.ros.node.withdraw(channel))
+    wait_for(lambda: all(one["number"] != number for one in graph.declared.values()))
 
 
 def test_a_new_bridge_gets_no_answers_to_requests_of_the_last_one(start, graph):

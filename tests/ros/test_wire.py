@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from descriptors import none_left
-from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for
+from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for, within
 
 from libgz.ros import loop as loop_module, xmlrpc as xmlrpc_module
 from libgz.ros.names import read_names
@@ -389,3 +389,9 @@ def test_what_a_world_serves_ends_with_it(master, start):
     core.close()
     wait_for(lambda: "/gazebo/pause_physics" not in master.services)
     wait_for(lambda: not any(master.subscribers.values()))
+
+
+def test_a_topic_that_is_collected_within_a_lock_ends(start):
+    _, ros = start()
+    publisher = ros.node.advertise("/a", message_type("std_msgs/Float64"))
+    assert within(ros.node._lock, lambda: ros.node.withdraw(publisher))

@@ -186,7 +186,11 @@ class BridgedNode:
                 time.sleep(0.02)
             if not self._ended:
                 self._open()
-                pause = FIRST_PAUSE if self._wait() else min(2.0 * pause, LONGEST_PAUSE)
+                if self._wait():
+                    pause = FIRST_PAUSE
+                else:
+                    pause = min(2.0 * pause, LONGEST_PAUSE)
+                    self._broken.set()  # one that says nothing is ended, too
 
     def _end_process(self) -> None:
         process = self.process

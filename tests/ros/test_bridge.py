@@ -164,6 +164,16 @@ def test_a_bridge_that_ends_is_started_again(start, graph, caplog):
     assert "the bridge has ended" in caplog.text
 
 
+def test_a_bridge_that_says_nothing_is_started_again(start, graph, monkeypatch):
+    server = start()
+    monkeypatch.setattr(bridged, "START_PATIENCE", 1.0)
+    graph.silent = True
+    server.ros.node.process.kill()
+    wait_for(lambda: graph.links == 2)
+    graph.silent = False
+    wait_for(lambda: graph.links >= 3 and "/clock" in graph.declared)
+
+
 def test_a_channel_that_is_collected_within_a_lock_ends(start, graph):
     server = start()
     number = graph.number("/pause_physics")

@@ -12,7 +12,7 @@ from libgz.ros.bridged import NodeSettings
 if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
-__all__ = ["OwnNode"]
+__all__ = ["OwnNode", "remappings"]
 
 log = logging.getLogger("libgz.ros")
 
@@ -40,7 +40,7 @@ class OwnNode:
 
     def __init__(self, sdf: Element, space: str) -> None:
         name, rules = sdf.Get(str, "name"), []
-        for before, after in _remappings(sdf):
+        for before, after in remappings(sdf):
             if before == "__ns":
                 space = after
             elif before in ("__node", "__name"):
@@ -70,8 +70,8 @@ def _path(name: str) -> str:
     return "/" + "/".join(parts)
 
 
-def _remappings(sdf: Element) -> Iterator[tuple[str, str]]:
-    """The `<remapping>` and `<argument>` elements of `<ros>`."""
+def remappings(sdf: Element) -> Iterator[tuple[str, str]]:
+    """(name, its new name) of the `<remapping>` and `<argument>` elements of `<ros>`."""
     for ros in sdf.named("ros"):
         for one in (*ros.named("remapping"), *ros.named("argument")):
             before, colon, after = one.Get(str).strip().partition(":=")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 from libgz.base.errors import ParameterError
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.own_node import OwnNode
+from libgz.ros.own_node import OwnNode, remappings
 from libgz.ros.session import Publication, Service, Session, Subscription, session
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class RosPlugin:
         """
         self.ros = session()
         self.two = self.ros.version == 2
-        self._remapped = _remappings(sdf)
+        self._remapped = {old.removeprefix("~/"): new.removeprefix("~/") for old, new in remappings(sdf)}
         plugin, sdf = sdf, ros_elements(sdf)
         self.given = SimpleNamespace(**{one.name: _value(sdf, one, self.ros.version) for one in self.parameters})
         if self.two:
@@ -187,17 +187,6 @@ class RosPlugin:
 
     def _space(self, within: str) -> str:
         return f"{self.space}/{within}" if within else self.space
-
-
-def _remappings(sdf: Element) -> dict[str, str]:
-    """The `<remapping>` and `<argument>` elements of `<ros>`."""
-    found = {}
-    for ros in sdf.named("ros"):
-        for one in (*ros.named("remapping"), *ros.named("argument")):
-            before, colon, after = one.Get(str).strip().partition(":=")
-            if colon:
-                found[before.removeprefix("~/")] = after.strip().removeprefix("~/")
-    return found
 
 
 def _value(sdf: Element, parameter: Parameter, version: int) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from libgz.base.errors import NotFoundError
@@ -38,7 +39,7 @@ class LegacyApi2(LegacyApi):
         self.serve_free()
 
     def _delete_entity(self, request: Any, answer: Any) -> None:
-        self._delete_model(_Named(request.name), answer)
+        self._delete_model(SimpleNamespace(model_name=request.name), answer)  # as in ROS 1
         answer.status_message = f"Successfully deleted entity [{request.name}]"
 
     def _get_model_list(self, _request: Any, answer: Any) -> None:
@@ -73,10 +74,3 @@ class LegacyApi2(LegacyApi):
 
     def _clear_link_wrenches(self, request: Any, _answer: Any) -> None:
         self.clear(request.link_name)
-
-
-class _Named:
-    """A request that names a model as in ROS 1."""
-
-    def __init__(self, name: str) -> None:
-        self.model_name = name

@@ -7,7 +7,7 @@ import logging
 import weakref
 from collections.abc import Set
 from dataclasses import dataclass
-from types import CodeType
+from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, pass_interrupt
@@ -375,8 +375,9 @@ class Model(Entity):
 
 
 def _names_in_plans(kind: type) -> frozenset[str]:
-    """The names of the attributes that the plans of a class mention."""
-    plans = [vars(base)["plan_update"] for base in kind.__mro__ if "plan_update" in vars(base)]
+    """The names of the attributes that the plans of a class mention: its methods `plan_...` and `_plan_...`."""
+    methods = (item for base in kind.__mro__ for item in vars(base).items())
+    plans = [plan for name, plan in methods if name.lstrip("_").startswith("plan_") and isinstance(plan, FunctionType)]
     return frozenset(name for plan in plans for name in _names_in(plan.__code__))
 
 

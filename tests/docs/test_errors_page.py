@@ -29,6 +29,8 @@ def messages():
         for path in sorted((ROOT / folder).rglob("*.py")):
             strings = (n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.JoinedStr | ast.Constant))
             found |= {text for text in map(text_of, strings) if len(text) > 10}
+    for path in sorted((ROOT / "libgz/cxx").glob("*.c")):  # what is written when a plugin crashes
+        found |= set(re.findall(r'"([^"\n]{11,})"', path.read_text()))
     return found
 
 

@@ -198,7 +198,11 @@ ARGUMENTS: dict[type, dict[str, tuple]] = {
     physics.PhysicsEngine: {"CreateJoint": ("revolute",), "CreateShape": ("ray",), "GetParam": ("iters",)},
     physics.Wind: {"GetParam": ("linear_velocity",), "Param": ("linear_velocity",)},
     physics.Atmosphere: {"GetParam": ("temperature",), "Param": ("temperature",)},
-    physics.PresetManager: {"CreateProfile": ("made",), "ProfileParam": ("default_physics", "iters")},
+    physics.PresetManager: {
+        "CreateProfile": ("made",),
+        "ProfileParam": ("default_physics", "iters"),
+        "GetProfileParam": ("default_physics", "iters"),
+    },
     physics.ContactManager: {"CreateFilter": ("made", "robot::base::box"), "HasFilter": ("made",)},
     rendering.Scene: {
         "CreateDepthCamera": ("deep",),

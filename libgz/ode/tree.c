@@ -29,7 +29,7 @@ typedef void write_rows(void *joint, double rate, double erp, int row_skip, doub
 static count_rows *counters[JOINT_KINDS];
 static write_rows *writers[JOINT_KINDS];
 
-/* Take the addresses of the functions with which ODE's joints count and write their rows, by type; NULL: no such type. */
+/* Take the addresses of the functions with which ODE's joints count and write their rows, by type; NULL: it exports none. */
 void gz_tree_bind(void *const *counting, void *const *writing)
 {
     memcpy(counters, counting, sizeof counters);
@@ -259,7 +259,7 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
     int normal[MOST_ROWS], type = dJointGetType(joint), i, k, side;
     row_count found = {0, 0};
     tree_joint *j;
-    if (type < 0 || type >= JOINT_KINDS || !counters[type])
+    if (type < 0 || type >= JOINT_KINDS || !counters[type] || !writers[type])
         return 0;
     counters[type](joint, &found);
     if (found.rows <= 0)

@@ -1,5 +1,6 @@
 """The tree solver finds the velocities and forces that ODE's exact solver finds."""
 
+import ctypes
 import os
 
 import numpy as np
@@ -9,7 +10,9 @@ from random_islands import island
 
 import libgz
 from libgz.base.files import installed_worlds
+from libgz.ode import step
 from libgz.ode.lib import ode
+from libgz.ode.step import library_path
 from libgz.ode.types import dParamFMax, dParamHiStop, dParamLoStop, dParamVel
 from libgz.physics.engine import Engine
 
@@ -160,3 +163,22 @@ def test_what_cannot_be_solved_is_left_to_the_exact_solver_as_it_was(hang):
     exact = turned_by_a_motor_at_its_stop("world", hang)
     assert exact[0, 15] > 0.0
     assert np.array_equal(turned_by_a_motor_at_its_stop("tree", hang), exact)
+
+
+def test_joints_that_export_only_how_they_count_rows_are_left_to_the_exact_solver(monkeypatch):
+    """As those of an ODE in which they write rows in another way."""
+    library, address = ctypes.CDLL(str(library_path())), ode().address
+
+    def found(name):
+        if "getInfo2" in name:
+            raise AttributeError(name)
+        return address(name)
+
+    monkeypatch.setattr(ode(), "address", found)
+    try:
+        step._bind_joints(library)
+        one, two = moved(3, "world", False), moved(3, "tree", False)
+    finally:
+        monkeypatch.undo()
+        step._bind_joints(library)
+    assert all(np.array_equal(*pair) for pair in zip(one, two, strict=True))

@@ -1,11 +1,13 @@
 /* Linear complementarity with bounds on all unknowns, by block principal pivoting: J. J. Judice and F. M. Pires, A block
  * principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, 1994. All unknowns that
- * are on the wrong side change their place at once; if that does not help, only the last one does, which always ends. */
+ * are on the wrong side change their place at once; if that does not help, only the last one does, which would always end
+ * without rounding. */
 #include "boxes.h"
 
 #include <math.h>
 
 enum { BLOCKS = 6 };         /* attempts to change many places without fewer of them being wrong */
+enum { ATTEMPTS = 100 };     /* in all: ODE's solver is quicker than more of them, of which many would not end */
 #define SINGULAR 1e-14       /* of a diagonal element: what is left is rounding */
 #define ROUNDING 1e-13       /* of the terms of a sum */
 
@@ -88,7 +90,7 @@ static int64_t right_place(const box_problem *p, int64_t i, double largest)
 
 int solve_box(box_problem *p)
 {
-    int64_t n = p->count, i, wrong, last = 0, fewest = n + 1, left = BLOCKS, most = 50 + 20 * n;
+    int64_t n = p->count, i, wrong, last = 0, fewest = n + 1, left = BLOCKS, most = ATTEMPTS;
     for (i = 0; i < n; i++)
         if (bounds_are_one(p, i))
             p->place[i] = LOW;

@@ -21,7 +21,7 @@ typedef struct {
 #pragma GCC visibility push(hidden)
 #endif
 
-/* 0 if it does not come to an end. */
+/* 0 if it does not come to an end soon. */
 int solve_box(box_problem *p);
 
 #ifdef __GNUC__

@@ -23,11 +23,10 @@ A state is not trusted: what it says is checked before it reaches ODE (`bounds`)
 from __future__ import annotations
 
 import ctypes
-import functools
 import math
 import struct
 import weakref
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import islice
 from operator import attrgetter
 from typing import Any
@@ -46,6 +45,7 @@ from libgz.physics.bounds import FINITE, Block, check_memory
 from libgz.physics.check import FAR, LARGEST
 from libgz.physics.matching import codes_of, match
 from libgz.physics.meshes import Mesh
+from libgz.physics.saved import saved_names, saved_values
 
 __all__ = ["PARTS", "EngineState"]
 
@@ -62,10 +62,7 @@ _FIELDS = struct.Struct("=d3qQ4q3dq")
 _FIRST = getattr(StepContext, SAVED_FIELDS[0]).offset
 _PROGRESS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("seed", "max_contacts"))
 # The attributes of an engine that set most of them.
-SETTINGS = (
-    *("step_time", "contact_rule", "count_turns"),
-    *("max_contacts", "cone", "gravity", "record_contacts"),
-)
+SETTINGS = ("step_time", "contact_rule", "count_turns", "max_contacts", "cone", "gravity", "record_contacts")
 # Other attributes of an engine: settings, those that are set together, and plain ones.
 SWITCHES = ("record_motion", "exact_rest", "surface_layer")
 SOLVER = ("iterations", "over_relaxation")
@@ -78,26 +75,6 @@ _numbers = attrgetter(
 )
 _DISTANCE = len(SWITCHES) + len(SOLVER) + len(CONSTRAINTS)  # the number with which that begins
 _NUMBERS = _DISTANCE + 1 + len(COUNTERS)
-
-_type: Any = type  # mypy takes a class for no key of a cache
-
-
-@functools.cache
-def _saved(kind: Any) -> tuple[str, ...]:
-    """The attributes that a class and its bases list as SAVED."""
-    return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("SAVED", ())))
-
-
-@functools.cache
-def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
-    """Reads these attributes."""
-    names = _saved(kind)
-    get = attrgetter(*names)
-    return get if len(names) > 1 else lambda thing: (get(thing),)
-
-
-def _values(thing: Any) -> tuple[Any, ...]:
-    return _getter(_type(thing))(thing)
 
 
 class EngineState:
@@ -137,7 +114,9 @@ class EngineState:
             "memory": engine.native.get_state(self._parts(self._blocks(self._context.record_motion))),
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning else b"",
             "dummies": self._dummy_poses(),
-            "couplings": [[joints.index(one.line), _lists(_values(one))] for one in engine.couplings if not one.broken],
+            "couplings": [
+                [joints.index(one.line), _lists(saved_values(one))] for one in engine.couplings if not one.broken
+            ],
             "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
         }
 
@@ -187,13 +166,14 @@ class EngineState:
         number = {joint: i for i, joint in enumerate(joints)}
         plain = {
             "rows": [table.census() for table in (tables.bodies, tables.joints, tables.geoms)],
-            "bodies": [[body.label, _values(body)] for body in bodies],
-            "dummies": [[body.label, _values(body)] for body in dummies],
+            "bodies": [[body.label, saved_values(body)] for body in bodies],
+            "dummies": [[body.label, saved_values(body)] for body in dummies],
             "geoms": [
-                [type(geom).__name__, codes[geom.body], _values(geom), geom.appearance.saved()] for geom in geoms
+                [type(geom).__name__, codes[geom.body], saved_values(geom), geom.appearance.saved()] for geom in geoms
             ],
             "joints": [
-                [type(joint).__name__, [codes.get(body) for body in joint.bodies], _values(joint)] for joint in joints
+                [type(joint).__name__, [codes.get(body) for body in joint.bodies], saved_values(joint)]
+                for joint in joints
             ],
             "feedback": [joint._feedback is not None for joint in joints],
             "attached": [number[joint] for joint in engine.attached],
@@ -289,7 +269,7 @@ class EngineState:
             present = {joints.index(one.line): one for one in engine.couplings if not one.broken}
             couplings = [(present[place], values) for place, values in state["couplings"]]
             for coupling, values in couplings:
-                for name, value, present in zip(_saved(_type(coupling)), values, _values(coupling), strict=True):
+                for name, value, present in zip(saved_names(coupling), values, saved_values(coupling), strict=True):
                     if not _fits(name, value, present):
                         raise StateError("the state is damaged: a screw or gear has numbers that none has")
                     setattr(coupling, name, value)
@@ -462,7 +442,7 @@ def _fields(settings: Any) -> dict[str, Any]:
 def _assign(thing: Any, values: list[Any]) -> bool:
     """Set what an object saves; returns whether something was different."""
     changed = False
-    for name, value, present in zip(_saved(_type(thing)), map(_tuples, values), _values(thing), strict=True):
+    for name, value, present in zip(saved_names(thing), map(_tuples, values), saved_values(thing), strict=True):
         if encoding.encode(value) != encoding.encode(present):
             if not _fits(name, value, present):
                 raise StateError(f"the state is damaged: {name} of a {type(thing).__name__} is out of its range")

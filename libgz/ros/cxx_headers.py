@@ -156,7 +156,7 @@ def message_header(kind: MessageType) -> str:
     """The header of a message."""
     package, _, name = kind.name.partition("/")
     names = [field.name for field in kind.fields]
-    needed = {field.kind for field in kind.fields if not _is_plain(field)}
+    needed = {field.kind for field in kind.fields if not _is_simple(field)}
     traits = {
         "IsMessage": True,
         "IsFixedSize": _is_fixed(kind),
@@ -212,7 +212,7 @@ def service_headers(kind: ServiceType) -> Iterator[tuple[str, str]]:
     yield name, _SERVICE.format(full=kind.name, guard=guard, package=package, name=name, traits="\n".join(traits))
 
 
-def _is_plain(field: Field) -> bool:
+def _is_simple(field: Field) -> bool:
     """Whether it has no message."""
     return field.kind in NUMBERS or field.kind in (*TIMES, "string")
 
@@ -220,7 +220,7 @@ def _is_plain(field: Field) -> bool:
 def _is_fixed(kind: MessageType) -> bool:
     """Whether all messages of a type have the same size."""
     return all(
-        field.size != 0 and field.kind != "string" and (_is_plain(field) or _is_fixed(message_type(field.kind)))
+        field.size != 0 and field.kind != "string" and (_is_simple(field) or _is_fixed(message_type(field.kind)))
         for field in kind.fields
     )
 
@@ -266,7 +266,7 @@ def _quoted(line: str, end: str = "\\n") -> str:
 
 def _printed(field: Field) -> Iterator[str]:
     """The statements that print a field; roscpp's printers of plain values end their lines."""
-    member, line = f"message.{field.name}", "" if _is_plain(field) else ' << "\\n"'
+    member, line = f"message.{field.name}", "" if _is_simple(field) else ' << "\\n"'
     printer = f'Printer<{_element(field.kind)}>::stream(stream, indent + "  ", '
     if field.size is None:
         yield f'    stream << indent << "{field.name}: "{line};'

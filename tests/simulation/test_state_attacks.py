@@ -21,7 +21,8 @@ from libgz.base.files import installed_worlds
 from libgz.base.geometry import GzPose, GzVector
 from libgz.physics.appearance import Appearance
 from libgz.physics.engine import Engine
-from libgz.physics.state import _assign, _saved, _values
+from libgz.physics.saved import saved_names, saved_values
+from libgz.physics.state import _assign
 from libgz.simulation.state import encode as encode_state, get_state, set_state
 
 
@@ -150,7 +151,7 @@ def test_what_stands_in_place_of_a_part_is_refused(world):
 
 def test_attributes_of_bodies_are_of_their_kind_and_none_where_they_may_be():
     body = Body(Engine())
-    names, values = _saved(Body), list(_values(body))
+    names, values = saved_names(body), list(saved_values(body))
     for name in names:
         for wrong in (None, 0.5, "x", (1.0,), [], GzVector()):
             try:

@@ -268,13 +268,14 @@ class Pages(Closing):
         try:
             self._on_open(page)
             async for raw in channel:
-                message = read_message(raw.data) if raw.type == WSMsgType.TEXT else None
+                text = raw.data if raw.type == WSMsgType.TEXT else ""  # else bytes, or an error
+                message = read_message(text)
                 if message is not None:
                     page.pending += 1
                     self._on_message(page, message)
                 wait = page.pace.next()
                 await asyncio.sleep(wait if may_control else max(wait, self._watchers.next()))
-                most = MOST_PENDING if raw.data is None or len(raw.data) < LARGEST_OF_WATCHERS else 1
+                most = MOST_PENDING if len(text) < LARGEST_OF_WATCHERS else 1
                 while page.pending >= most and not self._closed:
                     await asyncio.sleep(0.02)
         finally:

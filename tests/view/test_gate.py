@@ -5,6 +5,7 @@ import contextlib
 import dataclasses
 import io
 import json
+import logging
 import re
 import socket
 import struct
@@ -268,7 +269,8 @@ def test_the_viewer_survives_what_pages_send(viewer, message):
     assert viewer.failures == 0
 
 
-def test_a_message_that_is_too_large_ends_the_page_alone(viewer):
+def test_a_message_that_is_too_large_ends_the_page_alone(viewer, caplog):
+    caplog.set_level(logging.ERROR, pages.QUIET.name)
     with Socket(viewer.url) as page, Socket(viewer.url) as other:
         other.until("hello")
         with contextlib.suppress(ConnectionError):
@@ -278,6 +280,7 @@ def test_a_message_that_is_too_large_ends_the_page_alone(viewer):
             assert time.monotonic() < end
             time.sleep(0.01)
         assert other.ask("describe") == (None, None)
+    assert not caplog.records
 
 
 def test_connections_are_limited(viewer, monkeypatch):

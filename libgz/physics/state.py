@@ -50,7 +50,6 @@ from libgz.physics.saved import saved_names, saved_values
 __all__ = ["PARTS", "EngineState"]
 
 MOST_ROWS = 1 << 24  # of a table
-
 PARTS = ("ode", "settings", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")
 
 # Fields of the context that are saved as their bytes, for they follow each other.

@@ -1,12 +1,11 @@
-/* Linear complementarity with bounds on all unknowns, by block principal pivoting: J. J. Judice and F. M. Pires, A block
- * principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, 1994. All unknowns that
- * are on the wrong side change their place at once; if that does not help, only the last one does, which would always end
- * without rounding. */
+/* Linear complementarity with bounds on all unknowns, as the least of x A x / 2 - b x within the bounds, by an active set:
+ * solve for the free unknowns; as long as some of these leave their bounds, keep them there; when all are within, free those
+ * at a bound that press inwards. Each such round lowers the least value, so that it ends, rounding apart. J. Nocedal and
+ * S. J. Wright, Numerical Optimization, 2006, chapters 16.5 and 16.7. */
 #include "boxes.h"
 
 #include <math.h>
 
-enum { BLOCKS = 6 };         /* attempts to change many places without fewer of them being wrong */
 enum { ATTEMPTS = 100 };     /* in all: ODE's solver is quicker than more of them, of which many would not end */
 #define SINGULAR 1e-14       /* of a diagonal element: what is left is rounding */
 #define ROUNDING 1e-13       /* of the terms of a sum */
@@ -66,34 +65,95 @@ static void solve_free(const box_problem *p)
     }
 }
 
-/* Where an unknown belongs, by what was found. */
-static int64_t right_place(const box_problem *p, int64_t i, double largest)
+/* How much the sum of a row misses, 0 where that is rounding. */
+static double missing(const box_problem *p, int64_t i)
 {
     const double *row = p->matrix + i * p->count;
     double sum = -p->right[i], size = fabs(p->right[i]);
     int64_t j;
-    if (bounds_are_one(p, i))
-        return LOW;
-    if (p->place[i] == FREE) {
-        if (p->result[i] < p->lower[i] - ROUNDING * largest)
-            return LOW;
-        return p->result[i] > p->upper[i] + ROUNDING * largest ? HIGH : FREE;
-    }
     for (j = 0; j < p->count; j++) {
         sum += row[j] * p->result[j];
         size += fabs(row[j] * p->result[j]);
     }
-    if (p->place[i] == LOW)
-        return sum < -ROUNDING * size ? FREE : LOW;
-    return sum > ROUNDING * size ? FREE : HIGH;
+    return fabs(sum) > ROUNDING * size ? sum : 0.0;
+}
+
+/* Free the unknowns at a bound that press inwards; how many. */
+static int64_t free_some(const box_problem *p)
+{
+    int64_t i, count = 0;
+    for (i = 0; i < p->count; i++) {
+        double sum;
+        if (p->place[i] == FREE || bounds_are_one(p, i))
+            continue;
+        sum = missing(p, i);
+        if (p->place[i] == LOW ? sum >= 0.0 : sum <= 0.0)
+            continue;
+        p->place[i] = FREE;
+        count++;
+    }
+    return count;
+}
+
+static double value(const box_problem *p, const double *x)
+{
+    int64_t i;
+    double sum = 0.0;
+    for (i = 0; i < p->count; i++)
+        sum += x[i] * (0.5 * dot_of(p->matrix + i * p->count, x, p->count) - p->right[i]);
+    return sum;
+}
+
+/* Where on the way from x to the result the first free unknown leaves its bounds, and which; 1 if none does. */
+static double first_stop(const box_problem *p, const double *x, double slack, int64_t *which)
+{
+    double way = 1.0;
+    int64_t i;
+    *which = -1;
+    for (i = 0; i < p->count; i++) {
+        double to = p->result[i], bound = to < p->lower[i] - slack ? p->lower[i] : p->upper[i], part;
+        if (p->place[i] != FREE || (to >= p->lower[i] - slack && to <= p->upper[i] + slack))
+            continue;
+        part = (bound - x[i]) / (to - x[i]);
+        if (*which < 0 || part < way) {
+            way = part;
+            *which = i;
+        }
+    }
+    return way;
+}
+
+/* Keep free unknowns that have left their bounds there: all of them if that lowers the value, else the first one. */
+static void stop_at_bounds(const box_problem *p, double *x, double *trial, double slack, int64_t first, double way)
+{
+    int64_t i;
+    for (i = 0; i < p->count; i++)
+        trial[i] = fmin(fmax(p->result[i], p->lower[i]), p->upper[i]);
+    if (value(p, trial) < value(p, x)) {
+        for (i = 0; i < p->count; i++) {
+            if (p->place[i] == FREE && p->result[i] < p->lower[i] - slack)
+                p->place[i] = LOW;
+            else if (p->place[i] == FREE && p->result[i] > p->upper[i] + slack)
+                p->place[i] = HIGH;
+            x[i] = trial[i];
+        }
+        return;
+    }
+    p->place[first] = p->result[first] < p->lower[first] ? LOW : HIGH;
+    for (i = 0; i < p->count; i++)
+        x[i] += way * (p->result[i] - x[i]);
+    x[first] = p->place[first] == LOW ? p->lower[first] : p->upper[first];
 }
 
 int solve_box(box_problem *p)
 {
-    int64_t n = p->count, i, wrong, last = 0, fewest = n + 1, left = BLOCKS, most = ATTEMPTS;
-    for (i = 0; i < n; i++)
+    int64_t n = p->count, i, first, most = ATTEMPTS;
+    double *x = p->scratch + n * (n + 1), *trial = x + n, way;
+    for (i = 0; i < n; i++) {
+        x[i] = fmin(fmax(p->result[i], p->lower[i]), p->upper[i]);
         if (bounds_are_one(p, i))
             p->place[i] = LOW;
+    }
     while (most-- > 0) {
         double largest = 0.0;
         solve_free(p);
@@ -102,30 +162,15 @@ int solve_box(box_problem *p)
                 return 0;
             largest = fmax(largest, fabs(p->result[i]));
         }
-        for (wrong = 0, i = 0; i < n; i++)
-            if (right_place(p, i, largest) != p->place[i]) {
-                wrong++;
-                last = i;
-            }
-        if (!wrong) {
-            for (i = 0; i < n; i++) /* rounding apart, free unknowns are within their bounds */
-                p->result[i] = fmin(fmax(p->result[i], p->lower[i]), p->upper[i]);
-            return 1;
+        way = first_stop(p, x, ROUNDING * largest, &first);
+        if (first >= 0) {
+            stop_at_bounds(p, x, trial, ROUNDING * largest, first, way);
+            continue;
         }
-        if (wrong < fewest) {
-            fewest = wrong;
-            left = BLOCKS;
-        } else
-            left--;
-        if (left > 0) {
-            for (i = 0; i < n; i++) {
-                double *x = p->scratch; /* decided before any place changes */
-                x[i] = (double)right_place(p, i, largest);
-            }
-            for (i = 0; i < n; i++)
-                p->place[i] = (int64_t)p->scratch[i];
-        } else
-            p->place[last] = right_place(p, last, largest);
+        for (i = 0; i < n; i++) /* rounding apart, free unknowns are within their bounds */
+            x[i] = p->result[i] = fmin(fmax(p->result[i], p->lower[i]), p->upper[i]);
+        if (!free_some(p))
+            return 1;
     }
     return 0;
 }

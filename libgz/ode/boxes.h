@@ -13,8 +13,8 @@ typedef struct {
     const double *matrix; /* symmetric and positive, both triangles */
     const double *right, *lower, *upper;
     int64_t *place;  /* FREE, LOW or HIGH: where to begin, and where it ended */
-    double *result;
-    double *scratch; /* count * (count + 1) numbers */
+    double *result;  /* begins with a guess */
+    double *scratch; /* count * (count + 3) numbers */
 } box_problem;
 
 #ifdef __GNUC__

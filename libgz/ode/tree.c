@@ -220,7 +220,7 @@ static int solve_dense(island *w)
         return 0;
     n = w->dense_count;
     GROW(places, place_capacity, n);
-    GROW(numbers, number_capacity, n * n + 4 * n + n * (n + 1));
+    GROW(numbers, number_capacity, n * n + 4 * n + n * (n + 3));
     a = w->numbers;
     b = a + n * n;
     low = b + n;
@@ -236,6 +236,7 @@ static int solve_dense(island *w)
         low[i] = r->normal < 0 ? r->low : 0.0;
         high[i] = r->normal < 0 ? r->high : 0.0;
         w->places[i] = FREE;
+        x[i] = 0.0;
     }
     problem = (box_problem){n, a, b, low, high, w->places, x, x + n};
     if (!solve_box(&problem))

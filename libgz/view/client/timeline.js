@@ -45,13 +45,19 @@ export class Timeline {
       this.rewindButton,
     );
     const seek = newest((/** @type {number} */ moment) => workplace.ask('seek', moment.toFixed(3)));
-    this.slider.addEventListener('input', () => {
+    const go = () => {
       this.moved = performance.now();
       if (this.isLog) seek(Number(this.slider.value));
       this.#update();
-    });
+    };
+    this.slider.addEventListener('input', go);
     this.slider.addEventListener('keydown', (event) => {
       if (/^(Arrow|Page|Home|End)/.test(event.key)) event.stopPropagation();
+      if (!this.isLog || !/^(Home|End)$/.test(event.key)) return;
+      // The slider may be at that end, and the log be elsewhere meanwhile: no input event would come then.
+      event.preventDefault();
+      this.slider.value = event.key === 'Home' ? this.slider.min : this.slider.max;
+      go();
     });
     for (const event of ['hello', 'state', 'status']) workplace.store.addEventListener(event, () => this.refresh());
     this.refresh();

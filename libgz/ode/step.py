@@ -202,7 +202,7 @@ def _bind_joints(library: ctypes.CDLL) -> None:
             if name:
                 counting[number] = ode().address(f"{scope}1EPN7dxJoint5Info1E")
                 writing[number] = ode().address(f"{scope}2EddiPdS0_iS0_S0_Pi")
-    library.gz_tree_bind(counting, writing)
+    library.gz_tree_bind(counting, writing, ctypes.c_size_t(len(_JOINTS)))
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:

@@ -19,10 +19,11 @@ static count_rows *counters[JOINT_KINDS];
 static write_rows *writers[JOINT_KINDS];
 
 /* Take the addresses of the functions with which ODE's joints count and write their rows, by type; NULL: it exports none. */
-void gz_tree_bind(void *const *counting, void *const *writing)
+void gz_tree_bind(void *const *counting, void *const *writing, size_t count)
 {
-    memcpy(counters, counting, sizeof counters);
-    memcpy(writers, writing, sizeof writers);
+    count = count < JOINT_KINDS ? count : JOINT_KINDS;
+    memcpy(counters, counting, count * sizeof *counters);
+    memcpy(writers, writing, count * sizeof *writers);
 }
 
 /* Solve a 3x3 system by Cramer's rule; 0 if it is singular. */

@@ -31,9 +31,10 @@ DECLARE, DROP, MESSAGE, ANSWER, HELLO, DECLARED, REFUSED, LISTENED, REQUEST = ra
 HEAD = struct.Struct("<IBI")  # length of what follows it, sort, channel
 REST = HEAD.size - 4
 MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
-MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # of one publisher that may wait for the bridge
+MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # messages of one topic, or answers of one service, that wait for the bridge
+MOST_TEXT = 1 << 20  # bytes of what the bridge says about itself and about types
 START_PATIENCE, END_PATIENCE = 60.0, 3.0  # [s]
-FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again
+FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again; longer if it lived no longer
 # Parts of actions, by the ends of their types' names.
 PARTS = {"FeedbackMessage": "FeedbackMessage", "GetResult": "GetResultService", "SendGoal": "SendGoalService"}
 
@@ -77,7 +78,7 @@ class Channel:
 
     def publish(self, body: list[Buffer]) -> None:
         """Send a message, given by its parts; nobody waits for a slow bridge."""
-        self._node.push(self, body)
+        self._node.push(self, MESSAGE, body)
 
 
 class BridgedNode:
@@ -96,7 +97,7 @@ class BridgedNode:
 
     def __init__(self, names: NodeNames, python: Path) -> None:
         self.names, self.name, self.python = names, names.name, python
-        self.changed: deque[Channel] = deque()
+        self.changed: dict[Channel, None] = {}
         self.notify: Callable[[], object] = _nobody
         self.started = 0
         self.about: dict[str, str] = {}
@@ -175,21 +176,22 @@ class BridgedNode:
 
     def _keep(self) -> None:
         """Start the bridge again whenever it ends."""
-        pause = FIRST_PAUSE
+        pause, begin = FIRST_PAUSE, time.monotonic()
         while not self._ended:
             if not self._broken.wait(1.0) or self._ended:
                 continue
             self._end_process()
+            if time.monotonic() - begin > LONGEST_PAUSE:
+                pause = FIRST_PAUSE
             log.warning("ROS 2: the bridge has ended; it is started again in %g s", pause)
             end = time.monotonic() + pause
             while time.monotonic() < end and not self._ended:
                 time.sleep(0.02)
+            pause = min(2.0 * pause, LONGEST_PAUSE)
             if not self._ended:
+                begin = time.monotonic()
                 self._open()
-                if self._wait():
-                    pause = FIRST_PAUSE
-                else:
-                    pause = min(2.0 * pause, LONGEST_PAUSE)
+                if not self._wait():
                     self._broken.set()  # one that says nothing is ended, too
 
     def _end_process(self) -> None:
@@ -337,22 +339,24 @@ class BridgedNode:
             link.queue.append(HEAD.pack(REST + len(body), sort, number) + body)
             self._loop.call(link.flush)
 
-    def push(self, channel: Channel, body: list[Buffer]) -> None:
-        """Send a message of some parts, or queue it."""
+    def push(self, channel: Channel, sort: int, body: list[Buffer]) -> None:
+        """Send a message or an answer of some parts, or queue it."""
         link = self._link
         if link is None:
             return
-        size = sum(map(len, body))
-        parts = [HEAD.pack(REST + size, MESSAGE, channel.number), *body]
-        if not link.messages and link.send_at_once(parts, HEAD.size + size):
+        size = HEAD.size + sum(map(len, body))
+        parts = [HEAD.pack(size - 4, sort, channel.number), *body]
+        if not link.messages and link.send_at_once(parts, size):
             return
         if channel.waiting >= MOST_WAITING or channel.waiting_bytes > MOST_BYTES:
-            self._loop.warn(f"slow {channel.topic}", "ROS 2: the bridge is too slow for %s; a message is left out",
-                            channel.topic)  # fmt: skip
+            what = "a message" if sort == MESSAGE else "an answer"
+            self._loop.warn(
+                f"slow {channel.topic}", "ROS 2: the bridge is too slow for %s; %s is left out", channel.topic, what
+            )
             return
         channel.waiting += 1
         channel.waiting_bytes += size
-        link.messages.append((channel, b"".join(body)))
+        link.messages.append((channel, b"".join(parts)))
         self._loop.call(link.flush)
 
     def frame(self, sort: int, number: int, body: bytes) -> None:
@@ -371,7 +375,7 @@ class BridgedNode:
                     f"bad {channel.topic}", "ROS 2: a message of %s is not obeyed: %s", channel.topic, error
                 )
         elif sort == REQUEST and channel.serve is not None and len(body) >= 8 and channel.declared:
-            self._request(channel.serve, number, body[:8], body[8:])
+            self._request(channel, channel.serve, body[:8], body[8:])
         elif sort == LISTENED:
             self._hear(channel, any(body))
         elif sort == DECLARED:
@@ -386,15 +390,21 @@ class BridgedNode:
             else:
                 self._loop.warn(f"refused {channel.topic}", "ROS 2: %s is left out: %s", channel.topic, text)
 
-    def _request(self, serve: Callable[[bytes, Callable[[bool, bytes], None]], bool], number: int, request: bytes,
-                 body: bytes) -> None:  # fmt: skip
+    def _request(
+        self,
+        channel: Channel,
+        serve: Callable[[bytes, Callable[[bool, bytes], None]], bool],
+        request: bytes,
+        body: bytes,
+    ) -> None:
         link = self._link
 
         def answer(good: bool, response: bytes) -> None:
             if self._link is link:  # a bridge numbers its requests by itself
-                self._post(ANSWER, number, request + bytes([good]) + response)
+                self.push(channel, ANSWER, [request, bytes([good]), response])
 
         if not serve(body, answer):
+            self._loop.warn(f"many {channel.topic}", "ROS 2: %s has too many requests; one is refused", channel.topic)
             answer(False, b"")
 
     def _hear(self, channel: Channel, listened: bool) -> None:
@@ -403,7 +413,7 @@ class BridgedNode:
         listened = (listened or latched) and channel.declared
         if listened != channel.listened:
             channel.listened = listened
-            self.changed.append(channel)
+            self.changed[channel] = None
             self.notify()
 
     def _learn(self, channel: Channel, body: bytes) -> None:
@@ -425,7 +435,7 @@ class _Link(Connection):
     """The connection to a bridge.
 
     Attributes:
-        messages: those that wait, with their channels.
+        messages: frames of messages and answers that wait, with their channels.
     """
 
     longest = MOST_FRAME
@@ -452,11 +462,11 @@ class _Link(Connection):
         parts: list[bytes] = []
         size = 0
         while size < 1 << 18 and self.messages:
-            channel, body = self.messages.popleft()
+            channel, frame = self.messages.popleft()
             channel.waiting -= 1
-            channel.waiting_bytes -= len(body)
-            parts += (HEAD.pack(REST + len(body), MESSAGE, channel.number), body)
-            size += len(body)
+            channel.waiting_bytes -= len(frame)
+            parts.append(frame)
+            size += len(frame)
         return b"".join(parts) if parts else None
 
     def ended(self) -> None:
@@ -503,7 +513,8 @@ def _codec(kind: MessageType, table: Any) -> Codec:
 
 
 def _parsed(body: bytes) -> Any:
+    """The value of a text of JSON; None if it is none, or too long."""
     try:
-        return json.loads(body)
+        return json.loads(body) if len(body) <= MOST_TEXT else None
     except (ValueError, RecursionError):
         return None

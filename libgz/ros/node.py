@@ -8,7 +8,6 @@ import queue
 import socket
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 from urllib.parse import urlsplit
@@ -116,7 +115,7 @@ class Node:
         self.names, self.name, self.master = names, names.name, names.master
         self.notify: Callable[[], object] = _nobody
         self.registered = 0
-        self.changed: deque[Publisher] = deque()
+        self.changed: dict[Publisher, None] = {}
         self._publishers: dict[str, Publisher] = {}
         self._subscribers: dict[str, Subscriber] = {}
         self._services: dict[str, ServiceServer] = {}
@@ -259,7 +258,7 @@ class Node:
 
     def note_change(self, publisher: Publisher) -> None:
         """The subscribers of a topic have come or gone."""
-        self.changed.append(publisher)
+        self.changed[publisher] = None
         self.notify()
 
     def publication(self, topic: str) -> Publisher | None:

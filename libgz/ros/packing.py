@@ -19,6 +19,7 @@ __all__ = ["CDR_HEADER", "Codec", "FormatError", "Schema", "codec", "read_schema
 CDR_HEADER = b"\0\1\0\0"  # little endian, plain CDR (XCDR1)
 U32 = struct.Struct("<I")
 MOST_NESTED = 16  # types in types
+MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, sequences not counted
 
 # Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
 Schema = Mapping[str, Sequence[tuple[Field, str | None]]]
@@ -51,6 +52,8 @@ class Codec:
     def __init__(self, kind: MessageType, cdr: bool = False, schema: Schema | None = None) -> None:
         self.kind, self._cdr, self._schema = kind, cdr, schema or {}
         self._elements: dict[str, list[Step]] = {}
+        self._widths: dict[str, int | None] = {}
+        self._values = 0
         self._steps = self._plan(kind.name, 0)
 
     def pack(self, message: Any) -> bytes:
@@ -114,6 +117,9 @@ class Codec:
         if depth > MOST_NESTED:
             raise FormatError(f"{self.kind.name} has types in more than {MOST_NESTED} levels")
         for field, attribute in self._fields(name):
+            self._values += field.size or 1
+            if self._values > MOST_VALUES:
+                raise FormatError(f"{self.kind.name} has more than {MOST_VALUES} values")
             path = None if attribute is None else prefix + attribute
             if field.kind in NUMBERS and (field.size is None or (field.size and path is not None)):
                 run.append((path, NUMBERS[field.kind], field.size))
@@ -148,11 +154,17 @@ class Codec:
             self._elements[field.kind] = self._plan(field.kind, depth + 1)
         steps = self._elements[field.kind]
         if field.size is None:  # of a message that the type of ROS 1 does not have
-            return lambda _, out: _all(steps, message_type(field.kind, self.kind.ros)(), out)
+            absent = message_type(field.kind, self.kind.ros)
+            return lambda _, out: _all(steps, absent(), out)
         return _several(get, steps, field.size, self._cdr, self._width(field.kind))
 
     def _width(self, name: str) -> int | None:
         """How many float64 numbers a type consists of; None if it has anything else."""
+        if name not in self._widths:
+            self._widths[name] = self._counted(name)
+        return self._widths[name]
+
+    def _counted(self, name: str) -> int | None:
         total = 0
         for field, _ in self._fields(name):
             if field.kind in NUMBERS:
@@ -213,7 +225,7 @@ _RENAMED = {
 }
 _STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 _SEQUENCE = re.compile(r"sequence<([^<>,]+)(?:, *\d+)?>")
-_ARRAY = re.compile(r"(.+)\[(\d+)\]")
+_ARRAY = re.compile(r"(.+)\[(\d{1,9})\]")
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _KIND = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
 
@@ -228,17 +240,30 @@ def read_schema(
         kind: a type of ours that has no name of its own in the table: the request or response of a service.
 
     Raises:
-        FormatError: a name or a type is none.
+        FormatError: a name or a type is none, or a field that we fill has another type than ours.
     """
     found: dict[str, list[tuple[Field, str | None]]] = {}
     for name, fields in types.items():
         try:
             own = message_type_of(kind, name) if kind is not None else message_type(name)
-            known = {field.name.lower(): field.name for field in own.fields}
+            known = {field.name.lower(): field for field in own.fields}
         except NotFoundError:
             known = {}
-        found[name] = [(_described(key, text), known.get(key.lower())) for key, text in fields.items()]
+        found[name] = [_matched(_described(key, text), known.get(key.lower())) for key, text in fields.items()]
     return found
+
+
+def _matched(given: Field, known: Field | None) -> tuple[Field, str | None]:
+    """A field as it is described, and the attribute of our messages for it."""
+    if known is None:
+        return given, None
+    if given.kind != known.kind or (given.size != known.size and (not known.size or given.size != 0)):
+        raise FormatError(f"field {given.name!r} is a {_named(given)}; it must be a {_named(known)}")
+    return given, known.name
+
+
+def _named(field: Field) -> str:
+    return field.kind if field.size is None else f"{field.kind}[{field.size or ''}]"
 
 
 def _described(name: str, text: str) -> Field:

@@ -26,7 +26,7 @@ __all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite
 log = logging.getLogger("libgz.ros")
 
 LATEST = 2.0**31 - 1.0  # [s] of a stamp
-MOST_REQUESTS = 256  # that may wait for the step
+MOST_REQUESTS, MOST_REQUEST_BYTES = 256, 1 << 26  # that may wait for the step, or for their answers
 
 _sessions: list[Session] = []
 
@@ -158,9 +158,12 @@ class Service:
         self._end.disconnect()
 
     def _received(self, body: bytes, answer: Callable[[bool, bytes], None]) -> bool:
-        if len(self._session.requests) >= MOST_REQUESTS:
+        waiting = self._session.requests
+        if len(waiting) + len(self._session.later) >= MOST_REQUESTS:
             return False
-        self._session.requests.append((self, body, answer))
+        if sum(len(one) for _, one, _ in tuple(waiting)) + len(body) > MOST_REQUEST_BYTES:
+            return False
+        waiting.append((self, body, answer))
         self._session.interrupt()
         return True
 
@@ -331,7 +334,7 @@ class Session(Closing):
     def deliver(self) -> None:
         """Deliver what came; in the thread of the world."""
         for _ in range(len(self.node.changed)):
-            for publication in list(self.watchers.get(self.node.changed.popleft(), ())):
+            for publication in list(self.watchers.get(self.node.changed.popitem()[0], ())):
                 publication.changed()
         for _ in range(len(self.waiting)):  # what comes meanwhile has its turn after the next step
             self.waiting.popleft().deliver()

@@ -3,6 +3,7 @@
 import json
 import logging
 import os
+import re
 import runpy
 import socket
 import struct
@@ -19,7 +20,7 @@ from ros_types import JAZZY
 from libgz import World
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.classic.server import attach
-from libgz.ros import bridged
+from libgz.ros import bridged, session
 from libgz.ros.control.ros2 import read_parameters
 from libgz.ros.environment import find_python
 from libgz.ros.packing import Codec, read_schema
@@ -263,6 +264,56 @@ def test_a_slow_bridge_costs_no_memory(start, graph, caplog):
             channel.publish([bytes(1 << 16)])
     assert channel.waiting_bytes <= bridged.MOST_BYTES + (1 << 16)
     assert "too slow for /clock" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("table", "why"),
+    [
+        ({"": {"f": "uint8[999999999]"}}, "more than 65536 values"),
+        ({"": {"f": f"uint8[{'9' * 5000}]"}}, "is not supported"),
+        ({"": {f"f{number}": "uint8[60000]" for number in range(2)}}, "more than 65536 values"),
+        ({"": {"f": "a/A"}, "a/A": {"b": "a/A"}}, "in more than 16 levels"),
+        ({"": {"f": "nobody/Knows"}}, "there is no message type"),
+        ({"": {"clock": "string"}}, "field 'clock' is a string; it must be a time"),
+        ({"": {"clock": "builtin_interfaces/Time[2]"}}, r"is a time\[2\]; it must be a time"),
+        ({"": {f"f{number}": "uint8" for number in range(70_000)}}, "does not say what the fields are"),
+    ],
+)
+def test_hostile_types_are_left_out(start, graph, caplog, table, why):
+    server = start()
+    graph.send(DECLARED, graph.number("/clock"), json.dumps([table]).encode())
+    graph.listen("/clock")
+    wait_for(lambda: re.search(rf"/clock .* is left out: .*{why}", caplog.text), server.core.Step)
+    assert not graph.received["/clock"]
+
+
+def test_floods_of_a_bridge_cost_no_memory(start, graph, caplog):
+    server = start()
+    clock, service = graph.number("/clock"), graph.number("/pause_physics")
+    channel = channel_of(server, "/pause_physics")
+    for number in range(2000):  # between two steps
+        graph.send(LISTENED, clock, struct.pack("<I", number % 2))
+    for number in range(session.MOST_REQUESTS + 10):
+        graph.send(REQUEST, service, struct.pack("<Q", number) + bytes(4))
+    wait_for(lambda: "/pause_physics has too many requests" in caplog.text)
+    assert len(server.ros.node.changed) <= len(server.ros.node._channels)
+    assert len(server.ros.requests) == session.MOST_REQUESTS
+    with graph._lock:  # the graph reads no more
+        for _ in range(bridged.MOST_WAITING + 100):
+            server.ros.node.push(channel, ANSWER, [bytes(1 << 16)])
+    assert channel.waiting_bytes <= bridged.MOST_BYTES + (1 << 17)
+    assert "too slow for /pause_physics; an answer is left out" in caplog.text
+
+
+def test_large_requests_are_bounded_together(start, graph, caplog, monkeypatch):
+    monkeypatch.setattr(session, "MOST_REQUEST_BYTES", 1 << 20)
+    server = start()
+    service = graph.number("/spawn_entity")
+    for number in range(3):
+        graph.send(REQUEST, service, struct.pack("<Q", number) + bytes(600_000))
+    wait_for(lambda: caplog.text.count("/spawn_entity has too many requests") == 1)
+    wait_for(lambda: len(graph.answers) >= 2)
+    assert [len(body) for _, body, _ in server.ros.requests] == [600_000]
 
 
 def test_without_a_ros_the_error_says_what_to_do(monkeypatch, tmp_path, capfd):

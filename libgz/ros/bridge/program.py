@@ -138,14 +138,14 @@ class Bridge:
         with self._lock:
             self._socket.sendall(HEAD.pack(len(body) + HEAD.size - 4, sort, channel) + body)
 
-    def _read(self, size: int) -> bytearray:
-        data = bytearray(size)
-        view, at = memoryview(data), 0
-        while at < size:
-            count = self._socket.recv_into(view[at:])
-            if not count:
+    def _read(self, size: int) -> bytes:
+        """Some bytes from the server: those of a message in one piece, for its publisher takes nothing else."""
+        data = self._socket.recv(size, socket.MSG_WAITALL) if size else b""
+        while len(data) < size:  # a signal came
+            more = self._socket.recv(size - len(data), socket.MSG_WAITALL)
+            if not more:
                 raise EOFError
-            at += count
+            data += more
         return data
 
     def _read_all(self) -> None:
@@ -154,11 +154,11 @@ class Bridge:
                 size, sort, channel = HEAD.unpack(self._read(HEAD.size))
                 body = self._read(size - HEAD.size + 4)
                 if sort == MESSAGE:
-                    self._publish(channel, bytes(body))
+                    self._publish(channel, body)
                 elif sort == ANSWER:
-                    self._answer(bytes(body))
+                    self._answer(body)
                 else:
-                    self._act(sort, channel, bytes(body))
+                    self._act(sort, channel, body)
         except (OSError, EOFError):
             os._exit(0)  # the server is gone; the middleware's threads would wait
 

@@ -67,6 +67,10 @@ class MeshModel:
         middle = 0.5 * (self.low + self.high)
         return -self.scale * np.array([middle[0], middle[1], self.low[2]])
 
+    def remove(self) -> None:
+        """Delete its folder, with the mesh."""
+        shutil.rmtree(self.file.parent.parent, ignore_errors=True)
+
     def sdf(self) -> str:
         """As SDF: the mesh is what is seen and what collides; the box is its inertia."""
         x, y, z = self.size**2 * self.mass / 12.0

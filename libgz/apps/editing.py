@@ -57,6 +57,7 @@ class Editing:
         self.verbs: dict[str, Callable[[str, dict[str, Any]], Any]] = {
             "attributes": self._attributes,
             "edit": self._edit,
+            "embed": self._embed,
             "undo": lambda _argument, _content: self._travel(self._history.undo),
             "redo": lambda _argument, _content: self._travel(self._history.redo),
             "history": self._list,
@@ -182,6 +183,18 @@ class Editing:
         values = editor.values(now, kept, kind)
         value = next((one.value for one in values if one.key == key), content["value"])
         return {"value": value, "name": now.GetId() if now is not None else ""}
+
+    def _embed(self, _argument: str, content: dict[str, Any]) -> dict[str, str]:
+        """Write an included model into the world's file; its name."""
+        entity, editor = self._required(content), self._editor()
+
+        def act() -> Entity:
+            found = editor.embed(entity)
+            self.finish()
+            return found
+
+        now: Entity = self.change(f"copy {entity.GetId()} into the world", act)
+        return {"name": now.GetId()}
 
     def finish(self) -> None:
         """Make the sensors of new models and load their plugins, if the world has what does that."""

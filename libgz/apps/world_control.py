@@ -304,9 +304,12 @@ class WorldControl:
 
         made = keep_mesh(str(content.get("file", "")), content.get("data"))
         text = made.sdf() if self.world.sdf is not None else made.legacy(self._stock.free(made.name))
-        return self._insert(
-            "-", {"model": made.name, "text": text, **{k: v for k, v in content.items() if k == "pose"}}
-        )
+        wanted = {"model": made.name, "text": text, **{k: v for k, v in content.items() if k == "pose"}}
+        try:
+            return self._insert("-", wanted)
+        except BaseException:
+            made.remove()
+            raise
 
     # Knowledge -------------------------------------------------------------------------------------------------------
 

@@ -97,7 +97,7 @@ class LegacyEditor:
         return found
 
     def edit(self, entity: Entity | None, part: str, kind: str, key: str, value: Any) -> Entity | None:
-        """Change an attribute of a model, which is built again at its pose, at rest; or a setting of the world.
+        """Change an attribute of a model, which is built again and moves on as it did; or a setting of the world.
 
         Raises:
             NotFoundError: there is no such attribute.
@@ -121,6 +121,14 @@ class LegacyEditor:
             return model
         with self._world.hold():
             return Replacement(self._era.loader, model, anew=True).run()
+
+    def embed(self, entity: Entity) -> Entity:
+        """Worldfiles include nothing.
+
+        Raises:
+            ParameterError: always.
+        """
+        raise ParameterError(f"{entity.GetId()!r} is in the worldfile; worldfiles include nothing")
 
     def copy_text(self, entity: Entity) -> str:
         """The text of a model, and of those in it, with ids that no model of the world has."""

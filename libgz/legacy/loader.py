@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from weakref import WeakSet
+from weakref import WeakKeyDictionary, WeakSet
 
 from libgz.base.errors import (
     USER_ERRORS,
@@ -15,7 +15,7 @@ from libgz.base.errors import (
     nearest,
     pass_interrupt,
 )
-from libgz.base.geometry import GzPose
+from libgz.base.geometry import GzCoordPoseSub, GzPose
 from libgz.base.trust import UntrustedError, check_trusted
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import Model
@@ -48,6 +48,7 @@ class ModelLoader:
 
     Attributes:
         built: the elements of all models that were built.
+        places: of the bodies of models, in their frames when they were built [m].
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class ModelLoader:
         self.factory = factory
         self.origin_of = origin_of
         self.built: WeakSet[WorldFileNode] = WeakSet()
+        self.places: WeakKeyDictionary[Model, list[GzPose]] = WeakKeyDictionary()
 
     def visit(self, node: WorldFileNode) -> None:
         """Load the models of an element and of what is in it; a model inside a model is its child."""
@@ -187,6 +189,8 @@ class ModelLoader:
             model.SetParent(parent, _parent_body(node, parent))
         try:
             model.MasterLoad(WorldFile.of(node), node)
+            frame = model.GetPose()
+            self.places[model] = [GzCoordPoseSub(body.GetPose(), frame) for body in model.bodies]
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
             move_with_world_joints(model, lambda: self.world.SetModelPose(model, model.initPose))
             model.Attach()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Hashable
 from typing import Any
 
 from libgz.base.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
@@ -9,6 +11,7 @@ from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
+from libgz.simulation.motion import Motion, Placed
 from libgz.simulation.plugins import own_place, own_traceback
 from libgz.simulation.state import carry_state, decode, encode, get_state
 
@@ -18,15 +21,14 @@ __all__ = ["Replacement"]
 class Replacement:
     """Builds a model again from its element, and puts it in the place of the one that runs.
 
-    It has the poses and velocities of the former bodies of the same names, or as a whole its pose; the declared state;
-    its place in the order of the world; and the models that were attached. New interfaces have the memory of former
-    ones of their names, so that clients stay connected.
+    It has the poses and velocities of the former bodies of the same names; the declared state; its place in the order
+    of the world; and the models that were attached. New interfaces have the memory of former ones of their names, so
+    that clients stay connected.
 
     Args:
         loader: of the world.
         old: the model that runs.
-        anew: whether the new one begins anew at the pose of the former one, at rest, as after an edit of its element;
-            where its bodies and joints are may depend on what was edited.
+        anew: whether the new one has a state of its own, as after an edit of its element, of which that may depend.
     """
 
     def __init__(self, loader: ModelLoader, old: Model, *, anew: bool = False) -> None:
@@ -73,24 +75,22 @@ class Replacement:
     def _place(self, new: Model) -> None:
         """Place and move the new bodies as the former ones."""
         old = self._old
-        before = {body.bodyName: body for body in old.bodies}
+        pose = old.GetPose() if old.parentBody is None else old.relPose
+        move_with_world_joints(new, lambda: self._world.SetModelPose(new, pose))
         if self._anew:
-            pose = old.GetPose() if old.parentBody is None else old.relPose
-            move_with_world_joints(new, lambda: self._world.SetModelPose(new, pose))
             new.initPose = old.initPose
-        elif before.keys() != {body.bodyName for body in new.bodies} or len(before) != len(new.bodies):
-            if old.parentBody is None:
-                new.SetPose(old.GetPose())
-        else:
-            for body in new.bodies:
-                self._place_body(body, before[body.bodyName])
+        motion = Motion(self._placed(old))
+        if motion.begun(old.GetPose()):
+            motion.carry(self._placed(new))
 
-    @staticmethod
-    def _place_body(body: Body, before: Body) -> None:
-        body.SetPose(before.GetPose())
-        if not (body.dummy or before.dummy):
-            body.SetLinearVel(before.GetLinearVel())
-            body.SetAngularVel(before.GetAngularRate())
+    def _placed(self, model: Model) -> dict[Hashable, Placed]:
+        """The bodies of a model by name, and by how many before them have the same one."""
+        found: dict[Hashable, Placed] = {}
+        counts: Counter[str | None] = Counter()
+        for body, place in zip(model.bodies, self._loader.places.get(model, []), strict=False):
+            found[body.bodyName, counts[body.bodyName]] = Placed(body, place)
+            counts[body.bodyName] += 1
+        return found
 
     @staticmethod
     def _carry(new: Model, state: Any) -> None:

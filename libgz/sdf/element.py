@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any, TypeVar, overload
 
-from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.errors import NotFoundError, ParameterError, Place, nearest
 from libgz.base.files import xml_attribute, xml_text
 from libgz.sdf.description import UNSET, Description
 from libgz.sdf.value import format_value, parse
@@ -80,7 +80,12 @@ class Element:
         name: the tag.
         description: its possible attributes and children; None for an element unknown to SDF, such as those of plugins.
         file, line: where it was read, for messages.
+
+    Attributes:
+        include: where the `<include>` is that it took the place of; None if the document itself has it.
     """
+
+    include: Place | None = None
 
     def __init__(
         self, name: str = "", description: Description | None = None, *, file: str = "", line: int = 0

@@ -463,6 +463,7 @@ class SdfFile:
 
     def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, etree._Element]) -> None:
         """Apply name, pose, static and plugins of an include to the included entity."""
+        entity.include = self._place(xml)
         name = (given["name"].text or "").strip() if "name" in given else ""
         if name:
             entity.set_attribute("name", name)

@@ -11,10 +11,11 @@ from libgz.sdf.description import NEWEST
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 
-__all__ = ["NEWEST", "upgraded"]
+__all__ = ["NEWEST", "suited", "upgraded"]
 
 MOVED_UP = ("gravity", "magnetic_field")  # from <physics> to <world>
 NAMES_OF_FILES = ("uri", "diffuse", "normal")  # of meshes, height maps and their textures, scripts of materials
+IN_MODEL = "use_parent_model_frame"  # of an axis, up to 1.6
 NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <imu>
 
 
@@ -31,12 +32,30 @@ def upgraded(element: Element, folder: Path | None = None) -> Element:
         _move_up(world)
     for name in ("axis", "axis2"):
         for axis in copy.find(name):
-            if axis.description is not None and "use_parent_model_frame" not in axis.description.children:
-                _add(axis, "use_parent_model_frame").Set(True)  # up to 1.4 axes are in the model's frame
+            known = axis.description is None or IN_MODEL in axis.description.children
+            if not known and not any(True for _ in axis.named(IN_MODEL)):
+                _add(axis, IN_MODEL).Set(True)  # up to 1.4 axes are in the model's frame
     for imu in copy.find("imu"):
         _spread_noise(imu)
     _remove_frames(copy)
     return copy
+
+
+def suited(element: Element, version: str) -> Element:
+    """The same element in words of another version than 1.6, changed in place; `upgraded` has returned it.
+
+    Args:
+        element: with the meaning of SDF 1.6.
+        version: of the document that will hold it.
+    """
+    for name in ("axis", "axis2") if version > NEWEST else ():
+        for axis in element.find(name):
+            own = next(axis.named(IN_MODEL), None)
+            if own is not None:
+                if own.Get(bool):
+                    axis.child("xyz").set_attribute("expressed_in", "__model__")
+                axis.RemoveChild(own)
+    return element
 
 
 def _remove_frames(element: Element) -> None:

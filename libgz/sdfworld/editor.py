@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from lxml import etree
@@ -13,9 +14,11 @@ from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, Gz
 from libgz.sdf.description import UNITS, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
-from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdf.upgrade import NEWEST, suited, upgraded
 from libgz.sdf.value import check
 from libgz.sdf.xml import ROOTS, local_name
+from libgz.sdfworld.model import SdfModel
+from libgz.sdfworld.model_motion import ModelMotion
 from libgz.sdfworld.text import SdfText, Step, children
 from libgz.sdfworld.world import BUILT, WORLD_FILE, SdfWorld
 from libgz.simulation.editor import LONGEST_TEXT, Value, numbers_of
@@ -51,20 +54,48 @@ DEEPEST = 8
 MOST_VALUES = 2000
 
 
+class _Include(NamedTuple):
+    """An `<include>` by which values come into a document.
+
+    Attributes:
+        text: the document.
+        element: the include.
+        built: what it includes.
+        whole: whether the values are those of that as a whole, some of which the include may set.
+    """
+
+    text: SdfText
+    element: etree._Element
+    built: Element
+    whole: bool
+
+    def sets(self, key: str) -> bool:
+        """Whether it can set a value."""
+        return self.whole and (key in ("@name", "pose") or (key == "static" and self.built.name == "model"))
+
+    @property
+    def reason(self) -> str:
+        """Why it cannot set others."""
+        file = self.built.file
+        return f"it is in {file}, which is included: copy it into the world to edit it here, or `libgz edit {file}`"
+
+
 class _Place(NamedTuple):
     """Where values are: a document, an element of it, and its description.
 
     Attributes:
         source: in the journal; number 0 is the world's file.
-        text: the document.
+        text: the document; of what is included, as if it was written there.
         element: the element.
         about: its description.
+        include: by which the values come into the document of the source; None if they are in it.
     """
 
     source: Source
     text: SdfText
     element: etree._Element
     about: Description
+    include: _Include | None = None
 
 
 class SdfEditor:
@@ -80,6 +111,8 @@ class SdfEditor:
 
     def values(self, entity: Entity | None, part: str = "", kind: str = "") -> list[Value]:
         """The values of a model, light, actor, or a part of one, or of the world, as SDF describes them."""
+        if entity is None and local_name(self._era.sdf_text().holder) != "world":
+            return []
         place = self._place(entity, part, kind)
         found = list(self._values(place, place.element, place.about, "", "", 0))
         links = list(children(place.element, "link"))
@@ -91,7 +124,7 @@ class SdfEditor:
             if value.key == "pose" and not part and entity is not None and entity.parent is None:
                 pose = entity.GetPose()
                 value.value = [*pose.pos, *GzQuaternToEuler(pose.rot)]
-        return found[:MOST_VALUES]
+        return (found if place.include is None else _included(found, place.include))[:MOST_VALUES]
 
     def _values(
         self, place: _Place, xml: etree._Element | None, about: Description, key: str, group: str, depth: int
@@ -138,7 +171,7 @@ class SdfEditor:
         )  # fmt: skip
 
     def edit(self, entity: Entity | None, part: str, kind: str, key: str, value: Any) -> Entity | None:
-        """Change a value of a model, which is built again at its pose, at rest; or of the world.
+        """Change a value of a model, which is built again and moves on as it did; or of the world.
 
         Raises:
             NotFoundError: there is no such value.
@@ -147,20 +180,45 @@ class SdfEditor:
         place = self._place(entity, part, kind)
         about = _about(place.about, key)
         text = _text(about, key, value)
+        if place.include is not None:
+            if not place.include.sets(key):
+                owner = part or (entity.GetId() if entity is not None else "")
+                raise ParameterError(f"{key} of {owner!r} cannot be edited here: {place.include.reason}")
+            place, key = place._replace(text=place.include.text, element=place.include.element), key.removeprefix("@")
         if entity is None:
-            self._take(place, self._edited(place, key, text))
+            self._take(place.source, self._edited(place, key, text))
             self._apply_world()
             return None
         if key == "pose" and not part and entity.parent is None:
             numbers = numbers_of(value, 6, 6)
             pose = GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:]))
-            self._take(place, place.text.changed(place.text.pose(place.element, text)))
+            self._take(place.source, place.text.changed(place.text.pose(place.element, text)))
             self._world.SetModelPose(entity, pose)
             entity.initPose = pose
             return entity
-        if key == "@name" and not part:
+        if key.removeprefix("@") == "name" and not part:
             self._check_name(entity, text)
-        return self._rebuild(entity, place, self._edited(place, key, text))
+        return self._rebuild(entity, place.source, self._edited(place, key, text))
+
+    def embed(self, entity: Entity) -> Entity:
+        """Write what an `<include>` includes in its place, so that all of it can be edited; the entity then.
+
+        Raises:
+            NotFoundError: it is not in the text.
+            ParameterError: it is not included, or it would mean something else in the version of the file.
+        """
+        place = self._place(entity, "", "")
+        if place.include is None:
+            raise ParameterError(f"{entity.GetId()!r} is in {place.text.label} already")
+        text, element, built, _ = place.include
+        version = (text.root.get("version") or "").strip()
+        copy = suited(upgraded(built, Path(text.label).parent), version)
+        if version < NEWEST and copy.ToString() != upgraded(_read_as(copy, version)).ToString():
+            raise ParameterError(
+                f"{built.file} is of a later version than SDF {version}, in which it would mean something else; "
+                f"convert {text.label} with `libgz upgrade` first"
+            )
+        return self._rebuild(entity, place.source, text.changed(text.exchange(element, copy)))
 
     def copy_text(self, entity: Entity) -> str:
         """The SDF of an entity under a name that no other one has, at its present pose."""
@@ -193,17 +251,26 @@ class SdfEditor:
             if local_name(text.holder) != "world":
                 raise NotFoundError(f"{text.label} has no <world>, so its settings cannot be edited")
             return _Place(WORLD_FILE, text, text.holder, self._blocks(text)["world"])
-        top, path = _top(entity), _path(entity)
-        source = top.origin.source if top.origin is not None else None
+        include, source = None, entity.origin.source if entity.origin is not None else None
         if source is None:
             raise NotFoundError(f"{entity.GetId()!r} was made by code, not from a file; it cannot be edited")
         text = self._era.sdf_text() if not source.number else SdfText(source.text, source.label or "<inserted>")
-        element = text.find(path)
-        if element is None:
-            sdf = getattr(top, "sdf", None)
-            where = sdf.file if isinstance(sdf, Element) else ""
-            why = f"it is included from {where}" if where and where != text.label else "it is made by another element"
-            raise NotFoundError(f"{entity.GetId()!r} has no element of its own in {text.label}: {why}; edit it there")
+        self._blocks(text)
+        element, path = text.holder, self._path(entity)
+        for number, built in enumerate(path):
+            step = built.name, built.Get(str, "name")
+            found = text.find([step], element)
+            if found is None:
+                found = text.include(built, element)
+                if found is None:
+                    why = "it is made by another element, or included in a way that is not clear"
+                    raise NotFoundError(f"{entity.GetId()!r} has no element of its own in {text.label}: {why}")
+                include = _Include(text, found, built, number == len(path) - 1 and not part)
+                text = SdfText(f"<sdf version='{NEWEST}'>{upgraded(built).ToString()}</sdf>".encode(), built.file)
+                found = text.find([step])
+            if found is None:
+                raise NotFoundError(f"{entity.GetId()!r} has no element in {text.label}")
+            element = found
         about = self._blocks(text)[local_name(element)]
         for step in _parts(element, part, kind):
             below = next((one for one in children(element, step[0]) if one.get("name") == step[1]), None)
@@ -211,7 +278,16 @@ class SdfEditor:
                 names = [str(one.get("name")) for one in children(element, step[0])]
                 raise NotFoundError(f"{entity.GetId()!r} has no {step[0]} {step[1]!r}{nearest(step[1], names)}")
             element, about = below, about.children[step[0]]
-        return _Place(source, text, element, about)
+        return _Place(source, text, element, about, include)
+
+    def _path(self, entity: Entity) -> list[Element]:
+        """The elements from that of the entity at the top to its own, as the text is now."""
+        element = self._era.element_of(entity.origin) if entity.origin is not None else None
+        found: list[Element] = []
+        while element is not None and element.name in BUILT:
+            found.insert(0, element)
+            element = element.parent
+        return found
 
     @staticmethod
     def _blocks(text: SdfText) -> Any:
@@ -236,13 +312,13 @@ class SdfEditor:
             element = found
         return place.text.changed(place.text.value(element, left, text))
 
-    def _take(self, place: _Place, text: bytes) -> Source:
+    def _take(self, source: Source, text: bytes) -> Source:
         """Take an edited text; its source in the journal."""
         self._world.forget_states()
-        if not place.source.number:
+        if not source.number:
             self._era.set_text(text)
-            return place.source
-        return self._era.exchange_insertion(place.source, text)
+            return source
+        return self._era.exchange_insertion(source, text)
 
     # Building again --------------------------------------------------------------------------------------------------
 
@@ -256,24 +332,20 @@ class SdfEditor:
         self._era.apply_again(diagnostics)
         diagnostics.raise_errors()
 
-    def _rebuild(self, entity: Entity, place: _Place, text: bytes) -> Entity:
+    def _rebuild(self, entity: Entity, source: Source, text: bytes) -> Entity:
         """Take an edited text, and build the entity at the top again."""
         top, world = _top(entity), self._world
         family = [one for one in world.entities if _top(one) is top]
         nested = family.index(entity)
-        pose, home, moved = top.GetPose(), top.initPose, _differs(top.GetPose(), top.initPose)
-        source = self._take(place, text)
+        home, motion = top.initPose, ModelMotion(top) if isinstance(top, SdfModel) else None
+        source = self._take(source, text)
         with world.hold():
             new = self._era.build_again(top, source)
-            if moved:
-                world.SetModelPose(new, pose)
+            if motion is not None and motion.begun and isinstance(new, SdfModel):
+                motion.carry(new)
             new.initPose = home
         again = [one for one in world.entities if _top(one) is new]
         return again[nested] if nested < len(again) else new
-
-
-def _differs(one: GzPose, other: GzPose) -> bool:
-    return any(abs(a - b) > 0.0 for a, b in zip((*one.pos, *one.rot), (*other.pos, *other.rot), strict=True))
 
 
 def _top(entity: Entity) -> Entity:
@@ -282,14 +354,22 @@ def _top(entity: Entity) -> Entity:
     return entity
 
 
-def _path(entity: Entity) -> list[Step]:
-    """The path of an entity's element from the world on."""
-    steps: list[Step] = []
-    element = getattr(entity, "sdf", None)
-    while isinstance(element, Element) and element.name in BUILT:
-        steps.insert(0, (element.name, element.Get(str, "name")))
-        element = element.parent
-    return steps or [("model", entity.GetId())]
+def _included(values: list[Value], include: _Include) -> list[Value]:
+    """The values of what is included, and first where that is."""
+    file, place = include.built.file, include.text
+    for value in values:
+        if include.sets(value.key):
+            given = next(children(include.element, value.key.removeprefix("@")), None)
+            line = (include.element if given is None else given).sourceline
+            value.file, value.line = place.label, line if isinstance(line, int) else 0
+        else:
+            value.file, value.line, value.reason = file, 0, include.reason
+    return [Value("include", "file", "Included", "include", file, file, file=file, reason=include.reason), *values]
+
+
+def _read_as(element: Element, version: str) -> Element:
+    """An element as a document of another version has it."""
+    return SdfFile.from_string(f"<sdf version='{version}'>{element.ToString()}</sdf>").root.children[0]
 
 
 def _parts(element: etree._Element, part: str, kind: str) -> Iterator[Step]:

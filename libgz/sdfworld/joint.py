@@ -341,6 +341,12 @@ class SdfJoint:
         self._check_index(index)
         return self._mechanism.position(index)
 
+    def count_from(self, position: float, index: int = 0) -> None:
+        """Count turns of an axis from a position on [rad]."""
+        self._check_index(index)
+        if self._mechanism is not None:
+            self._mechanism.count_from(position, index)
+
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; 0 for a ball or fixed joint."""
         self.release_deleted()

@@ -251,6 +251,11 @@ class SdfModel(Entity):
         """The element of a link that `create_link` made."""
         return self._added[name]
 
+    @property
+    def start(self) -> GzPose:
+        """The global pose where it was built [m]; not to be changed."""
+        return self._start
+
     def first_place(self, body: Body) -> GzPose:
         """The pose in the model frame that a reset restores [m]."""
         return next((place for link, place, _ in self._places if link is body), GzPose())

@@ -9,7 +9,8 @@ from lxml import etree
 
 from libgz.base.errors import ParameterError, WorldFileError
 from libgz.base.files import xml_attribute, xml_parser, xml_text
-from libgz.sdf.xml import local_name
+from libgz.sdf.element import Element
+from libgz.sdf.xml import line_of, local_name
 from libgz.worldfile.source import (
     Edit,
     Span,
@@ -57,10 +58,10 @@ class SdfText:
         """The element that holds the models: the first `<world>`, or the root."""
         return next(children(self.root, "world"), self.root)
 
-    @property
-    def indent(self) -> str:
-        """The blanks in front of what is in the world."""
-        return (indent_of(self.source, self._span(self.holder)) or b"\n  ").decode(errors="replace").rpartition("\n")[2]
+    def indent_in(self, element: etree._Element | None = None) -> str:
+        """The blanks in front of what is in an element; by default in the world."""
+        span = self._span(self.holder if element is None else element)
+        return (indent_of(self.source, span) or b"\n  ").decode(errors="replace").rpartition("\n")[2]
 
     def find(self, path: Sequence[Step], start: etree._Element | None = None) -> etree._Element | None:
         """The first element at the end of a path; None if there is none."""
@@ -70,15 +71,20 @@ class SdfText:
                 found = next((one for one in children(found, tag) if not name or one.get("name") == name), None)
         return found
 
-    def include(self, name: str) -> etree._Element | None:
-        """The `<include>` of a model or light by the name that the world has for it; None if that is not clear."""
-        for one in children(self.holder, "include"):
-            given = next(children(one, "name"), None)
-            uri = next(children(one, "uri"), None)
-            last = ((uri.text if uri is not None else one.get("filename")) or "").strip().rstrip("/").rpartition("/")[2]
-            if ((given.text or "").strip() if given is not None else last) == name:
-                return one
-        return None
+    def include(self, built: Element, holder: etree._Element | None = None) -> etree._Element | None:
+        """The `<include>` in a world or model that an element was read of; None if that is not clear.
+
+        Args:
+            built: the included model, light or actor.
+            holder: the world's element by default.
+        """
+        found = list(children(self.holder if holder is None else holder, "include"))
+        place = built.include
+        if place is None or place.file != self.label:
+            return None
+        there = [one for one in found if line_of(one) == place.line]
+        named = [one for one in there if _name_of(one) == built.Get(str, "name")]
+        return named[0] if named else there[0] if len(there) == 1 else None
 
     # Each of these returns a change, for `changed`.
 
@@ -128,6 +134,11 @@ class SdfText:
         span = self._span(element)
         return len(self.source[: span.start].rstrip(b" \t\r\n")), span.after, b""
 
+    def exchange(self, element: etree._Element, built: Element) -> Edit:
+        """The exchange of an element for another one."""
+        around, span = element.getparent(), self._span(element)
+        return span.start, span.after, _encoded(built.ToString(self.indent_in(around)).strip())
+
     def addition(self, elements: Sequence[str]) -> Edit:
         """The addition of elements at the end of the world."""
         span = self._span(self.holder)
@@ -159,8 +170,10 @@ def _encoded(text: str) -> bytes:
     return text.encode("ascii", "xmlcharrefreplace")
 
 
-def _refused(label: str, line: int | None, why: str) -> WorldFileError:
-    return WorldFileError(f"{label}:{line or 1}: {why}; a file with this cannot be edited")
+def _name_of(include: etree._Element) -> str:
+    """The name that an include gives to what it includes; empty if it gives none."""
+    given = next(children(include, "name"), None)
+    return (given.text or "").strip() if given is not None else ""
 
 
 def children(element: etree._Element, tag: str) -> Iterator[etree._Element]:

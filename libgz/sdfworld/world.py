@@ -18,7 +18,7 @@ from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
-from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdf.upgrade import NEWEST, suited, upgraded
 from libgz.sdf.value import exact_pose
 from libgz.sdf.xacro.expansion import SUFFIX
 from libgz.sdf.xml import ROOTS, local_name
@@ -356,6 +356,11 @@ class SdfWorld(Era):
         """The text of the world's file, with what was edited since it was read."""
         return self.file.text if self.file is not None else b""
 
+    def element_of(self, origin: Origin) -> Element:
+        """What an entity would be built of, as its document is now."""
+        top, member = divmod(origin.place, FAMILY)
+        return _family(self._document_of(origin.source).elements[top])[member]
+
     def sdf_text(self) -> SdfText:
         """The same, and its elements.
 
@@ -446,19 +451,19 @@ class SdfWorld(Era):
                 break
             name, entity = element.Get(str, "name"), present.get(number)
             found = text.find([(element.name, name)]) if element.file == text.label else None
-            found = text.include(name) if found is None else found
+            found = text.include(element) if found is None else found
             if found is None:
                 continue
             if entity is None:
                 edits.append(text.removal(found))
             elif not _same_pose(entity.GetPose(), model_pose(element)):
                 edits.append(text.pose(found, _written(entity.GetPose())))
-        inserted = []
+        inserted, version = [], self.file.version if self.file is not None else NEWEST
         for one in tops:
             if one.origin is not None and one.origin.source.number:
                 part = upgraded(self._document_of(one.origin.source).elements[one.origin.place // FAMILY])
                 (next(part.named("pose"), None) or part.AddElement("pose")).value.SetFromString(_written(one.GetPose()))
-                inserted.append(part.ToString(text.indent))
+                inserted.append(suited(part, version).ToString(text.indent_in()))
         return text.changed(*edits, *([text.addition(inserted)] if inserted else []))
 
     def save(self, world: World, whole: bool = False) -> int:

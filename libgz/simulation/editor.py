@@ -29,7 +29,7 @@ class Value:
 
     Attributes:
         key: by which `Editor.edit` knows it.
-        type: number, integer, vector, bool, choice, text or color.
+        type: number, integer, vector, bool, choice, text or color; or include, for the file that the others are in.
         value: at present: a number, a list of numbers, a bool or a text.
         text: as the file has it; empty if it is not given there, and has its default.
         low, high, above: limits in the file's unit; None for none. `above` itself is excluded.
@@ -75,6 +75,13 @@ class Editor(Protocol):
 
         Raises:
             GazeboError: the value is not allowed, or the edited text cannot be built.
+        """
+
+    def embed(self, entity: Entity) -> Entity:
+        """Write what the file of the world includes into it, so that all of it can be edited; the entity then.
+
+        Raises:
+            GazeboError: it is not included, or cannot be.
         """
 
     def copy_text(self, entity: Entity) -> str:

@@ -78,6 +78,7 @@ VERBS = frozenset(
         "align",
         "attributes",
         "edit",
+        "embed",
         "diff",
         "mesh",
         "probes",

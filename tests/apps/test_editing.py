@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import random
 
 import pytest
@@ -248,11 +249,150 @@ def test_wrong_edits_are_refused_and_change_nothing(ask, box, content):
     assert ask("history") == {"undo": [], "redo": []}
 
 
-def test_what_is_included_is_edited_where_it_is(ask):
-    if ask.world.sdf is None:
-        pytest.skip("worldfiles include nothing")
-    with pytest.raises(GazeboError, match=r"included from .*model\.sdf"):
-        ask("edit", name="ground_plane", key="static", value=False)
+MODEL = """<sdf version="{version}"><model name="stone"><link name="l">
+  <inertial><mass>3</mass></inertial>
+  <collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision>
+  <visual name="v"><geometry><mesh><uri>skin.stl</uri></mesh></geometry></visual>
+  <visual name="w"><pose>0 0 1 0 0 0</pose><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>
+  </link>
+  <link name="top"><pose>0 0 1 0 0 0</pose></link>
+  <joint name="turn" type="revolute"><pose>0 0 0 0 0 1</pose><parent>l</parent><child>top</child>
+    <axis><xyz>1 0 0</xyz>{axis}<limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+</model></sdf>
+"""
+INCLUDING = """<sdf version="{version}"><world name="w">
+  <include><uri>model://stone</uri></include>
+  <!-- the second -->
+  <include>
+    <uri>model://stone</uri>
+    <name>pebble</name>
+    <pose>5 0 0 0 0 0</pose>
+  </include>
+  <model name="pile">
+    <include><uri>model://stone</uri><name>inner</name><pose>0 9 0 0 0 0</pose></include>
+    <link name="own"/>
+  </model>
+</world></sdf>
+"""
+
+
+@pytest.fixture
+def including(tmp_path, monkeypatch):
+    """A function that opens a world with includes."""
+
+    @contextlib.contextmanager
+    def opened(version="1.6", model="1.6", axis=""):
+        folder = tmp_path / "models" / "stone"
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "model.config").write_text("<model><name>stone</name><sdf>model.sdf</sdf></model>")
+        (folder / "model.sdf").write_text(MODEL.format(version=model, axis=axis))
+        (folder / "skin.stl").write_text("solid a\nendsolid a\n")
+        monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path / "models"))
+        path = tmp_path / "my.world"
+        path.write_text(INCLUDING.format(version=version))
+        with libgz.World.from_file(path) as world:
+            world.paused = True
+            yield Asker(world)
+
+    return opened
+
+
+def test_an_include_sets_name_pose_and_static(including, tmp_path):
+    with including() as ask:
+        before = ask.world.get_state(), ask.world.era.text
+        assert (ask.value("pose", name="pebble")["line"], ask.value("static", name="pebble")["line"]) == (7, 4)
+        assert ask.value("include", name="pebble")["value"].endswith("stone/model.sdf")
+        ask("edit", name="pebble", key="pose", value=[1, 2, 3, 0, 0, 0.5])
+        ask("edit", name="pebble", key="static", value=True)
+        assert ask.world.model("pebble").static
+        assert not ask.world.model("stone").static
+        assert ask("edit", name="pebble", key="@name", value="rock")["name"] == "rock"
+        assert ask("edit", name="pile::inner", key="pose", value=[0, 3, 0, 0, 0, 0])["name"] == "pile::inner"
+        assert ask.world.model("pile::inner").GetPose().pos.y == 3
+        ask("write")
+        written = (tmp_path / "my.world").read_text()
+        for text in ("<name>rock</name>", "<static>true</static>", "<!-- the second -->", "<pose>0 3 0 0 0 0</pose>"):
+            assert text in written
+        assert written.count("<include>") == 3
+        while ask("undo") is not None:
+            pass
+        assert (ask.world.get_state(), ask.world.era.text) == before
+
+
+def test_what_an_include_cannot_set_says_where_it_is(including):
+    with including() as ask:
+        for content, key, value in (
+            ({"name": "pebble"}, "link[l]/inertial/mass", 5),
+            ({"name": "pebble", "part": "turn", "kind": "joint"}, "axis/limit/upper", 0.5),
+            ({"name": "pile::inner", "part": "l", "kind": "link"}, "inertial/mass", 5),
+        ):
+            part = {k: v for k, v in content.items() if k != "name"}
+            shown = key if part else "self_collide"
+            assert "libgz edit" in ask.value(shown, **content)["reason"]
+            with pytest.raises(GazeboError, match=r"is in .*stone/model\.sdf, which is included: copy it into"):
+                ask("edit", key=key, value=value, **content)
+        assert ask("history")["undo"] == []
+
+
+@pytest.mark.parametrize(
+    ("version", "model", "axis"),
+    [
+        ("1.6", "1.6", ""),
+        ("1.6", "1.6", "<use_parent_model_frame>1</use_parent_model_frame>"),
+        ("1.4", "1.4", ""),
+        ("1.7", "1.6", "<use_parent_model_frame>1</use_parent_model_frame>"),
+        ("1.9", "1.7", ""),
+        ("1.6", "1.9", ""),
+    ],
+)
+def test_an_included_model_is_copied_into_the_world_and_edited_there(including, tmp_path, version, model, axis):
+    with including(version, model, axis) as ask:
+        before = ask.world.get_state(), ask.world.era.text
+        joint = ask.world.model("pebble").sdf_joints["turn"]
+        axes = [*joint.axis(0)]
+        for name in ("pebble", "pile::inner"):
+            assert ask("embed", name=name) == {"name": name}
+            assert all(not row.get("reason") for row in ask("attributes", name=name))
+            with pytest.raises(GazeboError, match=r"is in .*my\.world already"):
+                ask("embed", name=name)
+        assert [*ask.world.model("pebble").sdf_joints["turn"].axis(0)] == pytest.approx(axes, abs=1e-12)
+        ask("edit", name="pebble", part="l", kind="link", key="inertial/mass", value=7)
+        assert [ask.world.body(name, "l").mass for name in ("stone", "pebble")] == [3, 7]
+        ask("write")
+        written = (tmp_path / "my.world").read_text()
+        assert (written.count("<include>"), written.count("<model name=")) == (1, 3)
+        assert str(tmp_path / "models/stone/skin.stl") in written
+        with libgz.World.from_file(tmp_path / "my.world") as again:
+            assert again.body("pebble", "l").mass == 7
+            assert [*again.model("pebble").sdf_joints["turn"].axis(0)] == pytest.approx(axes, abs=1e-9)
+        while ask("undo") is not None:
+            pass
+        assert (ask.world.get_state(), ask.world.era.text) == before
+
+
+def test_what_an_old_file_cannot_say_is_not_copied_into_it(including):
+    with including("1.4", "1.6") as ask:
+        before = ask.world.get_state(), ask.world.era.text
+        with pytest.raises(GazeboError, match=r"would mean something else; convert .*my\.world with `libgz upgrade`"):
+            ask("embed", name="pebble")
+        assert (ask.world.get_state(), ask.world.era.text) == before
+
+
+def test_the_file_of_a_model_is_edited_too(including, tmp_path):
+    with including():
+        pass
+    path = tmp_path / "models/stone/model.sdf"
+    with libgz.World.from_file(path) as world:
+        ask = Asker(world)
+        assert ask("attributes", name="") == []
+        ask("edit", name="stone", part="l", kind="link", key="inertial/mass", value=7)
+        assert ask("write") == str(path)
+    assert path.read_text() == MODEL.format(version="1.6", axis="").replace("<mass>3<", "<mass>7<")
+
+
+def test_worldfiles_include_nothing(ask, box):
+    with pytest.raises(GazeboError, match="include nothing" if ask.world.sdf is None else "already"):
+        ask("embed", name=box)
 
 
 def test_a_difference_is_shown_and_written_with_comments_kept(ask, box, tmp_path):
@@ -385,3 +525,57 @@ def test_a_world_whose_state_cannot_be_saved_is_edited_without_undo(tmp_path):
         ask("hold", "on", name="box1", pose=[0, 5, 3, 1, 0, 0, 0])
         assert ask.value("size", name="box1")["value"] == [2, 2, 2]
         assert ask("undo") is None
+
+
+def test_an_edited_model_moves_on_as_it_did(ask, box):
+    ask.world.paused = False
+    body = ask.world.model(box).GetBody()
+    ask.world.SetModelPose(ask.world.model(box), libgz.GzPose(libgz.GzVector(0, 5, 3)))
+    body.SetLinearVel((1, 0, 2))
+    body.SetAngularVel((0, 0.5, 0))
+    if ask.world.sdf is not None:
+        ask.world.body("arm", "beam").SetAngularVel((0, 2, 0))
+    else:
+        robot = ask.world.model("robot1")
+        ask.world.SetModelPose(robot, libgz.GzPose(libgz.GzVector(-5, 0, 4)))
+        robot.bodies[1].SetAngularVel((0, 30, 0))  # a wheel
+    ask.step(5)
+    key, _ = size(ask)
+    edited = [(box, {"key": key, "value": [2, 1.5, 1]})]
+    if ask.world.sdf is not None:
+        edited += [("arm", {"part": "beam", "kind": "link", "key": "inertial/mass", "value": 2})]
+    else:
+        edited += [("robot1", {"key": "gravity", "value": False})]
+    for name, content in edited:
+        before = motion(ask.world.model(name))
+        assert any(abs(number) > 0.4 for row in before for number in row[7:])
+        ask("edit", name=name, **content)
+        for one, other in zip(motion(ask.world.model(name)), before, strict=True):
+            assert one == pytest.approx(other, abs=1e-12)
+    ask.step(5)
+
+
+def motion(model):
+    """Poses and velocities of the bodies of a model."""
+    return [
+        [*body.GetPose().pos, *body.GetPose().rot, *body.GetLinearVel(), *body.GetAngularRate()]
+        for body in model.bodies
+    ]
+
+
+def test_an_edited_joint_keeps_its_turns_and_a_moved_link_its_place_in_the_model(tmp_path):
+    path = tmp_path / "my.world"
+    path.write_text(SDF.replace("<lower>-1</lower><upper>1</upper>", "<lower>-1e16</lower><upper>1e16</upper>"))
+    with libgz.World.from_file(path) as world:
+        ask = Asker(world)
+        joint = world.model("arm").sdf_joints["elbow"]
+        joint.set_position(9.0)
+        ask.step(2)
+        before = joint.position()
+        assert before > 8
+        ask("edit", name="arm", part="elbow", kind="joint", key="axis/dynamics/damping", value=0.5)
+        assert world.model("arm").sdf_joints["elbow"].position() == pytest.approx(before, abs=1e-9)
+        base = world.body("arm", "base").GetPose()
+        ask("edit", name="arm", part="base", kind="link", key="pose", value=[0, 0, 0.25, 0, 0, 0])
+        shift = [a - b for a, b in zip(world.body("arm", "base").GetPose().pos, base.pos, strict=True)]
+        assert math.hypot(*shift) == pytest.approx(0.25, abs=1e-6)

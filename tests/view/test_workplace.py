@@ -421,7 +421,7 @@ def test_links_joints_sensors_and_lights(opened):
 
 
 def test_attributes_are_edited_within_their_types_and_limits(opened):
-    page = opened("verbs=attributes edit")
+    page = opened("verbs=attributes edit embed")
     page.evaluate("world.select({entity: 6})")
     panel = page.locator("#inspector")
     mass = panel.get_by_label("mass")
@@ -445,6 +445,12 @@ def test_attributes_are_edited_within_their_types_and_limits(opened):
     plugin = panel.get_by_label("gravity")
     assert plugin.is_disabled()
     assert "set by the world" in plugin.locator("..").get_attribute("title")
+    page.evaluate("world.select({entity: 7})")
+    panel.get_by_text("/models/rover/model.sdf", exact=True).wait_for()
+    panel.get_by_text("libgz edit /models/rover/model.sdf").wait_for()
+    button(page, "Copy into this world").click()
+    panel.get_by_text("/models/rover/model.sdf", exact=True).wait_for(state="detached")
+    assert asked(page, "embed") == [["-", {"name": "rover"}]]
     page.evaluate("world.select({entity: 6, part: {kind: 'joint', name: 'shoulder'}})")
     until(page, "asked.some(one => one[0] === 'attributes' && one[2].part === 'shoulder' && one[2].kind === 'joint')")
 

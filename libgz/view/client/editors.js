@@ -12,7 +12,8 @@ import { short } from 'libgz/format.js';
  * @property {string} key
  * @property {string} label
  * @property {string} [group]
- * @property {'number' | 'integer' | 'vector' | 'bool' | 'choice' | 'text' | 'color'} type
+ * @property {'number' | 'integer' | 'vector' | 'bool' | 'choice' | 'text' | 'color' | 'include'} type `include`: the file
+ *   that the others are in
  * @property {any} value
  * @property {string} [unit]
  * @property {number} [low]
@@ -20,7 +21,6 @@ import { short } from 'libgz/format.js';
  * @property {string[]} [options]
  * @property {string} [help]
  * @property {boolean} [above] whether `low` itself is not allowed
- * @property {boolean} [readonly]
  * @property {string} [reason] why it cannot be changed
  * @property {string} [file] in which it is, and
  * @property {number} [line] where there; 0: it is not given
@@ -49,9 +49,29 @@ export async function editors(workplace, subject) {
     const title = attribute.group || 'Attributes';
     const rows = groups.get(title) ?? [];
     groups.set(title, rows);
-    rows.push(row(workplace, subject, attribute));
+    rows.push(...(attribute.type === 'include' ? included(workplace, subject, attribute) : [row(workplace, subject, attribute)]));
   }
   return [...groups].map(([title, rows]) => ({ title, rows }));
+}
+
+/**
+ * Where a model is from that the file of the world includes, and the offer to write it into that file.
+ *
+ * @param {import('libgz/workplace.js').Workplace} workplace
+ * @param {Subject} subject
+ * @param {Attribute} attribute
+ */
+function included(workplace, subject, { value }) {
+  const { store } = workplace;
+  const copy = async () => {
+    const answer = await workplace.ask('embed', '-', { name: subject.name });
+    if (answer) workplace.inspector.build();
+  };
+  return [
+    element('p', { class: 'note' }, 'From ', element('code', { text: String(value) }), '. The world sets its name, its pose, and whether it is static; all else is in that file.'),
+    store.abilities.has('embed') && element('button', { type: 'button', class: 'text', text: 'Copy into this world', title: 'Write the model into the file of the world in the place of the include, so that all of it can be edited here', on: { click: copy } }),
+    element('p', { class: 'note' }, 'Or edit the file itself: ', element('code', { text: `libgz edit ${value}` })),
+  ].filter((made) => made instanceof HTMLElement);
 }
 
 /**
@@ -62,7 +82,7 @@ export async function editors(workplace, subject) {
 function row(workplace, subject, attribute) {
   const id = newId('attribute');
   const { label, unit, low, high, above, help, file, line } = attribute;
-  const editable = workplace.store.abilities.has('edit') && !attribute.readonly;
+  const editable = workplace.store.abilities.has('edit') && !attribute.reason;
   const limits = [low !== undefined && `${above ? 'more than' : 'at least'} ${short(low)}`, high !== undefined && `at most ${short(high)}`].filter(Boolean).join(', ');
   /** @param {unknown} value */
   const send = async (value) => {

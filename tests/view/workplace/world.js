@@ -179,14 +179,18 @@ class World extends EventTarget {
       parts: () => (argument === 'robot1' ? [{ key: 'ptz1/pan', kind: 'slider', label: 'ptz1 pan', value: 0, low: -1.5, high: 1.5, unit: 'rad' }, { key: 'gripper1/1', kind: 'button', label: 'gripper1: open' }, { key: 'gripper1/2', kind: 'button', label: 'gripper1: close' }] : []),
       fields: () => (argument === 'robot1' ? [{ key: 'position.robot1.pos[0]', label: 'pos[0]', unit: 'm', value: 0 }, { key: 'position.robot1.stall', label: 'stall', unit: '', value: 0 }] : []),
       attributes: () => [
+        ...(content.name === 'rover' && !asked.some(([asked]) => asked === 'embed')
+          ? [{ key: 'include', label: 'file', group: 'Included', type: 'include', value: '/models/rover/model.sdf', reason: 'included' }]
+          : []),
         { key: 'mass', label: 'mass', group: 'Inertia', type: 'number', value: 2, unit: 'kg', low: 0, above: true, help: 'Mass of the link', file: 'a.world', line: 12 },
         { key: 'size', label: 'size', group: 'Shape', type: 'vector', value: [1, 2, 3], unit: 'm', low: 0 },
         { key: 'color', label: 'colour', group: 'Shape', type: 'color', value: [1, 0.5, 0, 1] },
         { key: 'static', label: 'static', group: 'Attributes', type: 'bool', value: false },
         { key: 'kind', label: 'kind', group: 'Attributes', type: 'choice', value: 'b', options: ['a', 'b'] },
         { key: 'name', label: 'name', group: 'Attributes', type: 'text', value: 'arm' },
-        { key: 'gravity', label: 'gravity', group: 'Attributes', type: 'bool', value: true, readonly: true, reason: 'set by the world' },
+        { key: 'gravity', label: 'gravity', group: 'Attributes', type: 'bool', value: true, reason: 'set by the world' },
       ],
+      embed: () => ({ name: content.name }),
       edit: () => ({ value: content.value, name: content.name }),
       undo: () => ({ text: 'move arm', undo: 0, redo: 1 }),
       diff: () => '--- a.world\n+++ a.world\n@@ -4,3 +4,3 @@\n <id>robot1</id>\n-<xyz>0 0 0</xyz>\n+<xyz>1 0 0.2</xyz>',

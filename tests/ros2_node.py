@@ -6,8 +6,10 @@ import sys
 import time
 
 import rclpy
+from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from trajectory_msgs.msg import JointTrajectoryPoint
 
 PATIENCE = 30.0  # [s]
 
@@ -80,8 +82,10 @@ class Tester:
     def clear(self, topic):
         self.heard[topic].clear()
 
-    def publish(self, topic, kind, values, times=20):
-        publisher = self.node.create_publisher(find(kind), topic, 10)
+    def publish(self, topic, kind, values, times=20, latched=False):
+        quality = QoSProfile(depth=10)
+        quality.durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
+        publisher = self.node.create_publisher(find(kind), topic, quality)
         found = self.spin(lambda: publisher.get_subscription_count() > 0)
         for _ in range(times if found else 0):
             publisher.publish(fill(find(kind)(), values))
@@ -95,6 +99,31 @@ class Tester:
         future = client.call_async(fill(find(kind).Request(), values))
         self.spin(future.done)
         return plain(future.result()) if future.done() else None
+
+    def follow(self, action, joints, positions, seconds, cancel=False):
+        """Send a trajectory of one point to an action: whether it was accepted, its status, code, and feedback."""
+        kind = find("control_msgs/action/FollowJointTrajectory")
+        client = ActionClient(self.node, kind, action)
+        if not self.spin(client.server_is_ready):
+            return None
+        goal = kind.Goal()
+        goal.trajectory.joint_names = joints
+        point = JointTrajectoryPoint(positions=positions)
+        point.time_from_start.sec, point.time_from_start.nanosec = int(seconds), round(seconds % 1 * 1e9)
+        goal.trajectory.points = [point]
+        feedback = []
+        sent = client.send_goal_async(goal, feedback_callback=feedback.append)
+        self.spin(sent.done)
+        handle = sent.result()
+        if not handle.accepted:
+            return [False, 0, 0, 0]
+        if cancel:
+            asked = handle.cancel_goal_async()
+            self.spin(asked.done)
+        result = handle.get_result_async()
+        self.spin(result.done)
+        found = result.result()
+        return [True, found.status, found.result.error_code, len(feedback)]
 
     def graph(self):
         """Nodes, topics and services."""

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from libgz.base.errors import LibraryError, NotFoundError
@@ -34,8 +34,12 @@ WHEELS = (
 )
 TOOLS = ("catkin_pkg", "empy<4", "lark")  # of the generators
 
-# Types whose packages have no wheels, beside those of SERVICES2.
+# Types and actions whose packages have no wheels, beside those of SERVICES2.
+ACTIONS = ("control_msgs/FollowJointTrajectory", "control_msgs/GripperCommand")
 TYPES = (
+    "control_msgs/DynamicJointState",
+    "control_msgs/JointTrajectoryControllerState",
+    "control_msgs/QueryTrajectoryState",
     "gazebo_msgs/ContactsState",
     "gazebo_msgs/LinkStates",
     "gazebo_msgs/ModelStates",
@@ -49,20 +53,26 @@ def definitions() -> dict[str, str]:
     """Paths of definitions, such as gazebo_msgs/srv/SpawnEntity.srv -> their texts in ROS 2."""
     found: dict[str, str] = {}
     built = {name.partition("/")[0] for name in TYPES}
+    needed: list[MessageType] = []
+    for name in ACTIONS:
+        package, _, base = name.partition("/")
+        parts = [message_type(f"{name}_{part}", 2) for part in ("Goal", "Result", "Feedback")]
+        found[f"{package}/action/{base}.action"] = "---\n".join(_text(part) for part in parts)
+        needed += (inner for part in parts for inner in part.parts)
     for name in (*TYPES, *SERVICES2.values()):
         package, _, base = name.partition("/")
         if package not in built:
             continue
         try:
-            kinds: Iterable[MessageType] = (message_type(name, 2),)
+            needed.append(message_type(name, 2))
         except NotFoundError:
             service = service_type(name, 2)
             found[f"{package}/srv/{base}.srv"] = f"{_text(service.request)}---\n{_text(service.response)}"
-            kinds = (*service.request.parts, *service.response.parts)
-        for kind in (part for one in kinds for part in (one, *one.parts)):
-            owner, _, own = kind.name.partition("/")
-            if owner in built:
-                found[f"{owner}/msg/{own}.msg"] = _text(kind)
+            needed += (*service.request.parts, *service.response.parts)
+    for kind in (part for one in needed for part in (one, *one.parts)):
+        owner, _, own = kind.name.partition("/")
+        if owner in built:
+            found[f"{owner}/msg/{own}.msg"] = _text(kind)
     return found
 
 

@@ -9,18 +9,22 @@ import socket
 import struct
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 from unittest.mock import MagicMock
 
 import pytest
+from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, WHEEL, wagon
 from ros_bridge import ANSWER, DECLARE, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
 from ros_peers import read_exactly, wait_for, within
 from ros_types import JAZZY
 
 from libgz import World
-from libgz.base.errors import LibraryError, NotFoundError
+from libgz.base.errors import LibraryError, NotFoundError, ParameterError
 from libgz.classic.server import attach
 from libgz.ros import bridged, session
+from libgz.ros.control.drive import DiffDrive
+from libgz.ros.control.hardware import VELOCITY
 from libgz.ros.control.ros2 import read_parameters
 from libgz.ros.environment import find_python
 from libgz.ros.packing import Codec, read_schema
@@ -375,30 +379,8 @@ def test_plugins_have_nodes_names_and_qualities_of_ros2(start, graph):
     assert server.call("/demo/get_entity_state", "gazebo_msgs/GetEntityState", name="robot").success
 
 
-ARM = """<sdf version='1.6'><world name='default'><gravity>0 0 0</gravity><model name='arm'>
-  <link name='base'/><link name='tip'><inertial><mass>1</mass></inertial></link>
-  <joint name='fix' type='fixed'><parent>world</parent><child>base</child></joint>
-  <joint name='elbow' type='revolute'><parent>base</parent><child>tip</child><axis><xyz>0 0 1</xyz>
-    <limit><lower>-3</lower><upper>3</upper></limit></axis></joint>
-  <plugin name='control' filename='libgazebo_ros2_control.so'><parameters>{file}</parameters></plugin>
-  </model></world></sdf>"""
-ROBOT = """<robot name='arm'><joint name='elbow' type='revolute'><limit lower='-3' upper='3' effort='50' velocity='10'/>
-  </joint><ros2_control name='sim' type='system'><joint name='elbow'><command_interface name='position'/>
-  <command_interface name='velocity'/><state_interface name='position'/></joint></ros2_control></robot>"""
-CONTROL = """
-controller_manager:
-  ros__parameters:
-    update_rate: 200
-    states: {type: joint_state_broadcaster/JointStateBroadcaster}
-    mover: {type: forward_command_controller/ForwardCommandController}
-    follower: {type: joint_trajectory_controller/JointTrajectoryController}
-mover: {ros__parameters: {joints: [elbow], interface_name: velocity}}
-follower: {ros__parameters: {joints: [elbow], command_interfaces: [position], state_interfaces: [position]}}
-"""
-
-
-def describe_robot(server, graph):
-    text = message_type("std_msgs/String")(data=ROBOT)
+def describe_robot(server, graph, robot=ROBOT):
+    text = message_type("std_msgs/String")(data=robot)
     body = cdr(text.kind, fields("std_msgs/String", "msg")[0]).pack(text)
     assert wait_for(lambda: graph.declared.get("/robot_description"))["qos"]["durability"] == "transient_local"
     graph.publish("/robot_description", body)
@@ -467,10 +449,6 @@ def test_controllers_start_by_themselves_where_nobody_could_start_them(start, gr
     describe_robot(server, graph)
     assert server.topic("/joint_states").name == ["elbow"]
     assert "/mover/commands" in graph.declared
-
-
-ROUND = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
-WHEEL = f"<collision name='c'><geometry>{ROUND}</geometry></collision>"
 
 
 def part(name, place, parent, axis, inside=WHEEL):
@@ -581,3 +559,54 @@ def test_a_legacy_world_is_served_in_ros2(start, graph):
     assert state.success
     assert not server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name="nobody").success
     assert server.call("/delete_entity", "gazebo_msgs/DeleteEntity", name="robot").success
+
+
+def test_a_diff_drive_controller_drives_within_its_limits(start, graph, tmp_path):
+    graph.refused.add("controller_manager_msgs")
+    (tmp_path / "drive.yaml").write_text(DRIVE)
+    server = start(wagon(tmp_path / "drive.yaml"))
+    describe_robot(server, graph, WAGON)
+    assert server.topic("/states/joint_states").name == ["right"]
+    dynamic = server.topic("/states/dynamic_joint_states")
+    assert dynamic.interface_values[0].interface_names == ["position", "velocity", "effort"]
+    kind = message_type("geometry_msgs/TwistStamped")
+    command = kind()
+    command.twist.linear.x, command.twist.angular.z = 2.0, 0.5
+    body = cdr(kind, fields(kind.name, "msg")[0]).pack(command)
+    speeds = []
+    begin = server.core.GetSimTime()
+    while server.core.GetSimTime() < begin + 1.5:
+        graph.publish("/drive/cmd_vel", body)
+        speeds.append(server.topic("/drive/cmd_vel_out").twist.linear.x)
+    assert all(after - before < 0.1 for before, after in pairwise(speeds))
+    assert speeds[-1] == pytest.approx(0.5)
+    wagon_model = attach(server.core).world.ModelByName("wagon")
+    odometry, pose = server.topic("/drive/odom"), wagon_model.WorldPose()
+    assert odometry.twist.twist.linear.x == pytest.approx(0.5, abs=0.03)
+    assert odometry.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
+    at = odometry.pose.pose.position
+    assert (at.x, at.y) == (pytest.approx(pose.Pos().X(), abs=0.02), pytest.approx(pose.Pos().Y(), abs=0.02))
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
+    assert odometry.pose.covariance[:8].tolist() == [0.1, 0, 0, 0, 0, 0, 0, 0.2]
+    assert server.topic("/tf").transforms[0].child_frame_id == "base_link"
+    wait_for(lambda: abs(wagon_model.WorldLinearVel().X()) < 0.01, server.core.Step)  # commands are too old
+
+
+GOOD = {"left_wheel_names": ["left"], "right_wheel_names": ["right"], "wheel_separation": 0.4, "wheel_radius": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        ({"right_wheel_names": None}, "its joints are None"),
+        ({"right_wheel_names": ["right", "left"]}, "there are 1 left wheels, 2 right"),
+        ({"wheel_radius": 0.0}, "wheel_separation and wheel_radius must be given and positive"),
+        ({"wheel_radius": "wide"}, "wheel_radius is 'wide'; it must be a number"),
+        ({"linear": {"x": {"has_jerk_limits": True}}}, "min_jerk and max_jerk are -?nan and nan: no limits"),
+        ({"angular": {"z": {"has_velocity_limits": True, "max_velocity": -1.0}}}, "are 1 and -1: no limits"),
+        ({"pose_covariance_diagonal": [1.0]}, "it must have six numbers"),
+    ],
+)
+def test_a_diff_drive_controller_says_which_parameter_is_wrong(wrong, why):
+    with pytest.raises(ParameterError, match=why):
+        DiffDrive("/drive", GOOD | wrong, MagicMock(), MagicMock(), lambda: 0.0, VELOCITY)

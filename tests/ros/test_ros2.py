@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, wagon
 from ros_peers import wait_for
 
 HERE = Path(__file__).parent
@@ -181,6 +182,39 @@ def test_qualities_of_service_match_as_declared(serve, best_effort, latched, exp
     quality = {"best_effort": best_effort, "latched": latched, "patience": 20.0 if expected else 4.0}
     found = node.first(topic="/bot/scan", kind="sensor_msgs/msg/LaserScan", **quality)
     assert (found is not None) == expected
+
+
+@pytest.mark.trial
+def test_a_client_of_actions_moves_an_arm(serve, tmp_path):
+    (tmp_path / "arm.yaml").write_text(CONTROL.replace("{type: forward", "{off: forward"))
+    (tmp_path / "arm.world").write_text(ARM.format(file=tmp_path / "arm.yaml"))
+    node = serve(tmp_path / "arm.world")
+    assert node.publish(topic="/robot_description", kind="std_msgs/msg/String", values={"data": ROBOT}, latched=True)
+    follow = {"action": "/follower/follow_joint_trajectory", "joints": ["elbow"]}
+    accepted, status, code, feedback = node.follow(**follow, positions=[1.0], seconds=0.5)
+    assert (accepted, status, code) == (True, 4, 0)  # succeeded
+    assert feedback > 5
+    assert node.follow(**follow, positions=[2.0], seconds=60.0, cancel=True)[:2] == [True, 5]  # cancelled
+    assert node.follow(**{**follow, "joints": ["knee"]}, positions=[2.0], seconds=1.0)[0] is False
+    state = node.first(topic="/follower/controller_state", kind="control_msgs/msg/JointTrajectoryControllerState")
+    assert state["reference"]["positions"][0] == pytest.approx(1.0, abs=0.2)
+    found = node.call(service="/follower/query_state", kind="control_msgs/srv/QueryTrajectoryState", values={})
+    assert (found["success"], found["name"]) == (True, ["elbow"])
+    assert node.first(topic="/joint_states", kind="sensor_msgs/msg/JointState")["name"] == ["elbow"]
+
+
+@pytest.mark.trial
+def test_a_diff_drive_controller_drives(serve, tmp_path):
+    (tmp_path / "drive.yaml").write_text(DRIVE)
+    (tmp_path / "drive.world").write_text(wagon(tmp_path / "drive.yaml"))
+    node = serve(tmp_path / "drive.world")
+    assert node.publish(topic="/robot_description", kind="std_msgs/msg/String", values={"data": WAGON}, latched=True)
+    values = {"twist": {"linear": {"x": 0.4}}}
+    assert node.publish(topic="/drive/cmd_vel", kind="geometry_msgs/msg/TwistStamped", values=values, times=100)
+    odometry = node.first(topic="/drive/odom", kind="nav_msgs/msg/Odometry")
+    assert odometry["pose"]["pose"]["position"]["x"] > 0.3
+    assert node.first(topic="/tf", kind="tf2_msgs/msg/TFMessage")["transforms"][0]["child_frame_id"] == "base_link"
+    assert node.first(topic="/states/dynamic_joint_states", kind="control_msgs/msg/DynamicJointState") is not None
 
 
 @pytest.mark.trial

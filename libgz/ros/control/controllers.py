@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from libgz.base.errors import ParameterError
-from libgz.ros.control.action import ActionServer, ActionServer2, Goal
+from libgz.ros.control.action import ActionServer, Goal, serve_action
 from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
 from libgz.ros.control.pid import RosPid, number_of
 from libgz.ros.control.trajectory import Trajectory
@@ -18,6 +18,7 @@ __all__ = ["CONTROLLERS", "Controller"]
 
 ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3  # of actionlib_msgs/GoalStatus
 COMMANDS = {1: "command", 2: "commands"}  # topics in ROS 1 and 2
+TRAJECTORIES = {1: ("command", "state", 1), 2: ("joint_trajectory", "controller_state", 10)}  # and the depth of states
 INTERFACES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
 
 
@@ -37,7 +38,7 @@ class Controller:
     """
 
     joints: Sequence[SimJoint] = ()
-    listening: Sequence[Subscription | Service | ActionServer | ActionServer2] = ()
+    listening: Sequence[Subscription | Service | ActionServer] = ()
 
     def __init__(
         self,
@@ -105,7 +106,18 @@ class Controller:
 
 
 class JointStates(Controller):
-    """Publishes the states of all joints."""
+    """Publishes the states of all joints.
+
+    Attributes:
+        space: the namespace of the topic: that of the controller.
+    """
+
+    space = ""
+
+    @property
+    def reported(self) -> list[SimJoint]:
+        """The joints whose states are published."""
+        return list(self.hardware.joints.values())
 
     def load(self) -> None:
         """Advertise."""
@@ -113,14 +125,14 @@ class JointStates(Controller):
         if not rate > 0.0:
             raise ParameterError(f"controller {self.name}: parameter publish_rate is missing or not positive")
         self._ticks = Ticks(rate)
-        space = self.name.rpartition("/")[0]
-        self._publication = self.session.publish(f"{space}/joint_states", "sensor_msgs/JointState", 4)
+        self.space = self.space or self.name.rpartition("/")[0]
+        self._publication = self.session.publish(f"{self.space}/joint_states", "sensor_msgs/JointState", 4)
 
     def update(self, elapsed: float) -> None:
         """Publish, if it is time."""
         if not self._ticks.due(self.now()) or not self._publication.listened:
             return
-        joints = list(self.hardware.joints.values())
+        joints = self.reported
         message = self._publication.kind(name=[joint.name for joint in joints])
         set_stamp(message.header.stamp, self.now())
         message.position = [joint.position for joint in joints]
@@ -273,30 +285,21 @@ class JointTrajectories(Follower):
         constraints = self.values.get("constraints")
         self._constraints: Mapping[str, Any] = constraints if isinstance(constraints, Mapping) else {}
         self._trajectory: Trajectory | None = None
-        self._goal: Goal | None = None
         self._ticks = Ticks(number_of(self.values, "state_publish_rate", 50.0, self.name))
-        self.open()
-
-    def open(self) -> None:
-        """Subscribe and serve."""
-        kind = "control_msgs/JointTrajectoryControllerState"
-        self._states = self.session.publish(f"{self.name}/state", kind, 1)
-        self._action: ActionServer | ActionServer2 = ActionServer(
-            self.session,
-            f"{self.name}/follow_joint_trajectory",
+        session, name = self.session, self.name
+        self._action = serve_action(
+            session,
+            f"{name}/follow_joint_trajectory",
             "control_msgs/FollowJointTrajectory",
             self.now,
             self._on_goal,
             self._on_cancel,
         )
-        self._service = self.session.serve(
-            f"{self.name}/query_state", "control_msgs/QueryTrajectoryState", self._on_query
-        )
-        self.listening = [
-            self.session.subscribe(f"{self.name}/command", "trajectory_msgs/JointTrajectory", self._on_command),
-            self._service,
-            self._action,
-        ]
+        self._topic, states, depth = TRAJECTORIES[session.version]
+        self._states = session.publish(f"{name}/{states}", "control_msgs/JointTrajectoryControllerState", depth)
+        self._service = session.serve(f"{name}/query_state", "control_msgs/QueryTrajectoryState", self._on_query)
+        commands = session.subscribe(f"{name}/{self._topic}", "trajectory_msgs/JointTrajectory", self._on_command)
+        self.listening = [commands, self._service, self._action]
 
     def starting(self) -> None:
         """Hold the present positions."""
@@ -305,8 +308,8 @@ class JointTrajectories(Follower):
 
     def stopping(self) -> None:
         """End the goal, and hold."""
-        if self._goal is not None:
-            self._goal.end(PREEMPTED, "the controller was stopped")
+        if self._action.running is not None:
+            self._action.running.end(PREEMPTED, "the controller was stopped")
         for joint in self.joints:
             joint.hold()
 
@@ -318,6 +321,8 @@ class JointTrajectories(Follower):
         positions, velocities, accelerations = self._at(at)
         answer = self._service.kind.response(name=[joint.name for joint in self.joints])
         answer.position, answer.velocity, answer.acceleration = positions, velocities, accelerations
+        if self.session.version == 2:
+            answer.success = True
         return answer
 
     def _at(self, now: float) -> tuple[list[float], list[float], list[float]]:
@@ -352,19 +357,17 @@ class JointTrajectories(Follower):
         return before + math.remainder(wanted - before, 2.0 * math.pi) if joint.turns else wanted
 
     def _on_command(self, message: Any) -> None:
-        if self._goal is not None and self._goal.active:
-            self._goal.end(PREEMPTED, "a trajectory came by the topic")
+        if self._action.running is not None:
+            self._action.running.end(PREEMPTED, "a trajectory came by the topic")
         error = self._take(message)
         if error:
-            self.session.log_refusal(f"{self.name}/command", error)
+            self.session.log_refusal(f"{self.name}/{self._topic}", error)
 
     def _on_goal(self, goal: Goal) -> None:
         error = self._take(goal.message.trajectory)
         if error:
             code = -2 if error.startswith("the joints") else -1  # INVALID_JOINTS, INVALID_GOAL
             goal.end(REJECTED, error, error_code=code, error_string=error)
-        else:
-            self._goal = goal
 
     def _on_cancel(self, goal: Goal) -> None:
         self._hold()
@@ -375,8 +378,8 @@ class JointTrajectories(Follower):
         now = self.now()
         positions, velocities, accelerations = self._at(now)
         self.follow(positions, velocities, elapsed)
-        if self._goal is not None and self._goal.active:
-            self._judge(self._goal, now, positions)
+        if self._action.running is not None:
+            self._judge(self._action.running, now, positions)
         self._action.update()
         if self._ticks.due(now):
             self._report(now, positions, velocities, accelerations)
@@ -418,7 +421,7 @@ class JointTrajectories(Follower):
         return True
 
     def _report(self, now: float, positions: list[float], velocities: list[float], accelerations: list[float]) -> None:
-        goal = self._goal if self._goal is not None and self._goal.active else None
+        goal = self._action.running
         if not self._states.listened and goal is None:
             return
         message: Any = self._states.kind(joint_names=[joint.name for joint in self.joints])
@@ -427,6 +430,8 @@ class JointTrajectories(Follower):
         message.desired.accelerations = accelerations
         message.actual.positions = [joint.position for joint in self.joints]
         message.actual.velocities = [joint.velocity for joint in self.joints]
+        if self.session.version == 2:
+            message.reference, message.feedback = message.desired, message.actual  # their new names
         message.error.positions = [joint.error_of(at) for joint, at in zip(self.joints, positions, strict=True)]
         message.error.velocities = [
             speed - joint.velocity for joint, speed in zip(self.joints, velocities, strict=True)
@@ -453,14 +458,12 @@ class Gripper(Follower):
         self._slow = number_of(self.values, "stall_velocity_threshold", 0.001, self.name)
         self._patience = number_of(self.values, "stall_timeout", 1.0, self.name)
         self._effort = number_of(self.values, "max_effort", 0.0, self.name)
-        self._wanted, self._moved, self._goal = 0.0, 0.0, None
+        self._wanted, self._moved = 0.0, 0.0
         kind = "control_msgs/GripperCommand"
-        self._action: ActionServer | ActionServer2 = ActionServer(
+        self._action = serve_action(
             self.session, f"{self.name}/gripper_cmd", kind, self.now, self._on_goal, self._on_cancel
         )
         self.listening = [self._action]
-
-    _goal: Goal | None
 
     def gains(self, joint: SimJoint) -> RosPid:
         """The gains of the joint."""
@@ -473,15 +476,15 @@ class Gripper(Follower):
 
     def stopping(self) -> None:
         """End the goal, and hold."""
-        if self._goal is not None:
-            self._goal.end(PREEMPTED, "the controller was stopped")
+        if self._action.running is not None:
+            self._action.running.end(PREEMPTED, "the controller was stopped")
         self.joints[0].hold()
 
     def _on_goal(self, goal: Goal) -> None:
         if self.state != "running":
             goal.end(REJECTED, "the controller does not run")
             return
-        self._goal, self._wanted, self._moved = goal, goal.message.command.position, self.now()
+        self._wanted, self._moved = goal.message.command.position, self.now()
         self._effort = goal.message.command.max_effort or self._effort
 
     def _on_cancel(self, goal: Goal) -> None:
@@ -496,8 +499,8 @@ class Gripper(Follower):
             joint.command = max(-self._effort, min(self._effort, joint.command))
         if abs(joint.velocity) > self._slow:
             self._moved = now
-        goal = self._goal
-        if goal is not None and goal.active:
+        goal = self._action.running
+        if goal is not None:
             reached = abs(joint.error_of(self._wanted)) < self._tolerance
             stalled = now - self._moved > self._patience
             if reached or stalled:

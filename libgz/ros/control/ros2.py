@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.base.files import open_file
-from libgz.ros.control.action import ActionServer2
-from libgz.ros.control.controllers import Controller, GroupCommands, JointStates, JointTrajectories
+from libgz.ros.control.controllers import Controller, Gripper, GroupCommands, JointStates, JointTrajectories
+from libgz.ros.control.drive import DiffDrive
 from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
 from libgz.ros.control.manager import ControllerManager
-from libgz.ros.session import Session
+from libgz.ros.session import Session, set_stamp
 from libgz.ros.types import message_type
 from libgz.sdf.xml import parse_document
 
@@ -67,8 +67,25 @@ def read_parameters(path: Path) -> dict[str, Any]:
 
 
 def _own(values: Any) -> dict[str, Any]:
-    own = values.get("ros__parameters") if isinstance(values, Mapping) else None
-    return dict(own) if isinstance(own, Mapping) else {}
+    """The parameters of a node; a name with points, such as ``linear.x``, is a way through tables."""
+    found: dict[str, Any] = {}
+    _put(found, values.get("ros__parameters") if isinstance(values, Mapping) else None)
+    return found
+
+
+def _put(found: dict[str, Any], values: Any) -> None:
+    for name, value in values.items() if isinstance(values, Mapping) else ():
+        *way, last = str(name).split(".")
+        place = found
+        for part in way:
+            inner = place.get(part)
+            place[part] = place = inner if isinstance(inner, dict) else {}
+        if isinstance(value, Mapping):
+            inner = place.get(last)
+            place[last] = inner if isinstance(inner, dict) else {}
+            _put(place[last], value)
+        else:
+            place[last] = value
 
 
 class RobotHardware2(RobotHardware):
@@ -139,12 +156,39 @@ def _finite(text: str) -> float:
 
 
 class JointStates2(JointStates):
-    """Publishes the states of all joints, at each update."""
+    """Publishes the states of all joints, or of those that a parameter names, at each update."""
 
     def load(self) -> None:
         """Advertise."""
         self.values = {"publish_rate": 1e6, **self.values}
+        names = self.values.get("joints") or list(self.hardware.joints)
+        unknown = [name for name in names if name not in self.hardware.joints] if isinstance(names, list) else [names]
+        if unknown:
+            raise ParameterError(f"controller {self.name}: there is no joint {unknown[0]!r}")
+        self._names: list[str] = names
+        if self.values.get("use_local_topics", False):
+            self.space = self.name
         super().load()
+        kind = "control_msgs/DynamicJointState"
+        self._all = self.session.publish(f"{self.space}/dynamic_joint_states", kind, 10)
+        self._value = message_type("control_msgs/InterfaceValue", 2)
+
+    @property
+    def reported(self) -> list[SimJoint]:
+        """The joints whose states are published."""
+        return [self.hardware.joints[name] for name in self._names]
+
+    def update(self, elapsed: float) -> None:
+        """Publish."""
+        super().update(elapsed)
+        if self._all.listened:
+            message = self._all.kind(joint_names=self._names)
+            set_stamp(message.header.stamp, self.now())
+            message.interface_values = [
+                self._value(interface_names=list(INTERFACES), values=[one.position, one.velocity, one.effort])
+                for one in self.reported
+            ]
+            self._all.publish(message)
 
 
 class ForwardCommands(GroupCommands):
@@ -157,30 +201,13 @@ class ForwardCommands(GroupCommands):
 
 
 class JointTrajectories2(JointTrajectories):
-    """Follows trajectories of the topic ``joint_trajectory`` and of its action."""
+    """Follows trajectories by the first interface that a parameter names."""
 
     def load(self) -> None:
         """Find the joints, subscribe and serve."""
         names = self.values.get("command_interfaces")
         self.interface = _interface(self, names[0] if isinstance(names, list) and names else None)
         super().load()
-
-    def open(self) -> None:
-        """Subscribe and serve."""
-        session, name = self.session, self.name
-        self._states = session.publish(f"{name}/controller_state", "control_msgs/JointTrajectoryControllerState", 10)
-        self._action = ActionServer2(
-            session,
-            f"{name}/follow_joint_trajectory",
-            "control_msgs/FollowJointTrajectory",
-            self.now,
-            self._on_goal,
-            self._on_cancel,
-        )
-        self.listening = [
-            session.subscribe(f"{name}/joint_trajectory", "trajectory_msgs/JointTrajectory", self._on_command),
-            self._action,
-        ]
 
 
 def _interface(controller: Controller, name: Any) -> str:
@@ -192,10 +219,13 @@ def _interface(controller: Controller, name: Any) -> str:
 
 
 CONTROLLERS: dict[str, tuple[type[Controller], str]] = {
+    "diff_drive_controller/DiffDriveController": (DiffDrive, VELOCITY),
+    "effort_controllers/GripperActionController": (Gripper, EFFORT),
     "effort_controllers/JointGroupEffortController": (GroupCommands, EFFORT),
     "forward_command_controller/ForwardCommandController": (ForwardCommands, ""),
     "joint_state_broadcaster/JointStateBroadcaster": (JointStates2, ""),
     "joint_trajectory_controller/JointTrajectoryController": (JointTrajectories2, ""),
+    "position_controllers/GripperActionController": (Gripper, POSITION),
     "position_controllers/JointGroupPositionController": (GroupCommands, POSITION),
     "velocity_controllers/JointGroupVelocityController": (GroupCommands, VELOCITY),
 }

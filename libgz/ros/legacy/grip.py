@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.interfaces.gripper import CLOSE, OPEN, STOP
-from libgz.ros.control.action import ActionServer, ActionServer2, Goal
+from libgz.ros.control.action import Goal, serve_action
 from libgz.ros.legacy.kinds import Holder, Obey, order, paddles
 
 if TYPE_CHECKING:
@@ -40,14 +40,12 @@ class Grip:
         session = device.session
         name = session.resolve("gripper_cmd", device.id)
         kind = "control_msgs/GripperCommand"
-        made = ActionServer2 if session.version == 2 else ActionServer
-        self._action: ActionServer | ActionServer2 = made(session, name, kind, self._now, self._accept, self._cancel)
+        self._action = serve_action(session, name, kind, self._now, self._accept, self._cancel)
 
     @property
     def busy(self) -> bool:
         """Whether there is something to do in each step."""
-        goal = self._action.goal
-        return (goal is not None and goal.active) or self._action.watched
+        return self._action.running is not None or self._action.watched
 
     def end(self) -> None:
         """Serve the action no longer."""
@@ -68,8 +66,8 @@ class Grip:
 
     def update(self) -> None:
         """End the goal when the paddles have arrived, and publish status and feedback."""
-        goal, elapsed = self._action.goal, self._now() - self._begin
-        if goal is not None and goal.active:
+        goal, elapsed = self._action.running, self._now() - self._begin
+        if goal is not None:
             flags = paddles(self._device)
             state = self._state(flags)
             if elapsed > SETTLING and not flags["moving"] and flags["opened" if self._opens else "closed"]:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import logging
 import os
 import re
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from libgz.base.errors import ParameterError
+from libgz.ros.parameters import Parameters
 
 __all__ = ["NodeNames", "frame_with_prefix", "read_names", "read_names_of_ros2"]
 
@@ -16,6 +19,7 @@ log = logging.getLogger("libgz.ros")
 
 INVALID = re.compile(r"[^\w/]", re.ASCII)
 DEFAULT_MASTER = "http://localhost:11311"
+ROS_ARGS = "--ros-args"  # before words for nodes of ROS 2; "--" ends them
 
 
 class NodeNames(NamedTuple):
@@ -25,7 +29,7 @@ class NodeNames(NamedTuple):
         name: full, such as ``/gazebo``.
         namespace: that of relative names, such as ``/``.
         remappings: full names, as they would be -> as they are to be.
-        parameters: values for private parameters, as texts.
+        parameters: values for private parameters; texts in ROS 1.
         master: the address of the master.
         host: what other nodes call this computer.
         address: where it listens: loopback unless ROS_IP or ROS_HOSTNAME ask for more.
@@ -34,7 +38,7 @@ class NodeNames(NamedTuple):
     name: str
     namespace: str
     remappings: Mapping[str, str]
-    parameters: Mapping[str, str]
+    parameters: Mapping[str, Any]
     master: str
     host: str
     address: str
@@ -92,27 +96,92 @@ def read_names(words: Sequence[str], address: str | None = None, name: str = "ga
     return own._replace(remappings=remappings, parameters=parameters)
 
 
-def read_names_of_ros2(words: Sequence[str], name: str = "gazebo") -> NodeNames:
-    """What the words of a command line say in ROS 2: after ``--ros-args``, ``-r a:=b``, ``-p name:=value``.
+class _Arguments:
+    """The words for nodes of ROS 2 on a command line.
 
-    ``__node:=x``, ``__ns:=y`` and remappings ``a:=b`` are read without these words, too.
+    Attributes:
+        rules: (node, or nothing for all; name; its new name) of topics and services, ``__ns`` and ``__node``.
+        values: parameters.
+    """
+
+    def __init__(self, words: Sequence[str]) -> None:
+        self.rules: list[tuple[str, str, str]] = []
+        self.values = Parameters()
+        inside, rest = False, deque(words)
+        while rest:
+            word = rest.popleft()
+            if word == ROS_ARGS:
+                inside = True
+            elif inside and word == "--":
+                inside = False
+            elif inside and word in VALUED:
+                if not rest:
+                    raise ParameterError(f"{word} after {ROS_ARGS} has no value")
+                VALUED[word](self, rest.popleft())
+            elif inside and word.startswith("-") and not word.startswith(("--enable-", "--disable-")):
+                log.warning("ROS 2: %s after %s is not known; it is left out", word, ROS_ARGS)
+            elif ":=" in word and not word.startswith("-"):
+                self.remap(word)
+
+    def remap(self, text: str) -> None:
+        """A rule ``a:=b``."""
+        before, found, after = text.partition(":=")
+        if not found:
+            raise ParameterError(f"the remapping {text!r} must have the form from:=to")
+        node, _, name = before.rpartition(":")
+        self.rules.append((node, name, after))
+
+    def set(self, text: str) -> None:
+        """A parameter ``name:=value`` or ``node:name:=value``."""
+        before, found, value = text.partition(":=")
+        node, _, name = before.rpartition(":")
+        if not found or not name:
+            raise ParameterError(f"the parameter {text!r} must have the form name:=value")
+        self.values.set(node, name, value)
+
+    def read(self, path: str) -> None:
+        """A file of parameters."""
+        self.values.read(Path(path))
+
+    def ignore(self, text: str) -> None:
+        """Something that has no effect here."""
+
+
+# Words after --ros-args that have a value.
+VALUED: dict[str, Callable[[_Arguments, str], None]] = {
+    **dict.fromkeys(("-r", "--remap"), _Arguments.remap),
+    **dict.fromkeys(("-p", "--param"), _Arguments.set),
+    "--params-file": _Arguments.read,
+    **dict.fromkeys(("--log-level", "--log-config-file", "--log-file-name", "-e", "--enclave"), _Arguments.ignore),
+}
+
+
+def read_names_of_ros2(words: Sequence[str], name: str = "gazebo") -> NodeNames:
+    """What the words of a command line say in ROS 2, as its nodes read them: those between ``--ros-args`` and ``--``.
+
+    ``-r a:=b`` remaps, ``-p name:=value`` sets a parameter, ``--params-file FILE`` reads some. ``__node:=x``,
+    ``__ns:=y`` and remappings ``a:=b`` are read without these words, too.
 
     Args:
-        words: of the command line; those without ``:=`` are left out.
+        words: of the command line.
         name: of the node, if no word says otherwise.
+
+    Raises:
+        NotFoundError: there is no such file of parameters.
+        ParameterError: a word has no value, or not the form that it must have.
     """
-    triples = [(before, *word.partition(":=")) for before, word in zip(["", *words], words, strict=False)]
-    pairs = [(before in ("-p", "--param"), left, right) for before, left, found, right in triples if found]
-    special = {left: right for parameter, left, right in pairs if not parameter}
+    given = _Arguments(words)
+    special = {before: after for node, before, after in given.rules if node in ("", name)}
     space = "/" + special.get("__ns", "").strip("/")
     own = special.get("__node") or special.get("__name") or name
     plain = NodeNames(f"{space.rstrip('/')}/{own.strip('/')}", space, {}, {}, "", "", "")
-    remappings = {
-        plain._full(a): plain._full(b) for parameter, a, b in pairs if not parameter and not a.startswith("_")
-    }
-    return plain._replace(
-        remappings=remappings, parameters={left: right for parameter, left, right in pairs if parameter}
-    )
+    remappings = {}
+    for node, before, after in given.rules:
+        if node not in ("", own):
+            log.warning("ROS 2: the remapping of %s is for node %s; only those for %s are obeyed", before, node, own)
+        elif not before.startswith("_"):
+            remappings[plain._full(before)] = plain._full(after)
+    return plain._replace(remappings=remappings, parameters=given.values.of(plain.name))
 
 
 def _master(special: Mapping[str, str]) -> str:

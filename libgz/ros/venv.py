@@ -35,7 +35,9 @@ WHEELS = (
 TOOLS = ("catkin_pkg", "empy<4", "lark")  # of the generators
 
 # Types and actions whose packages have no wheels, beside those of SERVICES2.
-ACTIONS = ("control_msgs/FollowJointTrajectory", "control_msgs/GripperCommand")
+ACTIONS = (
+    "control_msgs/FollowJointTrajectory",
+)  # GripperCommand is a message, too, which the wheels' generators mix up
 TYPES = (
     "control_msgs/DynamicJointState",
     "control_msgs/JointTrajectoryControllerState",

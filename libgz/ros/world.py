@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import logging
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.server import attach
@@ -13,6 +14,7 @@ from libgz.ros.api2 import WorldApi2
 from libgz.ros.legacy.api import LegacyApi, list_links, list_models
 from libgz.ros.legacy.api2 import LegacyApi2
 from libgz.ros.legacy.device import Devices
+from libgz.ros.metrics import Metrics
 from libgz.ros.plugin import Ticks
 from libgz.ros.services import Services
 from libgz.ros.session import Session, set_stamp
@@ -22,6 +24,7 @@ from libgz.simulation.companion import Stateless
 from libgz.simulation.event import unowned
 
 if TYPE_CHECKING:
+    from libgz.classic.sensors import Sensor
     from libgz.front import World
     from libgz.simulation.entity import Entity
 
@@ -52,6 +55,7 @@ class RosWorld(Stateless):
         self._time = message_type("rosgraph_msgs/Clock")()
         self._states: list[States] = []
         self._states_ticks = Ticks(0.0)
+        self._metrics: Metrics | None = None
         self._services: Services | None = None
         self._devices = Devices(session, core)
         core.companions.append(self)
@@ -72,6 +76,9 @@ class RosWorld(Stateless):
             models = session.publish(f"{prefix}model_states", "gazebo_msgs/ModelStates", depth)
             links = session.publish(f"{prefix}link_states", "gazebo_msgs/LinkStates", depth)
             self._states = [States(self._core, models, era.models), States(self._core, links, era.links)]
+            if session.parameter("~enable_performance_metrics", True) is not False:
+                metrics = session.publish(f"{prefix}performance_metrics", "gazebo_msgs/PerformanceMetrics", 10)
+                self._metrics = Metrics(metrics, era.sensors)
             self._services = era.serve(session)
 
     def model_added(self, model: Entity) -> None:
@@ -91,7 +98,8 @@ class RosWorld(Stateless):
         """-inf while somebody listens or something waits; else without end: what comes interrupts the steps."""
         states = any(states.publication.listened for states in self._states)
         jobs = self._services is not None and self._services.jobs
-        busy = self._session.pending or self._clock.listened or states or jobs or self._devices.busy
+        metrics = self._metrics is not None and self._metrics.publication.listened
+        busy = self._session.pending or self._clock.listened or states or metrics or jobs or self._devices.busy
         return -math.inf if busy else math.inf
 
     def update(self) -> None:
@@ -104,6 +112,8 @@ class RosWorld(Stateless):
         if wanted and self._states_ticks.due(now):
             for states in wanted:
                 states.send()
+        if self._metrics is not None and self._metrics.publication.listened:
+            self._metrics.update(now)
         if self._services is not None and self._services.jobs:
             self._services.apply(now)
 
@@ -124,14 +134,15 @@ class RosWorld(Stateless):
         if self._services is not None:
             self._services.end()
         self._devices.end()
-        self._states, self._services = [], None
+        self._states, self._metrics, self._services = [], None, None
 
 
 class _Classic:
     """What ROS sees of a world of SDF."""
 
     def __init__(self, core: World) -> None:
-        self._world = attach(core).world
+        self._attached = attach(core)
+        self._world = self._attached.world
 
     def models(self) -> Listed:
         """The models."""
@@ -140,6 +151,11 @@ class _Classic:
     def links(self) -> Listed:
         """The links."""
         return classic_links(self._world)
+
+    def sensors(self) -> Iterable[Sensor]:
+        """The sensors."""
+        found = self._attached.sensors
+        return found.sensors.values() if found is not None else ()
 
     def serve(self, session: Session) -> Services:
         """Serve its services."""
@@ -159,6 +175,10 @@ class _Legacy:
     def links(self) -> Listed:
         """The bodies."""
         return list_links(self._core)
+
+    def sensors(self) -> Iterable[Sensor]:
+        """None: those of models are not apart from them."""
+        return ()
 
     def serve(self, session: Session) -> Services:
         """Serve its services."""

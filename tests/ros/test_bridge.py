@@ -20,14 +20,15 @@ from ros_peers import read_exactly, wait_for, within
 from ros_types import JAZZY
 
 from libgz import World
-from libgz.base.errors import LibraryError, NotFoundError, ParameterError
+from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.classic.server import attach
 from libgz.ros import bridged, session
 from libgz.ros.control.drive import DiffDrive
 from libgz.ros.control.hardware import VELOCITY
-from libgz.ros.control.ros2 import read_parameters
 from libgz.ros.environment import find_python
+from libgz.ros.names import read_names_of_ros2
 from libgz.ros.packing import Codec, read_schema
+from libgz.ros.parameters import Parameters
 from libgz.ros.server import Ros2
 from libgz.ros.types import message_type, service_type
 
@@ -435,10 +436,72 @@ def test_controllers_of_ros2_are_loaded_configured_and_switched(start, graph, tm
     assert cancelled.return_code == 1  # nothing runs
 
 
+def test_the_command_line_is_read_as_nodes_of_ros2_read_it(tmp_path, caplog):
+    (tmp_path / "world.yaml").write_text(
+        "/**: {ros__parameters: {publish_rate: 5.0, depth: {x: 1}}}\n"
+        "sim: {gazebo: {ros__parameters: {publish_rate: 20.0, depth.y: 2, live: true}}}\n"
+        "other: {ros__parameters: {publish_rate: 7.0}}\n"
+    )
+    words = ["-s", "libgazebo_ros_init.so", "w.world", "--ros-args", "-r", "__ns:=/sim", "--remap", "gazebo:a:=b"]
+    words += ["--params-file", str(tmp_path / "world.yaml"), "-p", "live:=false", "--param", "gazebo:name:=box"]
+    words += ["-p", "other:name:=none", "-r", "other:c:=d", "--log-level", "debug", "--disable-rosout-logs", "--", "-v"]
+    names = read_names_of_ros2(words)
+    assert names.name == "/sim/gazebo"
+    assert names.remappings == {"/sim/a": "/sim/b"}
+    assert names.parameters == {"publish_rate": 20.0, "depth": {"x": 1, "y": 2}, "live": False, "name": "box"}
+    assert "the remapping of c is for node other" in caplog.text
+    assert read_names_of_ros2(["__node:=x", "a:=/b"]).remappings == {"/a": "/b"}
+    for wrong, why in {"-p": "has no value", "-p x": "must have the form", "-r x": "must have the form"}.items():
+        with pytest.raises(ParameterError, match=why):
+            read_names_of_ros2(["--ros-args", *wrong.split()])
+    with pytest.raises(NotFoundError):
+        read_names_of_ros2(["--ros-args", "--params-file", str(tmp_path / "none.yaml")])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "matches"),
+    [("/**", True), ("/a/**", True), ("/*/*/c", True), ("c", True), ("/c", True), ("/a/c", False), ("/**/b", False),
+     ("/b/**", False), ("/**/c", True), ("*", True), ("/a/b/c/**", True), ("/" + "/".join(["**"] * 500), True)],
+)  # fmt: skip
+def test_names_of_nodes_have_wildcards(pattern, matches):
+    parameters = Parameters()
+    parameters.set(pattern, "x", "1")
+    assert bool(parameters.of("/a/b/c")) == matches
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("a: " + "{b: " * 100, "nested|line"),
+        ("/**: {ros__parameters: {" + "a." * 100 + "b: 1}}", "has 100 points"),
+        ("a0: &a0 {ros__parameters: {x: 1}}\n"
+         + "".join(f"a{n}: &a{n} {{x: *a{n - 1}, y: *a{n - 1}}}\n" for n in range(1, 30)), "more than"),
+        ("[1]", "has no parameters"),
+        ("x" * (1 << 20), "has no parameters|too"),
+    ],
+)  # fmt: skip
+def test_files_of_parameters_are_bounded(tmp_path, text, why):
+    (tmp_path / "x.yaml").write_text(text)
+    with pytest.raises(GazeboError, match=why):
+        Parameters().read(tmp_path / "x.yaml")
+
+
+def test_metrics_say_how_fast_sensors_are(start):
+    server = start((Path(__file__).parent / "robot2.world").read_text())
+    server.topic("/bot/scan")
+
+    def rates():
+        metrics = server.topic("/performance_metrics")
+        assert metrics.real_time_factor > 0.0
+        return {one.name: one.sim_update_rate for one in metrics.sensors}.get("default::robot::base::scan")
+
+    assert wait_for(rates) == pytest.approx(10.0, rel=0.02)
+
+
 def test_a_pipe_is_no_file_of_parameters(tmp_path):
     os.mkfifo(tmp_path / "pipe.yaml")
     with pytest.raises(NotFoundError, match="it is a pipe, not a file"):
-        read_parameters(tmp_path / "pipe.yaml")
+        Parameters().read(tmp_path / "pipe.yaml")
 
 
 def test_controllers_start_by_themselves_where_nobody_could_start_them(start, graph, tmp_path):

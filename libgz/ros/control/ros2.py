@@ -5,16 +5,15 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
-from libgz.base.files import open_file
+from libgz.base.errors import Diagnostics, GazeboError, ParameterError, nearest
 from libgz.ros.control.controllers import Controller, Gripper, GroupCommands, JointStates, JointTrajectories
 from libgz.ros.control.drive import DiffDrive
 from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
 from libgz.ros.control.manager import ControllerManager
+from libgz.ros.parameters import Parameters
 from libgz.ros.session import Session, set_stamp
 from libgz.ros.types import message_type
 from libgz.sdf.xml import parse_document
@@ -22,7 +21,7 @@ from libgz.sdf.xml import parse_document
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
 
-__all__ = ["SERVICES", "ControllerManager2", "RobotHardware2", "read_parameters"]
+__all__ = ["SERVICES", "ControllerManager2", "RobotHardware2"]
 
 log = logging.getLogger("libgz.ros")
 
@@ -37,55 +36,8 @@ SERVICES = {
     "unload_controller": "UnloadController",
 }
 STATES = {"initialized": "inactive", "stopped": "inactive", "running": "active"}
-LARGEST_FILE = 1 << 20  # bytes of a file of parameters
 MOST_CONTROLLERS = 100
 STRONGEST = 1e6  # of a motor without a limit [N m]
-
-
-def read_parameters(path: Path) -> dict[str, Any]:
-    """The parameters of a YAML file: names of nodes -> their ``ros__parameters``.
-
-    Raises:
-        NotFoundError: there is no such file.
-        ParameterError: it is no such file, or too large.
-    """
-    from libgz.sdf.xacro.documents import parsed_yaml, value_of_yaml  # only then is PyYAML loaded
-    from libgz.sdf.xacro.limits import Budget
-
-    try:
-        with open_file(path) as file:
-            data = file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise NotFoundError(f"{path}: {error.strerror}") from None
-    if len(data) > LARGEST_FILE:
-        raise ParameterError(f"{path} has more than {LARGEST_FILE} bytes")
-    budget = Budget()
-    found = value_of_yaml(parsed_yaml(data, budget), budget, float)
-    if not isinstance(found, Mapping):
-        raise ParameterError(f"{path} has no parameters")
-    return {str(name).rpartition("/")[2]: _own(values) for name, values in found.items()}
-
-
-def _own(values: Any) -> dict[str, Any]:
-    """The parameters of a node; a name with points, such as ``linear.x``, is a way through tables."""
-    found: dict[str, Any] = {}
-    _put(found, values.get("ros__parameters") if isinstance(values, Mapping) else None)
-    return found
-
-
-def _put(found: dict[str, Any], values: Any) -> None:
-    for name, value in values.items() if isinstance(values, Mapping) else ():
-        *way, last = str(name).split(".")
-        place = found
-        for part in way:
-            inner = place.get(part)
-            place[part] = place = inner if isinstance(inner, dict) else {}
-        if isinstance(value, Mapping):
-            inner = place.get(last)
-            place[last] = inner if isinstance(inner, dict) else {}
-            _put(place[last], value)
-        else:
-            place[last] = value
 
 
 class RobotHardware2(RobotHardware):
@@ -241,7 +193,7 @@ class ControllerManager2(ControllerManager):
         session: for topics and services.
         space: the robot's namespace.
         now: gives the sim time [s].
-        parameters: names of nodes -> their parameters.
+        parameters: those of controller_manager and of controllers.
     """
 
     services = SERVICES
@@ -252,9 +204,10 @@ class ControllerManager2(ControllerManager):
         session: Session,
         space: str,
         now: Callable[[], float],
-        parameters: Mapping[str, Mapping[str, Any]],
+        parameters: Parameters,
     ) -> None:
         self._parameters, self._interfaces, self._hardware2 = parameters, hardware.interfaces, hardware
+        self._own = parameters.of(f"{space}/controller_manager")
         self._unconfigured: dict[str, str] = {}  # names -> types
         self._alone = False
         super().__init__(hardware, session, space, now)
@@ -268,9 +221,7 @@ class ControllerManager2(ControllerManager):
         super().update(elapsed)
 
     def _start_all(self) -> None:
-        names = [
-            name for name, one in self._parameters.get("controller_manager", {}).items() if isinstance(one, Mapping)
-        ]
+        names = [name for name, one in self._own.items() if isinstance(one, Mapping)]
         log.warning("ROS 2 has no controller_manager_msgs: all controllers are started: %s", ", ".join(names))
         for name in names:
             for step in (self._load_controller, self._configure_controller):
@@ -306,7 +257,7 @@ class ControllerManager2(ControllerManager):
 
     def _load_controller(self, request: Any) -> dict[str, Any]:
         name = request.name.strip("/")
-        own = self._parameters.get("controller_manager", {}).get(name)
+        own = self._own.get(name)
         kind = own.get("type") if isinstance(own, Mapping) else None
         if name in self.controllers or name in self._unconfigured:
             log.error("A controller named '%s' was already loaded inside the controller manager", name)
@@ -328,7 +279,7 @@ class ControllerManager2(ControllerManager):
             return {"ok": False}
         made, interface = CONTROLLERS[kind]
         full = self._session.resolve(name, self._space)
-        values = self._parameters.get(name, {})
+        values = self._parameters.of(full)
         try:
             self.controllers[name] = made(full, values, self._hardware, self._session, self._now, interface)
         except GazeboError as error:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import GazeboError
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.control.ros2 import SERVICES, ControllerManager2, RobotHardware2, read_parameters
+from libgz.ros.control.ros2 import SERVICES, ControllerManager2, RobotHardware2
+from libgz.ros.parameters import Parameters
 from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
 
 if TYPE_CHECKING:
@@ -49,11 +50,10 @@ class GazeboRos2Control(RosPlugin, ModelPlugin):
         self.model, self.world = model, model.GetWorld()
         self.manager: ControllerManager2 | None = None
         self.hardware: RobotHardware2 | None = None
-        self.values: dict[str, Any] = {}
+        self.values = Parameters()
         for name in self.given.parameters:
-            for node, values in read_parameters(Path(name)).items():
-                self.values.setdefault(node, {}).update(values)
-        rate = self.values.get("controller_manager", {}).get("update_rate", UPDATE_RATE)
+            self.values.read(Path(name))
+        rate = self.values.of(f"{self.space}/controller_manager").get("update_rate", UPDATE_RATE)
         self.ticks = Ticks(float(rate) if isinstance(rate, int | float) else UPDATE_RATE)
         self.last = self.written = self.world.core.GetSimTime()
         if not self.two:

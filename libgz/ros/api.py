@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
 from libgz.classic.common import Color
@@ -58,21 +58,12 @@ SERVICES = {
 class WorldApi(Services):
     """Serves the services of /gazebo for a world of SDF, and its topics set_model_state and set_link_state."""
 
-    services: ClassVar[Mapping[str, str]] = SERVICES
+    services = SERVICES
+    topics = {"set_model_state": "gazebo_msgs/ModelState", "set_link_state": "gazebo_msgs/LinkState"}
 
-    def __init__(self, session: Session, world: World) -> None:
+    def __init__(self, session: Session, world: World, space: str = "", **more: Any) -> None:
         self._world = world
-        self._asked: dict[str, int] = {}  # how often the state of each model was asked for
-        super().__init__(session, world.core, self.services)
-
-    def serve(self) -> None:
-        """Serve, and subscribe."""
-        super().serve()
-        subscribe = self.session.subscribe
-        self._kept += [
-            subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10),
-            subscribe("~set_link_state", "gazebo_msgs/LinkState", self._on_link_state, 10),
-        ]
+        super().__init__(session, world.core, space, **more)
 
     # Models ------------------------------------------------------------------------------------------------------
 
@@ -193,12 +184,6 @@ class WorldApi(Services):
             {name: at for name, at, good in zip(request.joint_names, positions, known, strict=True) if good}
         )
         answer.success, answer.status_message = True, "SetModelConfiguration: success"
-
-    def _on_model_state(self, state: Any) -> None:
-        self.set_by_topic("set_model_state", state)
-
-    def _on_link_state(self, state: Any) -> None:
-        self.set_by_topic("set_link_state", state)
 
     # Links -------------------------------------------------------------------------------------------------------
 

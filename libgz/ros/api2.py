@@ -9,13 +9,12 @@ from libgz.classic.physics.base import Entity
 from libgz.ros.api import DELETE_PATIENCE, SPAWN_PATIENCE, WorldApi, fill_state
 from libgz.ros.packages import with_paths
 from libgz.ros.services import RefusedError, pose_of, vector
-from libgz.ros.session import Later, Session, set_stamp
+from libgz.ros.session import Later, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import World
-    from libgz.ros.bridged import NodeSettings
+    pass
 
 __all__ = ["SERVICES2", "STATES", "StateApi", "WorldApi2"]
 
@@ -49,10 +48,6 @@ class WorldApi2(WorldApi):
     """Serves what gazebo_ros's System plugins and gazebo_ros_state serve, in the namespace of the server's node."""
 
     services = SERVICES2
-
-    def serve(self) -> None:
-        """Serve; what a plugin of the world serves under the same name is left to it."""
-        self.serve_free()
 
     # Entities ----------------------------------------------------------------------------------------------------
 
@@ -193,21 +188,6 @@ class WorldApi2(WorldApi):
 
 
 class StateApi(WorldApi2):
-    """The services of the world plugin gazebo_ros_state, in its namespace.
-
-    Args:
-        session: serves them.
-        world: their world.
-        space: the namespace.
-        settings: the plugin's node.
-    """
+    """The services of the world plugin gazebo_ros_state, in its namespace."""
 
     services = STATES
-
-    def __init__(self, session: Session, world: World, space: str, settings: NodeSettings) -> None:
-        self._space, self._settings = space, settings
-        super().__init__(session, world)
-
-    def serve(self) -> None:
-        """Serve, from the plugin's node."""
-        self.serve_free(self._space, settings=self._settings)

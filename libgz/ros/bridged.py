@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from libgz.base.errors import GazeboError, LibraryError
-from libgz.ros.loop import Buffer, Connection, Loop
+from libgz.ros.loop import Connection, Loop
 from libgz.ros.names import NodeNames
-from libgz.ros.packing import Codec, FormatError, read_schema
+from libgz.ros.packing import Buffer, Codec, FormatError, read_schema
 from libgz.ros.types import MessageType, ServiceType
 
 __all__ = ["BridgedNode", "Channel", "NodeSettings"]
@@ -98,7 +98,7 @@ class BridgedNode:
     def __init__(self, names: NodeNames, python: Path) -> None:
         self.names, self.name, self.python = names, names.name, python
         self.changed: dict[Channel, None] = {}
-        self.notify: Callable[[], object] = _nobody
+        self.notify: Callable[[], object] = lambda: None
         self.started = 0
         self.about: dict[str, str] = {}
         self.process: subprocess.Popen[bytes] | None = None
@@ -473,10 +473,6 @@ class _Link(Connection):
         """The bridge is gone."""
         self.messages.clear()
         self._node.lost()
-
-
-def _nobody() -> None:
-    """Notifies nobody."""
 
 
 def environment() -> dict[str, str]:

@@ -10,16 +10,15 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Hashable, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
+from libgz.ros.packing import Buffer
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 
 __all__ = ["Connection", "Listener", "Loop"]
 
 log = logging.getLogger("libgz.ros")
-
-Buffer: TypeAlias = "bytes | memoryview"
 
 READ_SIZE = 1 << 18
 SEND_AT_ONCE = 1 << 18  # bytes that are joined for one call

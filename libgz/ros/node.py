@@ -13,9 +13,9 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from libgz.base.errors import ParameterError
-from libgz.ros.loop import Buffer, Listener, Loop
+from libgz.ros.loop import Listener, Loop
 from libgz.ros.names import NodeNames
-from libgz.ros.packing import codec
+from libgz.ros.packing import Buffer, codec
 from libgz.ros.tcpros import U32, Caller, Feed, Reader
 from libgz.ros.types import MessageType, ServiceType
 from libgz.ros.xmlrpc import Server, XmlRpcError, call
@@ -113,7 +113,7 @@ class Node:
 
     def __init__(self, names: NodeNames) -> None:
         self.names, self.name, self.master = names, names.name, names.master
-        self.notify: Callable[[], object] = _nobody
+        self.notify: Callable[[], object] = lambda: None
         self.registered = 0
         self.changed: dict[Publisher, None] = {}
         self._publishers: dict[str, Publisher] = {}
@@ -472,10 +472,6 @@ class Node:
         feed = Feed(self._loop, sock, peer, header, subscriber.received, lambda: subscriber.publishers.pop(uri, None))
         subscriber.publishers[uri] = feed
         self._loop.call(feed.start)
-
-
-def _nobody() -> None:
-    """Notifies nobody."""
 
 
 def _listed(found: Sequence[Publisher] | Sequence[Subscriber]) -> list[list[str]]:

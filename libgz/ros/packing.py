@@ -14,7 +14,7 @@ import numpy as np
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.ros.types import NUMBERS, TIMES, Field, MessageType, Stamp, message_type
 
-__all__ = ["CDR_HEADER", "Codec", "FormatError", "Schema", "codec", "read_schema"]
+__all__ = ["CDR_HEADER", "Buffer", "Codec", "FormatError", "Schema", "codec", "read_schema"]
 
 CDR_HEADER = b"\0\1\0\0"  # little endian, plain CDR (XCDR1)
 U32 = struct.Struct("<I")

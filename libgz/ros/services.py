@@ -5,10 +5,12 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import GazeboError
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.ros.bridged import BridgedNode
 from libgz.ros.session import Later, Service, Session, Subscription, finite
 from libgz.ros.types import Message, service_type
 from libgz.transport.tally import Tally
@@ -43,37 +45,40 @@ class _Job:
 
 
 class Services:
-    """Serves services of /gazebo: the method ``_name`` of a subclass answers the service ``name``.
+    """Serves services of gazebo_ros: the method ``_name`` of a subclass answers the service ``name``.
 
-    A method gets request and response, and fills the response; it may return a `Later`.
+    A method gets request and response, and fills the response; it may return a `Later`. In ROS 1 they are below the
+    name of the server's node; in ROS 2 in its namespace, but for those that this process serves already.
 
     Args:
         session: serves them.
         core: the world.
-        table: names of services -> their types.
+        space: of ROS 2: another namespace.
+        more: of ROS 2: the node's settings.
 
     Attributes:
+        services: their names -> their types.
+        topics: of ROS 1, by which the services of the same names can be asked, too -> their types.
         jobs: the wrenches and efforts that are applied.
     """
 
-    def __init__(self, session: Session, core: World, table: Mapping[str, str]) -> None:
+    services: ClassVar[Mapping[str, str]] = {}
+    topics: ClassVar[Mapping[str, str]] = {}
+
+    def __init__(self, session: Session, core: World, space: str = "", **more: Any) -> None:
         self.session, self.core = session, core
         self.jobs: list[_Job] = []
-        self._table, self._refusals = table, Tally(100)
+        self._asked: dict[str, int] = {}  # how often the state of each model was asked for
+        self._refusals = Tally(100)
         self._kept: list[Service | Subscription] = []
-        self.serve()
-
-    def serve(self) -> None:
-        """Serve all."""
-        for name, kind in self._table.items():
-            self._kept.append(self.session.serve(f"~{name}", kind, self.handler(name)))
-
-    def serve_free(self, space: str = "", **more: Any) -> None:
-        """Serve all in a namespace of ROS 2, but those that this process serves already."""
-        node: Any = self.session.node
-        for name, kind in self._table.items():
-            if not node.served(self.session.resolve(name, space)):
-                self._kept.append(self.session.serve(name, kind, self.handler(name), space, **more))
+        node = session.node
+        two = isinstance(node, BridgedNode)
+        for name, kind in self.services.items():
+            own = name if two else f"~{name}"
+            if not (isinstance(node, BridgedNode) and node.served(session.resolve(own, space))):
+                self._kept.append(session.serve(own, kind, self.handler(name), space, **more))
+        for name, kind in self.topics.items() if not two else ():
+            self._kept.append(session.subscribe(f"~{name}", kind, partial(self.set_by_topic, name), 10))
 
     def end(self) -> None:
         """Serve and subscribe no longer: the world ends."""
@@ -83,7 +88,7 @@ class Services:
 
     def handler(self, name: str) -> Callable[[Any], Message | Later]:
         """What answers a service; a refusal is a response, too."""
-        method, response = getattr(self, f"_{name}"), service_type(self._table[name], self.session.version).response
+        method, response = getattr(self, f"_{name}"), service_type(self.services[name], self.session.version).response
 
         def handle(request: Any) -> Message | Later:
             answer = response()
@@ -111,7 +116,7 @@ class Services:
 
     def set_by_topic(self, name: str, state: Any) -> None:
         """Do what the message of a topic asks for, as the service of this name would."""
-        request = service_type(self._table[name]).request(**{name.removeprefix("set_"): state})
+        request = service_type(self.services[name]).request(**{name.removeprefix("set_"): state})
         answer: Any = self.handler(name)(request)
         if not answer.success:
             self.session.log_refusal(name, answer.status_message)

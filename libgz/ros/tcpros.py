@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.base.errors import GazeboError
-from libgz.ros.loop import Buffer, Connection, Loop
+from libgz.ros.loop import Connection, Loop
+from libgz.ros.packing import Buffer
 
 if TYPE_CHECKING:
     from libgz.ros.types import MessageType, ServiceType

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
 from libgz.base.geometry import (
@@ -19,7 +18,7 @@ from libgz.base.geometry import (
 )
 from libgz.physics.joint import AxisJoint, SliderJoint
 from libgz.ros.services import INERTIAL, RefusedError, Services
-from libgz.ros.session import Session, set_stamp
+from libgz.ros.session import set_stamp
 from libgz.ros.states import Listed
 
 if TYPE_CHECKING:
@@ -68,20 +67,8 @@ def list_links(core: World) -> Listed:
 class LegacyApi(Services):
     """Serves the services of /gazebo for a legacy world, and its topic set_model_state."""
 
-    services: ClassVar[Mapping[str, str]] = SERVICES
-
-    def __init__(self, session: Session, core: World) -> None:
-        self._asked: dict[str, int] = {}
-        super().__init__(session, core, self.services)
-
-    def serve(self) -> None:
-        """Serve, and subscribe."""
-        super().serve()
-        subscribe = self.session.subscribe
-        self._kept.append(subscribe("~set_model_state", "gazebo_msgs/ModelState", self._on_model_state, 10))
-
-    def _on_model_state(self, state: Any) -> None:
-        self.set_by_topic("set_model_state", state)
+    services = SERVICES
+    topics = {"set_model_state": "gazebo_msgs/ModelState"}
 
     # Finding -----------------------------------------------------------------------------------------------------
 

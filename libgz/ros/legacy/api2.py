@@ -34,10 +34,6 @@ class LegacyApi2(LegacyApi):
 
     services = SERVICES2
 
-    def serve(self) -> None:
-        """Serve."""
-        self.serve_free()
-
     def _delete_entity(self, request: Any, answer: Any) -> None:
         self._delete_model(SimpleNamespace(model_name=request.name), answer)  # as in ROS 1
         answer.status_message = f"Successfully deleted entity [{request.name}]"

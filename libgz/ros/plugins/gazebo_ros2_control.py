@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import GazeboError
-from libgz.classic.event import Events
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.ros.control.ros2 import SERVICES, ControllerManager2, RobotHardware2
 from libgz.ros.parameters import Parameters
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.plugin import Endpoint, Parameter
+from libgz.ros.plugins._control import RobotControl
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -23,7 +22,7 @@ log = logging.getLogger("libgz.ros")
 UPDATE_RATE = 100.0  # [Hz] unless the parameter update_rate of controller_manager is given
 
 
-class GazeboRos2Control(RosPlugin, ModelPlugin):
+class GazeboRos2Control(RobotControl):
     """Serves a controller manager for the joints of `<ros2_control>` in the robot description.
 
     It waits for the robot description on the topic of robot_state_publisher.
@@ -46,16 +45,11 @@ class GazeboRos2Control(RosPlugin, ModelPlugin):
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the parameters, and wait for the robot description."""
-        self.open(sdf, model.GetName())
-        self.model, self.world = model, model.GetWorld()
-        self.manager: ControllerManager2 | None = None
-        self.hardware: RobotHardware2 | None = None
+        self.begin(model, sdf)
         self.values = Parameters()
         for name in self.given.parameters:
             self.values.read(Path(name))
         rate = self.values.of(f"{self.space}/controller_manager").get("update_rate", UPDATE_RATE)
-        self.ticks = Ticks(float(rate) if isinstance(rate, int | float) else UPDATE_RATE)
-        self.last = self.written = self.world.core.GetSimTime()
         if not self.two:
             log.warning("gazebo_ros2_control needs ROS 2; its controllers are not there")
             return
@@ -63,38 +57,19 @@ class GazeboRos2Control(RosPlugin, ModelPlugin):
         self.description = self.ros.subscribe(
             topic, "std_msgs/String", self.OnDescription, durability="transient_local", **more
         )
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run(float(rate) if isinstance(rate, int | float) else UPDATE_RATE)
 
     def OnDescription(self, message: Any) -> None:
         """The robot description has come."""
         if self.manager is not None:
             return
         try:
-            self.hardware = RobotHardware2(self.model, message.data)
+            hardware = self.hardware = RobotHardware2(self.model, message.data)
             now = self.world.core.GetSimTime
-            self.manager = ControllerManager2(self.hardware, self.ros, self.space, now, self.values)
+            self.manager = ControllerManager2(hardware, self.ros, self.space, now, self.values)
         except GazeboError as error:
             log.error("gazebo_ros2_control: %s", error)
             self.hardware = None
-
-    def Reset(self) -> None:
-        """Start the running controllers again."""
-        self.last = self.written = self.world.core.GetSimTime()
-        if self.manager is not None and self.hardware is not None:
-            self.hardware.read()
-            self.manager.reset()
-
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Update the controllers, and apply what they command."""
-        now = self.world.core.GetSimTime()
-        if self.manager is None or self.hardware is None:
-            return
-        if self.ticks.due(now) and now > self.last:
-            self.hardware.read()
-            self.manager.update(now - self.last)
-            self.last = now
-        self.hardware.write(now - self.written)
-        self.written = now
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRos2Control)

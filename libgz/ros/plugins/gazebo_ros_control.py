@@ -6,14 +6,13 @@ import logging
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import GazeboError
-from libgz.classic.event import Events
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.ros.control.hardware import RobotHardware
 from libgz.ros.control.manager import SERVICES, ControllerManager
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Ticks
+from libgz.ros.plugins._control import RobotControl
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -22,7 +21,7 @@ log = logging.getLogger("libgz.ros")
 RETRY = 2.0  # [Hz] of looks for the robot description
 
 
-class GazeboRosControl(RosPlugin, ModelPlugin):
+class GazeboRosControl(RobotControl):
     """Serves a controller manager for the joints of the transmissions in the robot description.
 
     It waits for the robot description.
@@ -43,18 +42,18 @@ class GazeboRosControl(RosPlugin, ModelPlugin):
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the robot description, or wait for it."""
-        self.open(sdf, model.GetName())
-        self.model, self.world = model, model.GetWorld()
-        period = self.given.controlPeriod
-        self.ticks = Ticks(1.0 / period if period > 0.0 else 0.0)
-        self.manager: ControllerManager | None = None
-        self.hardware: RobotHardware | None = None
+        self.begin(model, sdf)
         self.retry = Ticks(RETRY)
-        self.last = self.written = self.world.core.GetSimTime()
         self._try()
         if self.manager is None:
             log.warning("gazebo_ros_control waits for model URDF in parameter [%s]", self.given.robotParam)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        period = self.given.controlPeriod
+        self.run(1.0 / period if period > 0.0 else 0.0)
+
+    def look(self, now: float) -> None:
+        """Look for the robot description, if it is time."""
+        if self.retry.due(now):
+            self._try()
 
     def _try(self) -> None:
         """Begin, if the robot description is there."""
@@ -66,27 +65,6 @@ class GazeboRosControl(RosPlugin, ModelPlugin):
             except GazeboError as error:
                 log.error("gazebo_ros_control: %s", error)
                 self.hardware = None
-
-    def Reset(self) -> None:
-        """Start the running controllers again."""
-        self.last = self.written = self.world.core.GetSimTime()
-        if self.manager is not None and self.hardware is not None:
-            self.hardware.read()
-            self.manager.reset()
-
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Update the controllers, and apply what they command."""
-        now = self.world.core.GetSimTime()
-        if self.manager is None or self.hardware is None:
-            if self.retry.due(now):
-                self._try()
-            return
-        if self.ticks.due(now) and now > self.last:
-            self.hardware.read()
-            self.manager.update(now - self.last)
-            self.last = now
-        self.hardware.write(now - self.written)
-        self.written = now
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosControl)

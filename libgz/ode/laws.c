@@ -287,6 +287,17 @@ static int ignore(const operation *o, char *memory)
     return 1;
 }
 
+/* Whether nothing is to be done: there are conditions alone, and those hold. To see that takes no lock, whose two system
+ * calls are a third of the cost of a step at rest; what is being written now is seen in the next step. */
+static int is_quiet(tables *t, const clock_record *clock, const law *l)
+{
+    int64_t i;
+    for (i = 0; i < l->count; i++)
+        if (l->operations[i].code != REQUIRE && l->operations[i].code != SWITCH)
+            return 0;
+    return may_peek(l->link) && !compute(t, clock, l, l->link->memory);
+}
+
 static const int RESTORATIONS = 8; /* in one exchange: a client may overwrite commands while they are compared */
 
 /* Do a law, under the lock of its interface if it has one. */
@@ -297,7 +308,7 @@ int obey(tables *t, const clock_record *clock, const law *l)
     int left = RESTORATIONS;
     if (!link)
         return !compute(t, clock, l, NULL);
-    if (is_left_out(l))
+    if (is_left_out(l) || is_quiet(t, clock, l))
         return 1;
     if (!take(link))
         return 0;

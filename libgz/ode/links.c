@@ -47,6 +47,12 @@ static int is_whole(link_record *l)
     return 1;
 }
 
+/* Whether the memory may be read without the lock: the file is as long as it should be, and nothing has to be kept. */
+int may_peek(const link_record *l)
+{
+    return l->memory && l->counts && !l->blocked && !l->keeps && now_monotonic() < l->next_check && is_intact(l);
+}
+
 static const int ATTEMPTS = 32; /* some 20 us: clients mostly hold a lock for less */
 
 /* Try the lock at most so often. */

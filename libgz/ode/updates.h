@@ -108,6 +108,7 @@ static inline double now_monotonic(void)
 
 /* links.c */
 int take(link_record *l);
+int may_peek(const link_record *l);
 void release(link_record *l);
 void give_back(link_record *l);
 int is_intact(const link_record *l);

@@ -75,3 +75,21 @@ def test_native_code_reads_buttons_as_python_does(caplog):
             assert done[True] == done[False], step
     assert {"save", "reset"} < set(done[True])
     assert caplog.messages == [message for message in caplog.messages[::2] for _ in range(2)], "both log the same"
+
+
+def test_to_look_at_buttons_that_nobody_presses_takes_no_lock(wire):
+    with libgz.World(wire) as world:
+        world.Initialize()
+        world.step(2)
+        assert world.rows.run(0, 1) == 1
+        with libgz.Client(wire, 0) as client:
+            sim = client.sim()
+            assert sim.lock()
+            before = world.sim.link.attempts, world.sim.link.exchanges
+            assert world.rows.run(0, 1) == 1
+            assert (world.sim.link.attempts, world.sim.link.exchanges) == before
+            sim.data.pause = 1
+            assert world.rows.run(0, 1) == 0, "what is pressed is read under the lock"
+            sim.unlock()
+            world.Step()
+            assert world.paused

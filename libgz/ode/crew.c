@@ -2,8 +2,9 @@
  *
  * Python starts the threads, which stay in gz_crew_work() until gz_crew_end(). Its own thread adds a job as soon as it
  * has prepared one, so that others work while it prepares the next; gz_crew_next() then gives it a job that is done, and
- * until there is one it does jobs itself. Worlds share nothing that decides their numbers, so these do not depend on how
- * many threads there are, nor on the order of jobs.
+ * until there is one it does jobs itself. A thread is woken for several jobs, because to wake it can cost as much as a short
+ * one. Worlds share nothing that decides their numbers, so these do not depend on how many threads there are, nor on the
+ * order of jobs.
  */
 #include "crew.h"
 
@@ -11,6 +12,8 @@
 #include <stdlib.h>
 
 int64_t gz_updates_repeat(const void *updates, int64_t count, int64_t *steps, double seconds, const void *pace);
+
+enum { WAKING = 4 }; /* jobs for which a thread is woken */
 
 typedef struct {
     job *first, *last;
@@ -21,6 +24,7 @@ typedef struct {
     pthread_cond_t added, done;
     job_list todo, over;
     int64_t given; /* jobs that were added and not given back yet */
+    int64_t waiting; /* jobs for which no thread was woken */
     int64_t ended;
 } crew;
 
@@ -77,32 +81,41 @@ void gz_crew_work(crew *c)
 
 void gz_crew_add(crew *c, job *j)
 {
+    int wakes;
     pthread_mutex_lock(&c->lock);
     put(&c->todo, j);
     c->given++;
+    wakes = ++c->waiting >= WAKING;
+    if (wakes)
+        c->waiting = 0;
     pthread_mutex_unlock(&c->lock);
-    pthread_cond_signal(&c->added);
+    if (wakes)
+        pthread_cond_signal(&c->added);
+}
+
+/* Wake threads for the jobs that were added since one was woken. */
+static void wake(crew *c)
+{
+    if (c->waiting && c->todo.first)
+        pthread_cond_broadcast(&c->added);
+    c->waiting = 0;
 }
 
 /* A job that is done, of those that were added and not given back yet; NULL without any. */
 job *gz_crew_next(crew *c)
 {
-    job *j;
+    job *j = NULL;
+    int undone = 0;
     pthread_mutex_lock(&c->lock);
-    if (!c->given) {
-        pthread_mutex_unlock(&c->lock);
-        return NULL;
-    }
-    c->given--;
-    while (!(j = take(&c->over))) {
-        if ((j = take(&c->todo))) {
-            pthread_mutex_unlock(&c->lock);
-            run(j);
-            return j;
-        }
-        pthread_cond_wait(&c->done, &c->lock);
+    if (c->given) {
+        c->given--;
+        while (!(j = take(&c->over)) && !(undone = (j = take(&c->todo)) != NULL))
+            pthread_cond_wait(&c->done, &c->lock);
+        wake(c);
     }
     pthread_mutex_unlock(&c->lock);
+    if (undone)
+        run(j);
     return j;
 }
 

@@ -14,6 +14,9 @@ from libgz.base.errors import ParameterError, nearest
 __all__ = ["KINDS", "Distribution"]
 
 
+LARGEST = 1e18  # of a number; whole ones have 64 bits
+
+
 @dataclass(frozen=True)
 class _Kind:
     count: int | None  # how many numbers describe it; None: any from 1
@@ -55,12 +58,12 @@ class Distribution:
             self._check_numbers()
 
     def _check_numbers(self) -> None:
-        numbers = [isinstance(value, int | float) and math.isfinite(value) for value in self.values]
+        numbers = [isinstance(value, int | float) and abs(value) <= LARGEST for value in self.values]
         first, second = self.values
         ordered = all(numbers) and (second >= 0.0 if self.kind == "normal" else first <= second)
         whole = self.kind != "integers" or all(float(value).is_integer() for value in self.values)
         if not ordered or not whole or (self.kind == "loguniform" and first <= 0.0):
-            raise ParameterError(f"{self.kind} is {self.values}; it takes {KINDS[self.kind].help}")
+            raise ParameterError(f"{self.kind} is {self.values}; it takes {KINDS[self.kind].help}, within ±{LARGEST:g}")
 
     @classmethod
     def of(cls, given: Any, what: str) -> Distribution:

@@ -21,7 +21,7 @@ from libgz.worldfile.search import find_worldfile, why_missing
 
 __all__ = ["Variant", "value_text"]
 
-_STEP = re.compile(r"(?P<name>[^\[\]#]+?)(?:#(?P<number>\d+))?(?:\[(?P<index>\d+)\])?")
+_STEP = re.compile(r"(?P<name>[^\[\]#]+?)(?:#(?P<number>\d{1,9}))?(?:\[(?P<index>\d{1,9})\])?")
 MOST_NAMED = 8  # elements in one message
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from libgz.base.errors import GazeboError, ParameterError
@@ -57,7 +58,8 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
         path = folder / f"{_UNSAFE.sub('-', measure)}.png"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            figure.savefig(path, dpi=120)
+            with rc_context({"text.parse_math": False}):  # names of the study are text, not formulas
+                figure.savefig(path, dpi=120)
         except OSError as error:
             raise GazeboError(f"cannot write {path}: {error.strerror}") from None
         yield path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import fcntl
 import io
@@ -15,7 +16,7 @@ from typing import Any
 
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
-from libgz.base.files import write_whole
+from libgz.base.files import read_limited, write_whole
 from libgz.sweep.study import Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
@@ -45,7 +46,7 @@ class Results:
         digest: of the study.
 
     Raises:
-        ParameterError: the folder has results of another study, or in another format.
+        ParameterError: the folder has results of another study, in another format, or damaged ones.
         GazeboError: another process writes to it, or it cannot be written.
     """
 
@@ -66,6 +67,7 @@ class Results:
             except OSError:
                 raise GazeboError(f"{folder}: another process writes these results") from None
             self._check(digest, study)
+            self._open(study)
         except BaseException:
             self._lock.close()
             raise
@@ -73,7 +75,7 @@ class Results:
     def _check(self, digest: str, study: Study) -> None:
         about = self.folder / ABOUT
         if about.is_file():
-            known = json.loads(about.read_text())
+            known = _about(self.folder)
             if known["digest"] != digest:
                 raise ParameterError(
                     f"{self.folder} has the results of another study, or of this one before it, its world or its "
@@ -93,6 +95,10 @@ class Results:
         self._write({name: row.get(name) for name in self.columns})
         self._note(row)
 
+    def _open(self, study: Study) -> None:
+        """Note what is recorded, and open the file that rows are added to."""
+        raise NotImplementedError
+
     def _note(self, row: Mapping[str, Any]) -> None:
         self.recorded.add(int(row["run"]))
         self.failed += row["state"] != "ok"
@@ -110,13 +116,12 @@ class CsvResults(Results):
 
     format = "csv"
 
-    def __init__(self, folder: Path, study: Study, digest: str) -> None:
-        super().__init__(folder, study, digest)
-        path = folder / TABLE
+    def _open(self, study: Study) -> None:
+        path = self.folder / TABLE
         if path.is_file():
             _cut(path)
             for row in _csv_rows(path):
-                self._note({"run": int(row["run"]), "state": row["state"]})
+                self._note(row)
         self._file = path.open("ab", buffering=0)
         if not path.stat().st_size:
             self._put(self.columns)
@@ -141,19 +146,16 @@ class ParquetResults(Results):
 
     format = "parquet"
 
-    def __init__(self, folder: Path, study: Study, digest: str) -> None:
-        super().__init__(folder, study, digest)
+    def _open(self, study: Study) -> None:
         self._types = _parquet_types(study)
-        for part in sorted(folder.glob("part-*.parquet")):
-            table = _parquet().read_table(part, columns=["run", "state"])
-            for run, state in zip(table["run"].to_pylist(), table["state"].to_pylist(), strict=True):
-                self._note({"run": run, "state": state})
+        for part in sorted(self.folder.glob("part-*.parquet")):
+            for row in _part_rows(part, ["run", "state"]):
+                self._note(row)
         self._waiting: list[dict[str, Any]] = []
-        path = folder / JOURNAL
+        path = self.folder / JOURNAL
         if path.is_file():
             _cut(path)
-            for line in path.read_text().splitlines():
-                row = json.loads(line)
+            for row in _journal_rows(path):
                 if row["run"] not in self.recorded:  # else the process ended between part and journal
                     self._waiting.append(row)
                     self._note(row)
@@ -174,7 +176,7 @@ class ParquetResults(Results):
         import pyarrow  # type: ignore[import-untyped]
 
         rows = sorted(self._waiting, key=lambda row: row["run"])
-        columns = {name: [_as(kind, row[name]) for row in rows] for name, kind in self._types.items()}
+        columns = {name: [_as(kind, row.get(name)) for row in rows] for name, kind in self._types.items()}
         schema = pyarrow.schema([(name, getattr(pyarrow, kind)()) for name, kind in self._types.items()])
         out = io.BytesIO()
         _parquet().write_table(pyarrow.table(columns, schema=schema), out)
@@ -245,9 +247,55 @@ def _cut(path: Path) -> None:
         file.truncate(data.rfind(b"\n") + 1)
 
 
-def _csv_rows(path: Path) -> Iterator[dict[str, str]]:
-    with path.open(newline="") as file:
-        yield from csv.DictReader(file)
+@contextlib.contextmanager
+def _damage_named(path: Path) -> Iterator[None]:
+    """Say of a file that a sweep did not write so what it is, and where."""
+    try:
+        yield
+    except OSError as error:
+        raise GazeboError(f"cannot read {path}: {error.strerror or error}") from None
+    except (ValueError, TypeError, LookupError, RecursionError, csv.Error) as error:
+        raise ParameterError(f"{path} is damaged: {type(error).__name__}: {error}") from None
+
+
+def _about(folder: Path) -> dict[str, Any]:
+    """What the folder says of its study.
+
+    Raises:
+        ParameterError: it says nothing that a sweep wrote.
+    """
+    path = folder / ABOUT
+    with _damage_named(path):
+        known: dict[str, Any] = json.loads(read_limited(path))
+        names = {"digest": str, "format": str, "runs": int, "parameters": list, "random": list, "measures": list}
+        for name, kind in names.items():
+            if not isinstance(known[name], kind):
+                raise TypeError(f"{name} is {known[name]!r}")
+        if known["format"] not in FORMATS:
+            raise ValueError(f"its format is {known['format']!r}")
+    return known
+
+
+def _csv_rows(path: Path) -> Iterator[dict[str, Any]]:
+    with _damage_named(path), path.open(newline="") as file:
+        for row in csv.DictReader(file):
+            yield {**row, "run": int(row["run"]), "state": row["state"], "python": row["python"]}
+
+
+def _part_rows(path: Path, columns: list[str] | None = None) -> list[dict[str, Any]]:
+    with _damage_named(path):
+        rows: list[dict[str, Any]] = _parquet().read_table(path, columns=columns).to_pylist()
+        if not all(isinstance(row["run"], int) and isinstance(row["state"], str) for row in rows):
+            raise ValueError("runs without numbers")
+    return rows
+
+
+def _journal_rows(path: Path) -> Iterator[dict[str, Any]]:
+    with _damage_named(path), path.open() as file:
+        for line in file:
+            if line.endswith("\n"):  # else its process ended while it was written
+                row = json.loads(line)
+                yield {**row, "run": int(row["run"]), "state": row["state"]}
 
 
 def open_results(folder: Path, study: Study, digest: str, wanted: str | None) -> Results:
@@ -265,8 +313,7 @@ def open_results(folder: Path, study: Study, digest: str, wanted: str | None) ->
         GazeboError: another process writes to it, or it cannot be written.
     """
     if wanted is None:
-        about = folder / ABOUT
-        wanted = json.loads(about.read_text())["format"] if about.is_file() else "csv"
+        wanted = _about(folder)["format"] if (folder / ABOUT).is_file() else "csv"
     if wanted == "csv":
         return CsvResults(folder, study, digest)
     _parquet()
@@ -277,13 +324,13 @@ def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """What the folder says of its study, and all rows in order of their runs; numbers as numbers.
 
     Raises:
-        ParameterError: there are no results.
+        ParameterError: there are no results, or a file of them is damaged.
         LibraryError: pyarrow is not installed.
     """
     about = folder / ABOUT
     if not about.is_file():
         raise ParameterError(f"{str(folder)!r} has no results of a sweep: there is no {ABOUT} in it")
-    known: dict[str, Any] = json.loads(about.read_text())
+    known = _about(folder)
     rows: list[dict[str, Any]]
     if known["format"] == "csv":
         numbers = {*known["measures"], "sim_time", "wall_time", "run", "seed", "attempts"}
@@ -291,15 +338,14 @@ def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         rows = [
             {name: _parsed(text, name in numbers) for name, text in row.items()}
             for row in (_csv_rows(table) if table.is_file() else ())
-            if row["run"].isdecimal() and row["python"]
+            if row["python"]
         ]
     else:
         parts = sorted(folder.glob("part-*.parquet"))
-        rows = [row for part in parts for row in _parquet().read_table(part).to_pylist()]
+        rows = [row for part in parts for row in _part_rows(part)]
         known_runs = {row["run"] for row in rows}
         journal = folder / JOURNAL
-        lines = journal.read_text().split("\n")[:-1] if journal.is_file() else []
-        rows += [row for row in map(json.loads, lines) if row["run"] not in known_runs]
+        rows += [row for row in (_journal_rows(journal) if journal.is_file() else ()) if row["run"] not in known_runs]
     return known, sorted(rows, key=lambda row: row["run"])
 
 

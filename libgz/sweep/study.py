@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from libgz.base.errors import ParameterError, nearest
-from libgz.base.files import read_limited
+from libgz.base.files import is_file, read_limited, read_text
 from libgz.ode.context import SOLVERS
 from libgz.study.distribution import Distribution
 from libgz.study.signals import split_signal
@@ -24,6 +24,7 @@ __all__ = ["NO_CONTROLLER", "REDUCTIONS", "Controller", "Limits", "Measure", "Ru
 
 NO_CONTROLLER = "none"
 TO_CONTROLLER = "controller/"  # prefix of parameters that the controller is given
+MOST_RUNS, MOST_SEEDS = 1_000_000_000, 1_000_000
 REDUCTIONS = ("last", "first", "min", "max", "mean", "sum", "std")
 RESERVED = (
     "run",
@@ -165,7 +166,9 @@ class Study:
             table = tomllib.loads(read_limited(path).decode())
         except OSError as error:
             raise ParameterError(f"cannot read study {str(path)!r}: {error.strerror}") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        except RecursionError:
+            raise ParameterError(f"{path}: it is nested too deeply") from None
+        except ValueError as error:  # no TOML, no UTF-8, or a number of thousands of digits
             raise ParameterError(f"{path}: {error}") from None
         try:
             return cls.of(table, path.absolute().parent)
@@ -179,6 +182,7 @@ class Study:
         Raises:
             ParameterError: a key or value is not allowed.
         """
+        _check_whole_numbers(table)
         _check_keys(table, KEYS, "a study")
         for key in ("world", "duration", "measures"):
             if key not in table:
@@ -237,6 +241,8 @@ class Study:
         )
         if study.start >= study.duration:
             raise ParameterError(f"start is {study.start:g} s; it must be before the end, {study.duration:g} s")
+        if math.prod(study._sizes) > MOST_RUNS:
+            raise ParameterError(f"it has more than {MOST_RUNS} runs")
         for name in names:
             if name.startswith(TO_CONTROLLER) and not all(one.function for one in study.controllers):
                 raise ParameterError(f"parameter {name!r} is given to controllers in Python, and one of these is none")
@@ -309,8 +315,8 @@ class Study:
             return ""
         path, _, name = function.rpartition(":")
         try:
-            return f"{name}:{Path(path).read_text()}"
-        except (OSError, UnicodeDecodeError) as error:
+            return f"{name}:{read_text(path)}"
+        except OSError as error:
             raise ParameterError(f"{function!r} cannot be read: {error}") from None
 
 
@@ -322,6 +328,15 @@ def _check_keys(table: Mapping[str, Any], known: Mapping[str, Any], what: str) -
     for key in table:
         if key not in known:
             raise ParameterError(f"{what} has no {key!r}; it has {', '.join(known)}{nearest(key, known)}")
+
+
+def _check_whole_numbers(value: Any) -> None:
+    """Refuse whole numbers that TOML does not have: those beyond 64 bits are neither floats nor numpy's integers."""
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
+        raise ParameterError("a whole number is beyond 64 bits")
+    if isinstance(value, Mapping | list | tuple):
+        for one in value.values() if isinstance(value, Mapping) else value:
+            _check_whole_numbers(one)
 
 
 def _table(table: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -356,12 +371,13 @@ def _whole(table: Mapping[str, Any], key: str, default: int, least: int) -> int:
 
 
 def _seeds(given: Any) -> tuple[int, ...]:
-    if isinstance(given, int) and not isinstance(given, bool) and given > 0:
+    if isinstance(given, int) and not isinstance(given, bool) and 0 < given <= MOST_SEEDS:
         return tuple(range(given))
     right = isinstance(given, list) and given and all(type(one) is int and one >= 0 for one in given)
     if not right or len(set(given)) != len(given):
         raise ParameterError(
-            f"seeds is {given!r}; it must be a number above 0, or a list of different whole numbers from 0"
+            f"seeds is {given!r}; it must be a number from 1 to {MOST_SEEDS}, or a list of different whole numbers "
+            "from 0"
         )
     return tuple(given)
 
@@ -380,7 +396,7 @@ def _cases(given: Any) -> tuple[dict[str, Any], ...]:
 def _beside(folder: Path, name: str) -> str:
     """A file beside the study, or the name as given, of a world of libgz."""
     for path in (folder / name, folder / f"{name}.world"):
-        if path.is_file():
+        if is_file(path):
             return str(path)
     return name
 
@@ -389,7 +405,7 @@ def _function(text: str, folder: Path) -> str:
     path, colon, name = text.rpartition(":")
     if not colon or not path.endswith(".py") or not name.isidentifier():
         raise ParameterError(f"{text!r} names no function; write FILE.py:NAME")
-    if not (folder / path).is_file():
+    if not is_file(folder / path):
         raise ParameterError(f"{text!r}: there is no file {str(folder / path)!r}")
     return f"{folder / path}:{name}"
 

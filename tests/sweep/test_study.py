@@ -5,6 +5,7 @@ import tomllib
 import pytest
 
 from libgz.base.errors import GazeboError, ParameterError
+from libgz.sweep.results import open_results, read_results
 from libgz.sweep.run import check
 from libgz.sweep.study import Study
 
@@ -96,3 +97,63 @@ def test_names_are_checked_before_the_first_run(folder, old, new, message):
     with pytest.raises(GazeboError) as error:
         check(study)
     assert message in str(error.value)
+
+
+NUL = '"a\\u0000"'
+HOSTILE = [  # a line of the study, what it becomes
+    ("seeds = 2", "list = " + "[" * 100_000),
+    ("seeds = 2", "seed = " + "1" * 5000),
+    ("seeds = 2", "seed = 0x" + "f" * 5000),
+    ("seeds = 2", "seeds = 1_000_000_000_000"),
+    ("seeds = 2", "repeats = 9_000_000_000_000_000_000"),
+    ("duration = 1.0", "duration = 1" + "0" * 400),
+    ("seeds = 2", "limits = {time = 1" + "0" * 400 + "}"),
+    ('"push.world"', '"' + "x" * 5000 + '"'),
+    ('"push.world"', NUL),
+    ("drive.py:Drive", "x" * 5000 + ".py:Drive"),
+    ("[0.5, 0.8]", "[0, 1" + "0" * 400 + "]"),
+    ("[0.5, 0.8]", "[-1.7e308, 1.7e308]"),
+    ("uniform = [0.5, 0.8]", "integers = [0, 9_223_372_036_854_775_807]"),
+    ("[1.0, 8.0]", "{choice = []}"),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), HOSTILE, ids=[new[:40] for _, new in HOSTILE])
+def test_no_text_ends_in_more_than_one_sentence(folder, old, new):
+    path = folder / "push.toml"
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(GazeboError):
+        Study.load(path).digest()  # the digest reads the world that it names
+
+
+def test_too_many_runs_are_refused(folder):
+    table = tomllib.loads((folder / "push.toml").read_text())
+    table["parameters"] |= {f"crate/x{i}": list(range(10)) for i in range(100)}
+    with pytest.raises(ParameterError, match="more than 1000000000 runs"):
+        Study.of(table, folder)
+
+
+def results_of(folder):
+    study = Study.load(folder / "push.toml")
+    return open_results(folder / "results", study, study.digest(), "csv")
+
+
+DAMAGED = [
+    ("study.json", b"["),
+    ("study.json", b"[" * 100_000),
+    ("study.json", b"{}"),
+    ("study.json", b"\xff"),
+    ("results.csv", b"run,state,python\nx,ok,3\n"),
+    ("results.csv", b"run,python\n1,3\n"),
+    ("results.csv", b"\xff\n1\n"),
+    ("results.csv", b'run,state,python\n"' + b"x" * 200_000 + b'",ok,3\n'),
+]
+
+
+@pytest.mark.parametrize(("name", "content"), DAMAGED)
+def test_damaged_results_are_named(folder, name, content):
+    results_of(folder).close()
+    (folder / "results" / name).write_bytes(content)
+    for use in (lambda: read_results(folder / "results"), lambda: results_of(folder)):
+        with pytest.raises(ParameterError, match=f"{name} is damaged"):
+            use()

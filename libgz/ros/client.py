@@ -13,7 +13,7 @@ from libgz.ros.names import NodeNames
 from libgz.ros.packing import codec
 from libgz.ros.tcpros import MOST_HEADER, U32, encode_header, parse_header
 from libgz.ros.types import service_type
-from libgz.ros.xmlrpc import XmlRpcError, call
+from libgz.ros.xmlrpc import XmlRpcError, call, shown
 
 __all__ = ["RosCallError", "RosClient"]
 
@@ -41,8 +41,14 @@ class RosClient:
         Raises:
             XmlRpcError: there is no master.
         """
-        code, _, value = call(self.names.master, "getParam", self.names.name, self.names.resolve(name))
+        code, _, value = self._ask("getParam", self.names.resolve(name))
         return value if code == 1 else None
+
+    def _ask(self, method: str, name: str) -> tuple[Any, Any, Any]:
+        answer = call(self.names.master, method, self.names.name, name)
+        if not isinstance(answer, list) or len(answer) != 3:
+            raise XmlRpcError(f"{method} of {self.names.master}: {shown(answer)} is no answer of a master")
+        return answer[0], answer[1], answer[2]
 
     def call(
         self,
@@ -67,9 +73,9 @@ class RosClient:
         """
         service, full = service_type(kind), self.names.resolve(name)
         uri = self._look_up(full, waiting)
-        place = urlsplit(uri)
         header = {"callerid": self.names.name, "md5sum": service.md5, "service": full, "type": service.name}
         try:
+            place = urlsplit(uri)
             with socket.create_connection((place.hostname or "", place.port or 0), 5.0) as sock:
                 sock.settimeout(patience)
                 sock.sendall(encode_header(header))
@@ -89,7 +95,7 @@ class RosClient:
     def _look_up(self, full: str, waiting: Callable[[str], object] | None) -> str:
         while True:
             try:
-                code, text, uri = call(self.names.master, "lookupService", self.names.name, full)
+                code, text, uri = self._ask("lookupService", full)
             except XmlRpcError as error:
                 if waiting is None:
                     raise
@@ -97,7 +103,7 @@ class RosClient:
             if code == 1:
                 return str(uri)
             if waiting is None:
-                raise RosCallError(f"there is no service {full}: {text}")
+                raise RosCallError(f"there is no service {full}: {shown(text)}")
             waiting(f"Waiting for service {full}")
             waiting = _silent
             time.sleep(RETRY)

@@ -236,9 +236,11 @@ class Connection:
         if not data:
             self.close()
             return
+        if self._closing:
+            return  # the last answer is on its way, and nothing is heard any more
         received = self._received
         received += data
-        while not self.closed:
+        while not self.closed and not self._closing:
             size = self.frame_size(received)
             if size is None:
                 break
@@ -306,10 +308,10 @@ class Connection:
             parts: of the frame; their memory may change afterwards.
             size: of all together [byte].
         """
-        if self.queue or self._rest is not None or not self._using.acquire(blocking=False):
+        if self.unsent or not self._using.acquire(blocking=False):
             return False
         try:
-            if self.queue or self._rest is not None or self.closed:
+            if self.unsent or self.closed:
                 return self.closed
             sent = self.socket.sendmsg(parts)
             if sent < size:
@@ -340,6 +342,11 @@ class Connection:
         if writing != self._writing:
             self._writing = writing
             self.loop.watch(self, selectors.EVENT_READ | (selectors.EVENT_WRITE if writing else 0))
+
+    @property
+    def unsent(self) -> bool:
+        """Whether something waits that the socket did not take."""
+        return bool(self.queue) or self._rest is not None
 
     def finish(self) -> None:
         """Close once all is sent."""

@@ -18,7 +18,7 @@ from libgz.ros.names import NodeNames
 from libgz.ros.packing import Buffer, codec
 from libgz.ros.tcpros import U32, Caller, Feed, Reader
 from libgz.ros.types import MessageType, ServiceType
-from libgz.ros.xmlrpc import Server, XmlRpcError, call
+from libgz.ros.xmlrpc import Server, XmlRpcError, call, shown
 
 __all__ = ["Node", "Publisher", "ServiceServer", "Subscriber"]
 
@@ -27,7 +27,9 @@ log = logging.getLogger("libgz.ros")
 CHECK_PERIOD = 0.5  # [s] between two looks whether the master is there and knows this node
 CLOSING_PATIENCE = 5.0  # [s] for all calls at the end
 MOST_PUBLISHERS = 64  # of one topic that are read at the same time
+LONGEST_URI = 1000  # characters of the address of a node
 CONNECT_PATIENCE = 3.0  # [s]
+PARAMETER_PATIENCE = 10.0  # [s]; the description of a robot is long
 
 
 class Publisher:
@@ -291,7 +293,7 @@ class Node:
         if not self.first_look.wait(CONNECT_PATIENCE) or not self._known:
             return None
         try:
-            code, _, value = call(self.master, "getParam", self.name, name)
+            code, _, value = call(self.master, "getParam", self.name, name, patience=PARAMETER_PATIENCE)
         except (XmlRpcError, ValueError, TypeError) as error:
             log.warning("ROS: %s", error)
             return None
@@ -320,9 +322,9 @@ class Node:
         try:
             code, text, value = answer
         except (TypeError, ValueError):
-            raise XmlRpcError(f"{method} of {self.master}: {answer!r} is no answer of a master") from None
+            raise XmlRpcError(f"{method} of {self.master}: {shown(answer)} is no answer of a master") from None
         if code != 1:
-            raise XmlRpcError(f"{method} of {self.master}: {text}")
+            raise XmlRpcError(f"{method} of {self.master}: {shown(text)}")
         return value
 
     def _soon(self, function: Callable[[Any], object], one: Any) -> None:
@@ -361,7 +363,7 @@ class Node:
             self._known, self._complained = True, False
         except (XmlRpcError, TypeError, ValueError) as error:
             if self._known:
-                log.warning("ROS: the master at %s is gone; connected topics remain", self.master)
+                self._loop.warn("gone", "ROS: the master at %s is gone; connected topics remain", self.master)
             elif not self._complained:
                 log.warning("ROS: no master at %s; it is waited for (%s)", self.master, error)
             self._known, self._complained = False, True
@@ -433,7 +435,7 @@ class Node:
         subscriber = self._subscribers.get(topic)
         if subscriber is None:
             return 0, f"{self.name} does not subscribe to {topic!r}", 0
-        wanted = [uri for uri in uris if isinstance(uri, str)]
+        wanted = [uri for uri in uris if isinstance(uri, str) and len(uri) <= LONGEST_URI]
         for uri, feed in list(subscriber.publishers.items()):
             if uri not in wanted and feed is not None:
                 self._loop.call(feed.close)
@@ -441,7 +443,8 @@ class Node:
             if uri in subscriber.publishers:
                 continue
             if len(subscriber.publishers) >= MOST_PUBLISHERS or not self._connecting.acquire(blocking=False):
-                log.warning("ROS: %s has more than %d publishers; those beyond are left out", topic, MOST_PUBLISHERS)
+                text = "ROS: %s has more than %d publishers; those beyond are left out"
+                self._loop.warn("publishers", text, topic, MOST_PUBLISHERS)
                 break
             subscriber.publishers[uri] = None
             threading.Thread(target=self._follow, args=(subscriber, uri), name="ros-connect", daemon=True).start()
@@ -453,10 +456,11 @@ class Node:
             answer = call(uri, "requestTopic", self.name, subscriber.topic, [["TCPROS"]], patience=CONNECT_PATIENCE)
             code, text, (_, host, port) = answer
             if code != 1:
-                raise XmlRpcError(f"requestTopic of {uri}: {text}")
+                raise XmlRpcError(f"requestTopic of {uri}: {shown(text)}")
             sock = socket.create_connection((str(host), int(port)), CONNECT_PATIENCE)
         except (XmlRpcError, OSError, TypeError, ValueError, OverflowError) as error:
-            log.warning("ROS: %s cannot be read from %s: %s", subscriber.topic, uri, error)
+            text = "ROS: %s cannot be read from %s: %s"
+            self._loop.warn(("unread", subscriber.topic, uri), text, subscriber.topic, uri, shown(str(error)))
             subscriber.publishers.pop(uri, None)
             return
         finally:

@@ -183,8 +183,8 @@ class Caller(Connection):
         self._served, self._persistent, self.longest = served, fields.get("persistent") in ("1", "true"), MOST_CALL
 
     def _request(self, served: Served, body: bytes) -> None:
-        if self._busy:
-            self.close("it sent a request before the last one was answered")
+        if self._busy or self.unsent:
+            self.close("it sent a request before it took the answer to the last one")
             return
         self._busy = True
         if not served.request(body, lambda good, answer: self.loop.call(self._answer, good, answer)):

@@ -8,11 +8,12 @@ import http.server
 import logging
 import math
 import operator
+import reprlib
 import socket
 import threading
 import time
 import xmlrpc.client
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 from urllib.parse import urlsplit
 from xml.parsers import expat
@@ -21,7 +22,7 @@ from libgz.base.errors import GazeboError
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 
-__all__ = ["Server", "XmlRpcError", "call"]
+__all__ = ["Server", "XmlRpcError", "call", "shown"]
 
 log = logging.getLogger("libgz.ros")
 
@@ -29,6 +30,7 @@ MOST_ANSWER = 1 << 24  # bytes; a robot description is the longest
 MOST_REQUEST = 1 << 20
 MOST_THREADS = 32
 PATIENCE = 5.0  # [s]
+LONGEST_SHOWN = 300  # characters of a text of others in a message
 QUICK = 0.3  # [s] that a request takes at most; a slower one lets others that wait come first
 WAITING = 2.0  # [s] that a request waits for one of the threads
 PAUSE = 0.25  # [s] when no descriptors are left
@@ -43,26 +45,56 @@ class XmlRpcError(GazeboError):
 def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any:
     """Call a method; what it returns.
 
+    Args:
+        uri: the address of the node or master.
+        method: its name.
+        values: its arguments.
+        patience: how long the whole call may take [s].
+
     Raises:
         XmlRpcError: the call failed.
     """
     try:
         place = urlsplit(uri)
         if place.scheme != "http" or not place.hostname:
-            raise XmlRpcError(f"{uri!r} is no address of XML-RPC; it must begin with http://")
+            raise XmlRpcError(f"{shown(uri)!r} is no address of XML-RPC; it must begin with http://")
         body = xmlrpc.client.dumps(values, method, allow_none=True).encode()
         connection = http.client.HTTPConnection(place.hostname, place.port or 80, timeout=patience)
         try:
-            connection.request("POST", place.path or "/RPC2", body, {"Content-Type": "text/xml"})
-            answer = connection.getresponse()
-            data = answer.read(MOST_ANSWER + 1)
+            connection.connect()
+            with _shut_down_after(connection.sock, patience):
+                connection.request("POST", place.path or "/RPC2", body, {"Content-Type": "text/xml"})
+                answer = connection.getresponse()
+                data = answer.read(MOST_ANSWER + 1)
         finally:
             connection.close()
         if answer.status != http.HTTPStatus.OK:
-            raise XmlRpcError(f"{uri} answered {answer.status} {answer.reason}")
+            raise XmlRpcError(f"{uri} answered {answer.status} {shown(answer.reason)}")
         return _loads(data, MOST_ANSWER)[0][0]
     except _FAILURES as error:
-        raise XmlRpcError(f"{method} of {uri}: {error or type(error).__name__}") from error
+        raise XmlRpcError(f"{method} of {shown(uri)}: {shown(str(error)) or type(error).__name__}") from error
+
+
+def shown(value: Any) -> str:
+    """What another node sent as the text of a message: neither long nor deep."""
+    return value[:LONGEST_SHOWN] if isinstance(value, str) else reprlib.repr(value)
+
+
+@contextlib.contextmanager
+def _shut_down_after(sock: socket.socket, patience: float) -> Iterator[None]:
+    """End a connection that takes too long in all: a peer that sends byte by byte is never late with one of them."""
+
+    def end() -> None:
+        with contextlib.suppress(OSError):
+            sock.shutdown(socket.SHUT_RDWR)
+
+    timer = threading.Timer(patience, end)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:

@@ -11,7 +11,9 @@ from libgz import World
 from libgz.interfaces.catalog import INTERFACES
 from libgz.ros.legacy.api import SERVICES
 from libgz.ros.legacy.kinds import KINDS
+from libgz.ros.packing import codec
 from libgz.ros.server import Ros1
+from libgz.ros.types import message_type
 
 WORLD = Path(__file__).parent / "legacy.world"
 WITHOUT = {"sim", "guicam", "factory", "wifi"}  # interfaces that are no devices, or have no usual messages
@@ -168,6 +170,16 @@ def test_services(node, caplog):
     states = node.topic("/gazebo/model_states", "gazebo_msgs/ModelStates")()
     assert "robot" not in states.name
     assert states.pose[states.name.index("crate")].position.x == pytest.approx(2.0, abs=0.01)
+
+
+def test_a_command_to_a_model_that_has_just_left_is_dropped(node, caplog):
+    kind = message_type("geometry_msgs/Twist")
+    wait_for(lambda: "/robot/cmd_vel" in node.master.subscribers, node.core.Step)
+    subscription = node.ros.node._subscribers["/robot/cmd_vel"]
+    node.core.DeleteModel("robot")
+    subscription.received(codec(kind).pack(kind()))
+    node.core.Step()
+    assert "ClosedError" not in caplog.text
 
 
 def test_a_wrong_command_is_refused(node, caplog):

@@ -15,7 +15,9 @@ import pytest
 from descriptors import none_left
 from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for, within
 
-from libgz.ros import loop as loop_module, xmlrpc as xmlrpc_module
+from libgz.base.errors import GazeboError
+from libgz.ros import loop as loop_module, node as node_module, xmlrpc as xmlrpc_module
+from libgz.ros.client import RosClient
 from libgz.ros.names import read_names
 from libgz.ros.packing import codec
 from libgz.ros.server import Ros1
@@ -321,6 +323,97 @@ def test_answers_that_are_none_are_one_error(answer):
         with pytest.raises(xmlrpc_module.XmlRpcError, match="getPid of http"):
             xmlrpc_module.call(f"http://127.0.0.1:{listener.getsockname()[1]}/", "getPid")
         thread.join()
+
+
+@contextlib.contextmanager
+def peer_of_xmlrpc(answer):
+    """The address of a peer that gets each connection's request and socket in a thread of its own."""
+
+    def serve():
+        with contextlib.suppress(OSError):
+            while True:
+                sock, _ = listener.accept()
+                with sock, contextlib.suppress(OSError):
+                    answer(sock.recv(1 << 16), sock)
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        yield f"http://127.0.0.1:{listener.getsockname()[1]}/"
+        listener.shutdown(socket.SHUT_RDWR)
+    thread.join(10.0)
+
+
+def test_an_answer_that_comes_byte_by_byte_ends_a_call_in_time():
+    def drip(_request, sock):
+        sock.sendall(b"HTTP/1.0 200 OK\r\nContent-Length: 100000\r\n\r\n")
+        while True:
+            sock.sendall(b"x")
+            time.sleep(0.01)
+
+    with peer_of_xmlrpc(drip) as uri, pytest.raises(xmlrpc_module.XmlRpcError, match="getPid of http"):
+        xmlrpc_module.call(uri, "getPid", patience=0.2)
+
+
+DEEP = "<array><data><value>" * 5000 + "x" + "</value></data></array>" * 5000
+ANSWERS = [
+    DEEP,
+    f"<array><data><value><i4>0</i4></value><value>{DEEP}</value><value>x</value></data></array>",
+    "x" * 1_000_000,
+]
+
+
+@pytest.mark.parametrize("value", ANSWERS, ids=["deep", "deep text", "long"])
+def test_a_master_of_other_answers_is_waited_for(monkeypatch, caplog, value):
+    body = f"<methodResponse><params><param><value>{value}</value></param></params></methodResponse>".encode()
+    head = f"HTTP/1.0 200 OK\r\nContent-Length: {len(body)}\r\n\r\n".encode()
+    asked = threading.Semaphore(0)
+
+    def answer(_request, sock):
+        sock.sendall(head + body)
+        asked.release()
+
+    with peer_of_xmlrpc(answer) as uri:
+        monkeypatch.setenv("ROS_MASTER_URI", uri)
+        monkeypatch.setattr(node_module, "CHECK_PERIOD", 0.01)
+        names = read_names(["__name:=sim"])
+        with Ros1(["__name:=sim"]) as found:
+            for _ in range(6):  # it asks again and again
+                assert asked.acquire(timeout=20.0)
+            assert found.node.parameter("a") is None
+        with pytest.raises(GazeboError):
+            RosClient(names).call("x", "std_srvs/Empty")
+    assert all(len(record.getMessage()) < 2000 for record in caplog.records)
+    assert sum("no master" in record.getMessage() for record in caplog.records) == 1
+
+
+def test_addresses_of_publishers_do_not_fill_the_log(node, master, caplog):
+    subscription = node.subscribe("talk", STRING.name, lambda _: None)
+    wait_for(lambda: "/talk" in master.subscribers)
+    uris = [f"none://{number}" for number in range(60)]
+    for _ in range(8):
+        ask(node.node.uri, "publisherUpdate", "/master", "/talk", [*uris, "http://" + "x" * 100_000])
+        wait_for(lambda: not node.node._subscribers["/talk"].publishers)
+    assert 60 <= len(caplog.records) <= 110
+    assert all(len(record.getMessage()) < 2000 for record in caplog.records)
+    del subscription
+
+
+def test_a_client_that_takes_no_answers_is_closed(node, master, caplog):
+    kind = service_type("gazebo_msgs/GetWorldProperties")
+    many = kind.response(model_names=["x" * 1000] * 2000)
+    service = node.serve("serve", kind.name, lambda _: many)
+    wait_for(lambda: "/serve" in master.services)
+    client = Service(master, "/serve", md5sum=kind.md5)
+
+    def ask_again():
+        with contextlib.suppress(OSError):
+            client.send(b"")
+        node.deliver()
+
+    wait_for(lambda: "before it took the answer" in caplog.text, ask_again)
+    wait_for(lambda: not node.node._loop.connections)
+    del service
 
 
 def test_requests_that_come_byte_by_byte_are_closed_when_others_wait(node, monkeypatch):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ClosedError
 from libgz.base.geometry import GzCoordPoseSub, GzPose
 from libgz.ros.legacy.grip import Grip
 from libgz.ros.legacy.kinds import KINDS, Frames, Kind, Obey, Order, Switch
@@ -86,7 +88,8 @@ class Device:
     def command(self, topic: str, obey: Obey, message: Any) -> None:
         """Write a command into the interface, as soon as no client holds its lock; the topic's last one counts."""
         self._waiting[topic] = (obey, message)
-        self._write()
+        with contextlib.suppress(ClosedError):  # a message before it in the queue has removed the model
+            self._write()
 
     def _write(self) -> None:
         if not self._waiting or not self.interface.lock():

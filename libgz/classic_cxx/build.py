@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import tempfile
 from collections.abc import Callable, Sequence
@@ -16,6 +17,21 @@ from libgz.cxx.build import CompileError, check_sources, compiler, run_compiler
 __all__ = ["build", "check", "default_output"]
 
 Progress = Callable[[str], None]
+
+_MISSING = re.compile(r"([\w./+-]+): No such file or directory|'([\w./+-]+)' file not found")
+# Packages of Debian with headers, by the beginning of their names, and the directory that is named by -I.
+PACKAGES = {
+    "Eigen/": ("libeigen3-dev", "/usr/include/eigen3"),
+    "GL/": ("libgl-dev", ""),
+    "boost/": ("libboost-dev", ""),
+    "gst/": ("libgstreamer1.0-dev", "/usr/include/gstreamer-1.0"),
+    "ignition/": ("libignition-transport-dev", ""),
+    "opencv2/": ("libopencv-dev", "/usr/include/opencv4"),
+    "pcl/": ("libpcl-dev", "/usr/include/pcl-1.13"),
+    "ros/": ("libroscpp-dev", ""),
+    "tinyxml": ("libtinyxml-dev", ""),
+    "yaml-cpp/": ("libyaml-cpp-dev", ""),
+}
 
 
 def default_output(source: Path) -> Path:
@@ -61,7 +77,7 @@ def build(
             def compiled(version: Sequence[str]) -> list[CompileError]:
                 own = _command(library.compiler_flags(), standard, [*quality, *version, *options])
                 words = [*own, "-shared", "-o", str(new), *map(str, sources), *libraries, *library.linker_flags()]
-                return run_compiler(words)
+                return run_compiler(words, _hint)
 
             errors = _either(compiled, sources)
             if not errors:
@@ -90,10 +106,27 @@ def check(
     for source in sources:
 
         def compiled(version: Sequence[str], source: Path = source) -> list[CompileError]:
-            return run_compiler([*_command(flags, standard, [*version, *options]), "-fsyntax-only", str(source)])
+            words = [*_command(flags, standard, [*version, *options]), "-fsyntax-only", str(source)]
+            return run_compiler(words, _hint)
 
         found += _either(compiled, [source])
     return found
+
+
+def _hint(message: str) -> str:
+    """What helps against a message of the compiler: where a missing header is."""
+    match = _MISSING.search(message)
+    if match is None:
+        return ""
+    name = match[1] or match[2]
+    if name.startswith("gazebo/gui/"):
+        return "; libgz has no windows of Qt: its client is a page"
+    if name.startswith("gazebo/"):
+        return "; libgz has no such header"
+    for begin, (package, folder) in PACKAGES.items():
+        if name.startswith(begin):
+            return f"; apt-get install {package}" + (f", and -I{folder}" if folder else "")
+    return "; is its directory missing? Name it by -I"
 
 
 def _either(compiled: Callable[[Sequence[str]], list[CompileError]], sources: Sequence[Path]) -> list[CompileError]:

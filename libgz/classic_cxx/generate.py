@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx.messages import proto_files
-from libgz.classic_cxx.names import HEADERS, SENSOR_PLUGINS
+from libgz.classic_cxx.names import BASE_PLUGINS, HEADERS
 from libgz.classic_cxx.old_names import old_methods
 from libgz.classic_cxx.table import Class, Row, classes, rows, split
 
@@ -47,10 +47,12 @@ def headers() -> dict[str, str]:
     }
     macros = "".join(f"#define IGN_PROFILE{name}\n" for name in PROFILER)
     made["ignition/common/Profiler.hh"] = _guarded("profiler", macros)
-    for name in SENSOR_PLUGINS:
-        made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/sensor_plugins.hh"\n'
+    for header, plugins in BASE_PLUGINS.items():
+        for name in plugins:
+            made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/{header}.hh"\n'
     for name in ("gazebo/gazebo.hh", "gazebo/Gazebo.hh"):
         made[name] = f'{NOTE}#include "gazebo/libgz/server.hh"\n'
+    made["gazebo/physics/dart/DARTTypes.hh"] = f'{NOTE}#include "gazebo/libgz/dart.hh"\n'
     for name in {row.header for row in rows() if row.header} | set(HEADERS):
         made.setdefault(name, f'{NOTE}#include "gazebo/libgz/gazebo.hh"\n')
     return made
@@ -191,7 +193,8 @@ def _class(one: Class) -> Iterator[str]:
 # What no signature of the table says: templates, and results in parameters; native/library.cc has the bodies.
 CONNECT = """\
   template <typename T> event::ConnectionPtr Connect{name}(T callback) {{
-    return libgz_connect(this, "Connect{name}", std::function<void()>(callback)); }}"""
+    return libgz_connect(this, "Connect{name}", std::function<void()>(callback)); }}
+  void Disconnect{name}(const event::ConnectionPtr &connection) {{ event::end(connection); }}"""
 ANY_CAST = """\
   template <typename T> static T any_cast(const boost::any &value) {
     if constexpr (std::is_arithmetic_v<T>) {
@@ -205,11 +208,14 @@ ANY_CAST = """\
     }
     return boost::any_cast<T>(value);
   }"""
+FROM_ENVIRONMENT = '  libgz::Field<bool> {kind}PathsFromEnv{{this, "{kind}PathsFromEnv"}};'
 EXTRA = {
     "common::Image": (
         "  void GetData(unsigned char **data, unsigned int &count) const;",
         "  void GetRGBData(unsigned char **data, unsigned int &count) const;",
     ),
+    "common::Battery": ("  typedef std::map<uint32_t, double> PowerLoad_M;",),
+    "common::SystemPaths": tuple(FROM_ENVIRONMENT.format(kind=kind) for kind in ("gazebo", "model", "plugin")),
     "physics::Actor": ("  std::map<std::string, common::SkeletonAnimation *> SkeletonAnimations() const;",),
     "physics::Joint": (CONNECT.format(name="JointUpdate"),),
     "physics::PhysicsEngine": (ANY_CAST,),
@@ -238,7 +244,8 @@ def bodies(spaces: tuple[str, ...] = SPACES) -> str:
         if one.space in spaces:
             lines.append(f'  makers["{one.row.name}"] = &make<gazebo::{one.space}::{one.row.name}>;')
     if "physics" in spaces:
-        lines.append('  makers["SurfaceParams"] = &make<gazebo::physics::ODESurfaceParams>;')
+        for name in ("PhysicsEngine", "SurfaceParams"):  # of which there is only ODE's kind
+            lines.append(f'  makers["{name}"] = &make<gazebo::physics::ODE{name.removesuffix("Engine")}>;')
     lines.append("} }")
     return "\n".join(lines) + "\n"
 

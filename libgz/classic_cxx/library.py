@@ -11,6 +11,7 @@ import contextlib
 import fcntl
 import functools
 import hashlib
+import itertools
 import os
 import platform
 import re
@@ -31,7 +32,7 @@ from libgz.classic_cxx import FOLDER
 from libgz.classic_cxx.generate import bodies, headers
 from libgz.classic_cxx.layouts import shared
 from libgz.classic_cxx.messages import proto_files
-from libgz.classic_cxx.names import SENSOR_PLUGINS
+from libgz.classic_cxx.names import BASE_PLUGINS
 from libgz.cxx.build import compiler
 
 __all__ = ["Library", "built", "default_prefix", "install", "source_key", "uninstall"]
@@ -312,7 +313,7 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
     libraries = [f"-L{out}", "-lgazebo_msgs", *_package_flags("--libs"), *_boost()]
     _run([*link, f"-Wl,-soname,{SONAME}", "-o", str(out / SONAME), *objects.values(), *libraries])
     (out / "libgazebo.so").symlink_to(SONAME)
-    for name in (*(f"gazebo_{part}" for part in PARTS), *SENSOR_PLUGINS):
+    for name in (*(f"gazebo_{part}" for part in PARTS), *itertools.chain(*BASE_PLUGINS.values())):
         (out / f"lib{name}.so").write_text("INPUT(-lgazebo)\n")
     shutil.rmtree(sources)
     for path in messages.glob("*.pb.cc"):

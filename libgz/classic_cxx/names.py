@@ -1,9 +1,13 @@
 """Names of classic's headers beside those of the table: each is there, and includes the whole API."""
 
-__all__ = ["HEADERS", "SENSOR_PLUGINS"]
+__all__ = ["BASE_PLUGINS", "HEADERS"]
 
-# Plugins of Gazebo that plugins of users are derived from; each has a header and a library of its name.
-SENSOR_PLUGINS = ("CameraPlugin", "DepthCameraPlugin", "GpuRayPlugin", "RayPlugin")
+# Plugins of Gazebo that plugins of users are derived from, by the header that has them; each has a header and a library
+# of its name, too.
+BASE_PLUGINS = {
+    "sensor_plugins": ("CameraPlugin", "DepthCameraPlugin", "GpuRayPlugin", "RayPlugin"),
+    "model_plugins": ("ElevatorPlugin", "HarnessPlugin", "LinearBatteryPlugin", "WheelSlipPlugin"),
+}
 
 _FILES = {
     "gazebo": "Gazebo.hh Master.hh Server.hh gazebo_client.hh gazebo_config.h gazebo_core.hh",

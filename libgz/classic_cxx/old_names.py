@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Iterator
 
 from libgz.classic.api import classic_api
@@ -43,6 +44,9 @@ OLD_METHODS = {
     ("physics::Joint", "GetMaxForce"): ("double", "unsigned int i", 'GetParam("fmax", i)'),
     ("physics::Joint", "SetMaxForce"): ("void", "unsigned int i, double f", 'SetParam("fmax", i, f)'),
     ("physics::PhysicsEngine", "GetGravity"): ("math::Vector3", "", "libgz::gravity_of(this)"),
+    ("common::PoseKeyFrame", "SetTranslation"): ("void", "const math::Vector3 &v", "Translation(v)"),
+    ("common::PoseKeyFrame", "SetRotation"): ("void", "const math::Quaternion &q", "Rotation(q)"),
+    ("physics::World", "Light"): ("LightPtr", "const std::string &name", "LightByName(name)"),
     ("physics::World", "GetModel"): ("ModelPtr", "const std::string &name", "ModelByName(name)"),
     ("physics::World", "GetModel "): ("ModelPtr", "unsigned int i", "ModelByIndex(i)"),
     ("physics::World", "GetLight"): ("LightPtr", "const std::string &name", "LightByName(name)"),
@@ -61,10 +65,11 @@ def old_methods(one: Class) -> Iterator[str]:
     """Inline methods under the names of Gazebo 7 and before, which the table of libgz's Python names has."""
     owner = f"{one.space}::{one.row.name}"
     known = _names(one)
-    for name in (*_old_of(one), *_hidden(one)):
+    added = (name.strip() for holder, name in OLD_METHODS if holder == owner)
+    for name in dict.fromkeys((*_old_of(one), *_hidden(one), *added, *_getters(one))):
         found = [method for key, method in OLD_METHODS.items() if (key[0], key[1].strip()) == (owner, name)]
         for result, parameters, call in found:
-            const = " const" if "Set" not in call and "GetParam" not in call else ""
+            const = " const" if result != "void" and "GetParam" not in call else ""
             yield f"  {result} {name}({parameters}){const} {{ {'' if result == 'void' else 'return '}{call}; }}"
         if found:
             continue
@@ -76,6 +81,17 @@ def old_methods(one: Class) -> Iterator[str]:
                 yield f"  template <typename... A> void {name}(A &&...a){const} {{ {call}; }}"
             else:
                 yield f"  template <typename... A> auto {name}(A &&...a){const} {{ return libgz::old({call}); }}"
+    for row in one.methods:
+        if re.fullmatch(r"Connect[A-Z]\w+", row.name):
+            yield f"  void Dis{row.name[0].lower()}{row.name[1:]}(const event::ConnectionPtr &c) {{ event::end(c); }}"
+
+
+def _getters(one: Class) -> Iterator[str]:
+    """The names of sensors' getters, all of which began with Get."""
+    if one.space == "sensors":
+        for row in one.methods:
+            if "const" in row.flags and not row.name.startswith(("Get", "Is", "~")):
+                yield f"Get{row.name}"
 
 
 def _old_of(one: Class) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ _CLASSIC = re.compile(
 )
 
 _OLD = re.compile(
-    r"(?<!ignition::)(?<!ign::)\bmath::(Vector3|Pose|Quaternion|Vector2d|Angle|Box)\b(?!d)"
+    r"(?<!ignition::)(?<!ign::)\bmath::(Vector3|Pose|Quaternion|Matrix[34]|Vector2d|Angle|Box)\b(?!d)"
     r"|(->|\.)Get(World|Relative)(Pose|LinearVel|AngularVel|CoGPose)\(|->GetSimTime\(|->GetPhysicsEngine\("
 )
 
@@ -42,5 +42,5 @@ def asks_for_old_names(sources: Sequence[Path], errors: Sequence[str]) -> bool:
 
     Sources that choose between versions may know no version above 7.
     """
-    missing = re.compile(r"no member named '?(Get|Set)|'?(gazebo::)?math'? has not been declared")
+    missing = re.compile(r"no member named '?(Get|Set|Disconnect)|'?(gazebo::)?math'? has not been declared")
     return _own_version(sources) or any(map(missing.search, errors))

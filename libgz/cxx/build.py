@@ -8,7 +8,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -183,13 +183,18 @@ def check_sources(sources: Sequence[Path]) -> None:
             raise ParameterError(f"{str(source)!r} is no C++ source: it ends with none of {', '.join(SUFFIXES)}")
 
 
-def run_compiler(command: list[str]) -> list[CompileError]:
-    """Run the compiler; its errors, explained."""
+def run_compiler(command: list[str], hint: Callable[[str], str] | None = None) -> list[CompileError]:
+    """Run the compiler; its errors, explained.
+
+    Args:
+        command: of the compiler.
+        hint: what helps against a message; None: what helps models of the old API.
+    """
     environment = {**os.environ, "LC_ALL": "C"}
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, env=environment)
     if done.returncode == 0:
         return []
-    found = dict.fromkeys(_explained(match, done.stderr) for match in _ERROR.finditer(done.stderr))
+    found = dict.fromkeys(_explained(match, done.stderr, hint or _hint) for match in _ERROR.finditer(done.stderr))
     if not found:
         text = done.stderr.strip().splitlines()
         undefined = [line for line in text if "undefined" in line or "hidden symbol" in line or "error" in line.lower()]
@@ -197,7 +202,7 @@ def run_compiler(command: list[str]) -> list[CompileError]:
     return list(found)[:MOST_ERRORS]
 
 
-def _explained(match: re.Match[str], output: str) -> CompileError:
+def _explained(match: re.Match[str], output: str, hint_for: Callable[[str], str]) -> CompileError:
     """An error with what helps, at its place in the plugin's own files."""
     file, line, message = match["file"], int(match["line"]), match["message"]
     if Path(file).is_relative_to(INCLUDE):
@@ -205,7 +210,7 @@ def _explained(match: re.Match[str], output: str) -> CompileError:
         end = _ERROR.search(rest)
         used = _EXPANSION.search(rest, 0, end.start() if end is not None else len(rest))
         file, line = (used["file"], int(used["line"])) if used is not None else (file, line)
-    hint = _hint(message)
+    hint = hint_for(message)
     return CompileError(file, line, (message.partition("; did you mean ")[0] if hint else message) + hint)
 
 

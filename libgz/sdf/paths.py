@@ -12,13 +12,14 @@ from libgz.base.errors import Diagnostics, NotFoundError, WorldFileError
 from libgz.base.files import exists, expand, is_file, read_limited
 from libgz.sdf.xml import parse_document
 
-__all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
+__all__ = ["find_model", "find_uri", "find_world", "listed", "model_directories", "resource_directories"]
 
 log = logging.getLogger("libgz.sdf")
 
 # Folders that plugins add at run time; they come after those of the environment variables.
 added_models: list[Path] = []
 added_resources: list[Path] = []
+unread: set[str] = set()  # environment variables that plugins have excluded
 
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
 OLD_SUFFIXES = (".model", ".light")  # of models in Gazebo 1, before they had folders
@@ -26,19 +27,21 @@ MODEL_SCHEMES = ("model", "package")  # the second one is of ROS, where models l
 MEDIA = ("", "models", "media/models", "Media/models")
 
 
-def _listed(variable: str) -> list[Path]:
-    return [expand(part) for part in os.environ.get(variable, "").split(":") if part]
+def listed(variable: str) -> list[Path]:
+    """The folders that an environment variable lists; none if plugins have excluded it."""
+    text = "" if variable in unread else os.environ.get(variable, "")
+    return [expand(part) for part in text.split(":") if part]
 
 
 def model_directories() -> list[Path]:
     """Folders of `model://` URIs, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those of libgz, of ROS."""
-    ros = [*_listed("ROS_PACKAGE_PATH"), *(prefix / "share" for prefix in _listed("AMENT_PREFIX_PATH"))]
-    return [expand("~/.gazebo/models"), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN, *ros]
+    ros = [*listed("ROS_PACKAGE_PATH"), *(prefix / "share" for prefix in listed("AMENT_PREFIX_PATH"))]
+    return [expand("~/.gazebo/models"), *listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN, *ros]
 
 
 def resource_directories() -> list[Path]:
     """Folders of files: the current directory, GAZEBO_RESOURCE_PATH, added ones and libgz's, and the usual in these."""
-    folders = [*_listed("GAZEBO_RESOURCE_PATH"), *added_resources, BUILT_IN.parent]
+    folders = [*listed("GAZEBO_RESOURCE_PATH"), *added_resources, BUILT_IN.parent]
     return [Path.cwd(), *(folder / sub for folder in folders for sub in MEDIA)]
 
 
@@ -97,7 +100,7 @@ def _downloaded(uri: str) -> Path:
 def _around(name: str, beside: Path | None) -> list[Path]:
     """The folder that holds a model or package of this name, if `beside` is in it; or is one itself, of ROS."""
     inside = [folder for folder in (beside.absolute(), *beside.absolute().parents) if name] if beside else []
-    paths = _listed("ROS_PACKAGE_PATH")  # which may name packages themselves
+    paths = listed("ROS_PACKAGE_PATH")  # which may name packages themselves
     return [folder.parent for folder in (*inside, *paths) if folder.name == name]
 
 

@@ -4,7 +4,12 @@
 #include <gazebo/physics/physics.hh>
 #include <gazebo/plugins/CameraPlugin.hh>
 #include <gazebo/plugins/DepthCameraPlugin.hh>
+#include <gazebo/physics/ode/ODEPhysics.hh>
+#include <gazebo/plugins/ElevatorPlugin.hh>
 #include <gazebo/plugins/GpuRayPlugin.hh>
+#include <gazebo/plugins/HarnessPlugin.hh>
+#include <gazebo/plugins/LinearBatteryPlugin.hh>
+#include <gazebo/plugins/WheelSlipPlugin.hh>
 #include <gazebo/plugins/RayPlugin.hh>
 #include <gazebo/rendering/rendering.hh>
 #include <gazebo/sensors/sensors.hh>
@@ -253,7 +258,15 @@ class Checks : public ModelPlugin
     EXPECT(surface->slip1 == 0.5 && surface->FrictionPyramid()->MuPrimary() > 0);
     const auto &paths = common::SystemPaths::Instance()->GetPluginPaths();
     EXPECT(&paths == &common::SystemPaths::Instance()->GetPluginPaths() && paths.begin() != paths.end());
+    auto engine = boost::dynamic_pointer_cast<physics::ODEPhysics>(this->world->Physics());
+    EXPECT(engine->GetFrictionModel() == "pyramid_model" && engine->GetSORPGSIters() == 50);
+    engine->SetFrictionModel("cone_model");
+    engine->SetSORPGSIters(60);
+    EXPECT(engine->GetFrictionModel() == "cone_model" && engine->GetSORPGSIters() == 60);
     auto sensor = sensors::get_sensor("imu");
+    std::vector<std::string> types;
+    sensors::SensorFactory::GetSensorTypes(types);
+    EXPECT(std::find(types.begin(), types.end(), "imu") != types.end());
     EXPECT(std::dynamic_pointer_cast<sensors::ImuSensor>(sensor) && sensor == sensors::get_sensor("imu"));
     EXPECT(!std::dynamic_pointer_cast<sensors::RaySensor>(sensor));
   }
@@ -264,6 +277,7 @@ class Checks : public ModelPlugin
     EXPECT(_sdf->Get<ignition::math::Vector3d>("vector") == ignition::math::Vector3d(1, 2, 3));
     EXPECT(_sdf->GetElement("vector")->GetAttribute("unit")->GetAsString() == "m");
     EXPECT(common::Time(1.5) + common::Time(0, 600000000) == common::Time(2, 100000000));
+    EXPECT(GZ_SEC_TO_HOUR(7200) == 2.0);
     common::PID pid(2, 1, 0.5, 1, -1);
     EXPECT(pid.Update(1.0, common::Time(0.1)) == -2.0 - 0.1 - 5.0);
     physics::JointPtr joint = this->model->GetJoint("hinge");
@@ -369,6 +383,9 @@ class Checks : public ModelPlugin
     event::ConnectionPtr update = event::Events::ConnectWorldUpdateBegin(std::bind(&Checks::OnUpdate, this, std::placeholders::_1));
     update->~Connection();
     update.reset();
+    // What is disconnected is not called, however long its pointer lives.
+    this->ended = event::Events::ConnectWorldUpdateBegin([](const common::UpdateInfo &) { gzthrow("it is disconnected"); });
+    event::Events::DisconnectWorldUpdateBegin(this->ended);
   }
   void Topics()
   {
@@ -475,7 +492,7 @@ class Checks : public ModelPlugin
   physics::ModelPtr model;
   physics::WorldPtr world;
   std::string check;
-  event::ConnectionPtr connection, other;
+  event::ConnectionPtr connection, other, ended;
   transport::NodePtr node;
   transport::SubscriberPtr subscriber;
   transport::PublisherPtr publisher;
@@ -515,9 +532,69 @@ class Look : public VisualPlugin
   void Load(rendering::VisualPtr _visual, sdf::ElementPtr) override { gzmsg << "visual " << _visual->Name() << std::endl; }
 };
 
+// Plugins that are derived from plugins of Gazebo.
+class Battery : public LinearBatteryPlugin
+{
+ public:
+  void Load(physics::ModelPtr _model, sdf::ElementPtr _sdf) override
+  {
+    LinearBatteryPlugin::Load(_model, _sdf);
+    EXPECT(this->q0 == 0.01 && this->q / this->q0 == 1.0 && this->c == 0.01 && this->r == 0.5 && this->tau == 0.05);
+    EXPECT(this->link->GetName() == "arm" && this->battery->InitVoltage() == 12);
+    this->consumer = this->battery->AddConsumer();
+    this->battery->SetPowerLoad(this->consumer, 12);
+    EXPECT(this->battery->PowerLoads().at(this->consumer) == 12);
+    this->connection = event::Events::ConnectWorldUpdateEnd([this] {
+      gzmsg << "used " << 1e6 * (this->q0 - this->q) << " " << this->ismooth << std::endl;
+    });
+  }
+  uint32_t consumer;
+  event::ConnectionPtr connection;
+};
+class Elevator : public ElevatorPlugin
+{
+ public:
+  void Load(physics::ModelPtr _model, sdf::ElementPtr _sdf) override
+  {
+    ElevatorPlugin::Load(_model, _sdf);
+    this->MoveToFloor(1);
+  }
+};
+class Wheels : public WheelSlipPlugin
+{
+ public:
+  void Load(physics::ModelPtr _model, sdf::ElementPtr _sdf) override
+  {
+    WheelSlipPlugin::Load(_model, _sdf);
+    EXPECT(this->GetParentModel() == _model);
+    this->SetSlipComplianceLateral(0.25);
+    this->SetSlipComplianceLongitudinal("arm", 0.5);
+  }
+};
+class Winch : public HarnessPlugin
+{
+ public:
+  void Load(physics::ModelPtr _model, sdf::ElementPtr _sdf) override
+  {
+    HarnessPlugin::Load(_model, _sdf);
+    this->SetWinchVelocity(-0.5f);
+    EXPECT(this->WinchVelocity() == -0.5);
+    this->connection = event::Events::ConnectWorldUpdateEnd([this] {
+      if (++this->steps == 1000)
+        this->Detach();
+    });
+  }
+  int steps = 0;
+  event::ConnectionPtr connection;
+};
+
 // Each kind is a file of its own, linked with this one: see conftest.py.
 libgz::PluginRoot *NewModel() { return new Checks; }
 libgz::PluginRoot *NewWorld() { return new Hello; }
 libgz::PluginRoot *NewSensor() { return new Watcher; }
 libgz::PluginRoot *NewSystem() { return new System; }
 libgz::PluginRoot *NewVisual() { return new Look; }
+libgz::PluginRoot *NewBattery() { return new Battery; }
+libgz::PluginRoot *NewElevator() { return new Elevator; }
+libgz::PluginRoot *NewWheels() { return new Wheels; }
+libgz::PluginRoot *NewWinch() { return new Winch; }

@@ -15,11 +15,12 @@ from libgz.classic_cxx.library import Library, built, check_needs
 from libgz.cxx.build import compiler
 
 HERE = Path(__file__).parent
-KINDS = ("Model", "World", "Sensor", "System", "Visual")
+KINDS = {kind: kind for kind in ("Model", "World", "Sensor", "System", "Visual")}
+KINDS |= dict.fromkeys(("Battery", "Elevator", "Wheels", "Winch"), "Model")  # derived from plugins of Gazebo
 KIND = """\
 namespace libgz {{ class PluginRoot; }}
-libgz::PluginRoot *New{kind}();
-extern "C" libgz::PluginRoot *libgz_new_plugin() {{ return New{kind}(); }}
+libgz::PluginRoot *New{name}();
+extern "C" libgz::PluginRoot *libgz_new_plugin() {{ return New{name}(); }}
 extern "C" const char *libgz_classic_plugin() {{ return "libgz classic plugin: {kind}; {key}; {folder};"; }}
 """
 
@@ -42,7 +43,7 @@ def plugins(library: Library, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder.mkdir(exist_ok=True)
     with (folder / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (folder / f"lib{KINDS[-1].lower()}.so").exists():
+        if not (folder / f"lib{list(KINDS)[-1].lower()}.so").exists():
             _build(library, folder)
     return folder
 
@@ -51,10 +52,10 @@ def _build(library: Library, folder: Path) -> None:
     common = folder / "checks.o"
     flags = library.compiler_flags()
     _run([*compiler(), *flags, "-O0", "-w", "-c", "-o", str(common), str(HERE / "checks.cc")])
-    for kind in KINDS:
-        source = folder / f"{kind.lower()}.cc"
-        source.write_text(KIND.format(kind=kind, key=library.key, folder=library.lib))
-        output = folder / f"lib{kind.lower()}.so"
+    for name, kind in KINDS.items():
+        source = folder / f"{name.lower()}.cc"
+        source.write_text(KIND.format(name=name, kind=kind, key=library.key, folder=library.lib))
+        output = folder / f"lib{name.lower()}.so"
         _run([*compiler(), "-shared", "-fPIC", "-o", str(output), str(source), str(common), *library.linker_flags()])
 
 

@@ -263,6 +263,54 @@ def test_all_kinds(place, said, caplog):
     assert not problems(caplog)
 
 
+def derived(name, inside, **parts):
+    """A world with a plugin that is derived from one of Gazebo."""
+    return world_of(model=f'<plugin name="own" filename="lib{name}.so">{inside}</plugin>', **parts)
+
+
+def test_a_plugin_derived_from_the_battery_is_used_up_by_its_own_consumer(place, said, caplog):
+    cell = {"link_name": "arm", "battery_name": "main", "open_circuit_voltage_constant_coef": 12,
+            "open_circuit_voltage_linear_coef": -2, "initial_charge": 0.01, "capacity": 0.01, "resistance": 0.5,
+            "smooth_current_tau": 0.05}  # fmt: skip
+    inside = "".join(f"<{tag}>{value}</{tag}>" for tag, value in cell.items())
+    battery = "</sensor><battery name='main'><voltage>12</voltage></battery><sensor name='more' type='imu'>"
+    with derived("battery", inside, sensor=battery) as world:
+        world.step(200)
+        assert not problems(caplog)
+        used = [float(part) for part in said()[-1].split()[1:]]
+    voltage = 12.0 - 2.0 * used[0] * 1e-6 / 0.01 - 0.5 * used[1]
+    assert used[1] == pytest.approx(12.0 / voltage, rel=0.05)
+    assert used[0] == pytest.approx(1e6 * 1.05 * (0.2 - 0.05) / 3600.0, rel=0.05)
+
+
+def test_plugins_derived_from_those_of_models(place, caplog):
+    limit = "<limit><lower>-10</lower><upper>10</upper></limit>"
+    up = f"<axis><xyz>0 0 1</xyz>{limit}</axis>"
+    joint = f'<joint name="rope" type="prismatic"><parent>world</parent><child>base</child>{up}</joint>'
+    pid = "<p>{}</p><cmd_min>-9000</cmd_min><cmd_max>9000</cmd_max>"
+    controllers = f"<pos_pid>{pid.format(5000)}</pos_pid><vel_pid>{pid.format(5000)}</vel_pid>"
+    with derived("winch", f"{joint}<winch><joint>rope</joint>{controllers}</winch><detach>rope</detach>") as world:
+        model = physics.get_world().ModelByName("robot")
+        world.step(900)
+        assert model.GetJoint("rope").GetVelocity(0) == pytest.approx(-0.5, abs=0.05)
+        world.step(200)
+        assert model.GetJoint("rope") is None
+    wheel = "<wheel link_name='arm'><wheel_normal_force>10</wheel_normal_force><wheel_radius>0.1</wheel_radius></wheel>"
+    with derived("wheels", wheel) as world:
+        model = physics.get_world().ModelByName("robot")
+        model.GetJoint("hinge").SetVelocity(0, 2.0)
+        spin = model.GetJoint("hinge").GetVelocity(0)
+        world.step(1)
+        surface = model.GetLink("arm").GetCollision("shape").GetSurface()
+        assert (surface.slip1, surface.slip2) == pytest.approx((0.01 * spin * 0.25, 0.01 * spin * 0.5))
+    names = "<lift_joint>hinge</lift_joint><door_joint>hinge</door_joint><topic>~/elevator</topic>"
+    with derived("elevator", f"{names}<floor_height>0.5</floor_height>") as world:
+        world.step(2000)
+        joint = physics.get_world().ModelByName("robot").GetJoint("hinge")
+        assert joint.Position(0) == pytest.approx(0.25, abs=0.01)  # half way: the doors' controller holds it at 0
+    assert not problems(caplog)
+
+
 def test_a_wrong_kind_and_a_wrong_version(place, caplog):
     with world_of(world='<plugin name="hello" filename="libmodel.so"/>'):
         assert "detected an incorrect plugin type" in problems(caplog)[0]

@@ -2,39 +2,68 @@
 
 PLUGIN_SOURCES names a directory with a folder for each project; every file that registers a plugin is compiled, with
 the headers and the messages of its project. PLUGIN_RESULTS names a file that keeps the results: what compiled before
-must compile again. PLUGIN_SHARE is the least share of files that must compile, such as 0.85. CXXFLAGS may name further
-options of the compiler, such as -I/usr/include/eigen3. The table by kind of failure is printed: pytest -s.
+must compile again. PLUGIN_SHARE and PLUGIN_ROS_SHARE are the least shares that must compile, such as 0.85: of the files
+that need no ROS, and of those that Debian's ROS 1 suffices for; PLUGIN_ROS is the root below which that is installed,
+such as /. PLUGIN_WHOLE is the share of files that are built and loaded wholly, without the precompiled header, such as
+0.1. CXXFLAGS may name further options of the compiler, such as -I/usr/include/eigen3; those of PLUGIN_OPTIONS come
+after the folders of a plugin's project. The table by kind of failure is printed: pytest -s.
 """
 
 import collections
 import concurrent.futures
+import ctypes
 import os
+import random
 import re
+import shlex
 import subprocess
-from pathlib import Path
+import sys
+from pathlib import Path, PurePath
 
 import pytest
 
 from libgz.base.errors import LibraryError
-from libgz.classic_cxx.build import check
-from libgz.classic_cxx.library import built
+from libgz.classic_cxx.build import build, check
+from libgz.classic_cxx.library import EXACT, MESSAGES, SONAME, STANDARD, built
+from libgz.classic_cxx.recognition import OLD_NAMES
+from libgz.cxx.build import compiler
+from libgz.ros.install import install
 
 SOURCES, RESULTS = os.environ.get("PLUGIN_SOURCES"), os.environ.get("PLUGIN_RESULTS")
 SHARE = float(os.environ.get("PLUGIN_SHARE", "0"))
+ROS_SHARE = float(os.environ.get("PLUGIN_ROS_SHARE", "0"))
+WHOLE = float(os.environ.get("PLUGIN_WHOLE", "0"))
+ROS = os.environ.get("PLUGIN_ROS")
+OPTIONS = shlex.split(os.environ.get("PLUGIN_OPTIONS", ""))
 
 REGISTERS = re.compile(r"^\s*GZ_REGISTER_(WORLD|MODEL|SENSOR|SYSTEM|VISUAL|GUI)_PLUGIN\s*\(", re.MULTILINE)
+PACKAGE = re.compile(r"<name>\s*(\w+)\s*</name>")
+INCLUDES = re.compile(r"^\s*#\s*include\s*[<\"]([^>\"]+)[>\"]", re.MULTILINE)
 HEADERS = (".h", ".hh", ".hpp", ".hxx")
 CODE = (*HEADERS, ".cc", ".cpp", ".cxx")
 COMPILES = "compiles"
+QT, ABSENT = "windows of Qt", "a library that is not on this computer"
 KINDS = {
-    "windows of Qt": r"Q_OBJECT|\bQ[A-Z]\w+|\bQt|gazebo/gui/|'gui' (has not|is not)|gui::",
-    "OGRE": r"[Oo]gre|OGRE|MovableText|RenderEngine|RTShaderSystem|SelectionBuffer",
-    "other engines": r"(bullet|dart|simbody)/|DART|Simbody|Bullet",
-    "ROS 2": r"rclcpp|/msg/\w+\.hpp|gazebo_ros/node\.hpp",
-    "a header that is not on this computer": r"No such file or directory",
-    "a name of Gazebo": r"gazebo::|has no member",
+    QT: r"Q_OBJECT|\bQ[A-Z]\w+|\bQt|gazebo/gui/|'gui' (has not|is not)|gui::",
+    "OGRE": r"[Oo]gre|OGRE|MovableText|RenderEngine|RTShaderSystem|selection_buffer|'create_scene|VideoVisual",
+    "internals of engines": r"\b(bullet|dart|simbody|ode)/|joints/contact\.h|DART|Simbody|Bullet|\bd(Body|Geom)ID",
+    "a name of Gazebo": r"^gazebo/\S+: No such file|gazebo::|has no member",
+    ABSENT: r"No such file or directory",
     "the rest": "",
 }
+APART = (QT, ABSENT)  # the shares are of all others
+# What a plugin needs beside Gazebo, by its headers and those of its project that they include; the first that fits.
+NEEDS = {
+    "ROS 2": r"^rclcpp/|/(msg|srv|action)/\w+\.hpp$|^gazebo_ros/\w+\.hpp$",
+    "packages for Gazebo and ROS 1": (
+        r"^gazebo_(ros|plugins|msgs|ros_control)/|^control(_toolbox|_msgs|ler_manager|ler_interface)/"
+        r"|^(hardware|transmission)_interface/"
+    ),
+    "ROS 1": r"^(ros|tf|tf2_ros|nodelet|image_transport|cv_bridge|dynamic_reconfigure)/|^\w+_(msgs|srvs)/\w+\.h$",
+}
+GAZEBO = re.compile(r"^(?:[\w -]+ for )?(gazebo::(?:\w+::)*?|libgz::)([A-Z]\w*)(?=::|\(|$|\[)")
+NO_ROS, ROS_1, OLD = "no ROS", "ROS 1", "a copy of Gazebo 1 to 3"
+OLD_GAZEBO = re.compile(r"GAZEBO_MAJOR_VERSION\s+[1-3]\b")
 
 
 def kind_of(errors):
@@ -42,19 +71,171 @@ def kind_of(errors):
     return next(kind for kind, words in KINDS.items() if re.search(words, errors[0])) if errors else COMPILES
 
 
-def options_of(project, library, place):
-    """The compiler's options for the headers of a project, behind those of all others, and for its messages."""
-    proto = library.include / "gazebo" / "msgs" / "proto"
-    own = sorted(path for path in project.rglob("*.proto") if not (proto / path.name).exists())
-    place.mkdir()
-    for path in own:
-        folders = [f"-I{folder}" for folder in dict.fromkeys((path.parent, proto, *(one.parent for one in own)))]
-        subprocess.run(["protoc", f"--cpp_out={place}", *folders, path], capture_output=True, check=False)
-        if not (place / path.parent.name).exists():
-            (place / path.parent.name).symlink_to(".")  # included as msgs/own.pb.h
-    headers = {path.parent for path in project.rglob("*") if path.suffix in HEADERS}
-    folders = sorted(headers | {folder.parent for folder in headers})
-    return [f"-idirafter{folder}" for folder in (place, *folders)]
+class Project:
+    """The files of a public project, and what compiling them needs.
+
+    Args:
+        folder: of the project.
+        place: for what is generated of its messages.
+        library: Gazebo's C++ API.
+        ros: where `libgz ros install` has installed.
+    """
+
+    def __init__(self, folder, place, library, ros):
+        self.folder, self.place = folder, place
+        self.files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+        code = [path for path in self.files if path.suffix in CODE]
+        self.text = {path: path.read_text(errors="replace") for path in code}
+        self.plugins = [path for path in code if REGISTERS.search(self.text[path])]
+        self.named = collections.defaultdict(list)
+        for path in code:
+            self.named[path.name].append(path)
+        if self.plugins:
+            place.mkdir()
+            self._generate_protobuf(library.include / "gazebo" / "msgs" / "proto")
+            if ROS is not None:
+                self._generate_ros(Path(ROS), ros)
+        headers = {path.parent for path in code if path.suffix in HEADERS}
+        folders = sorted(headers | {above for folder in headers for above in (folder.parent, folder.parent.parent)})
+        self.sources = {path: self._source_of(path) for path in self.plugins}
+        self.options = [f"-idirafter{folder}" for folder in (place, *folders, ros / "include")] + OPTIONS
+
+    def _source_of(self, plugin):
+        """The source of a plugin: of one that a header registers, a source that includes that."""
+        if plugin.suffix not in HEADERS:
+            return plugin
+        for path, text in self.text.items():
+            if path.suffix not in HEADERS and any(self._own(name, path) == plugin for name in INCLUDES.findall(text)):
+                return path
+        made = self.place / f"{plugin.stem}.cc"
+        made.write_text(f'#include "{plugin}"\n')
+        return made
+
+    def _generate_protobuf(self, known):
+        """The messages of the project's own, as headers."""
+        own = [path for path in self.files if path.suffix == ".proto" and not (known / path.name).exists()]
+        for path in own:
+            folders = [f"-I{folder}" for folder in dict.fromkeys((path.parent, known, *(one.parent for one in own)))]
+            subprocess.run(["protoc", f"--cpp_out={self.place}", *folders, path], capture_output=True, check=False)
+            if not (self.place / path.parent.name).exists():
+                (self.place / path.parent.name).symlink_to(".")  # included as msgs/own.pb.h
+
+    def _generate_ros(self, root, gazebo):
+        """The messages, services, actions and reconfigurations of the project's packages, as catkin makes them."""
+        share, programs = root / "usr" / "share", root / "usr" / "lib"
+        environment = {**os.environ, "PYTHONPATH": str(programs / "python3" / "dist-packages")}
+
+        def run(*words):
+            command = [sys.executable, *map(str, words)]
+            subprocess.run(command, capture_output=True, check=False, env=environment, cwd=self.place)
+
+        packages = {}
+        for path in self.files:
+            if path.name == "package.xml" and (name := PACKAGE.search(path.read_text(errors="replace"))):
+                packages[name[1]] = path.parent.absolute()
+        known = [path for folder in (share, gazebo / "share") for path in folder.glob("*/msg")]
+        folders = [word for path in known for word in ("-I", f"{path.parent.name}:{path}")]
+        for name, folder in packages.items():
+            folders += ["-I", f"{name}:{folder / 'msg'}", "-I", f"{name}:{self.place / name / 'msg'}"]
+        for name, folder in packages.items():
+            into = self.place / name
+            into.mkdir(exist_ok=True)
+            for path in folder.glob("cfg/*.cfg"):
+                run(path, share / "dynamic_reconfigure", into, into, into)
+            for path in folder.glob("action/*.action"):
+                run(programs / "actionlib_msgs" / "genaction.py", path, "-o", into / "msg")
+            for path in (*folder.glob("msg/*.msg"), *folder.glob("srv/*.srv"), *into.glob("msg/*.msg")):
+                run(programs / "gencpp" / "gen_cpp.py", path, *folders, "-p", name, "-o", into, "-e", share / "gencpp")
+
+    def _own(self, name, place):
+        """The file of the project that an include means, if it is one of its own."""
+        if (place.parent / name).is_file():
+            return (place.parent / name).resolve()
+        return next((path for path in self.named[PurePath(name).name] if str(path).endswith(f"/{name}")), None)
+
+    def defines(self, name):
+        """Whether the project has a class or function of a name."""
+        return any(re.search(rf"\b{re.escape(name)}\b\s*[{{:(]", text) for text in self.text.values())
+
+    def needs_of(self, plugin):
+        """What a plugin needs beside Gazebo."""
+        build_file = self.folder / "CMakeLists.txt"
+        if build_file.is_file() and OLD_GAZEBO.search(build_file.read_text(errors="replace")):
+            return OLD
+        foreign, seen, todo = set(), {plugin}, [plugin]
+        while todo:
+            path = todo.pop()
+            for name in INCLUDES.findall(self.text.get(path, "")):
+                own = self._own(name, path)
+                if own is None:
+                    foreign.add(name)
+                elif own not in seen:
+                    seen.add(own)
+                    todo.append(own)
+        return next((need for need, words in NEEDS.items() if any(re.search(words, one) for one in foreign)), NO_ROS)
+
+
+def precompiled(place, library):
+    """The compiler's options for a precompiled header of the whole API, by present names and those of Gazebo 7."""
+    header = place / "all.hh"
+    header.write_text('#include "gazebo/libgz/gazebo.hh"\n')
+    (place / "all.hh.gch").mkdir()
+    flags = [f"-std={STANDARD}", "-w", EXACT, *(one for one in library.compiler_flags() if not one.startswith("-std="))]
+
+    def compiled(version):
+        output = place / "all.hh.gch" / ("old" if version else "new")
+        subprocess.run([*compiler(), *flags, *version, "-x", "c++-header", header, "-o", output], check=True)
+
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        list(pool.map(compiled, ((), OLD_NAMES)))
+    return ["-include", str(header)]
+
+
+def symbols(path, *which):
+    """The names of a shared object that are defined, or that it wants of others."""
+    command = ["nm", "-DCj", *which, str(path)]
+    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    return {line.partition("@")[0] for line in lines}
+
+
+def linked(path, options, place, project, given):
+    """The errors of building a plugin wholly: names of Gazebo among them that neither libgz nor its project has.
+
+    It is loaded, if nothing that it wants is in a library or a file that is not linked.
+    """
+    output = place / f"lib{path.stem}.so"
+    errors = [error.message for error in build([path], output, options=options)]
+    if errors:
+        return errors
+    missing = symbols(output, "--undefined-only") - given
+    missing = [name for name in missing if (found := GAZEBO.search(name)) and not project.defines(found[2])]
+    if not missing:
+        try:
+            ctypes.CDLL(str(output), mode=os.RTLD_LAZY)
+        except OSError as error:
+            if not re.search("undefined symbol|cannot open shared", str(error)):
+                return [str(error)]
+    return missing
+
+
+def compiled(path, options):
+    """The errors of compiling a file."""
+    try:
+        return [error.message for error in check([path], options=options)]
+    except LibraryError as error:
+        return [str(error)]
+
+
+def table_of(needs, errors):
+    """Files by what they need and the kind of failure, as lines; and the share that compiles of each need."""
+    lines, shares = [], {}
+    for need in dict.fromkeys(needs.values()):
+        counts = collections.Counter(kind_of(errors[path]) for path in errors if needs[path] == need)
+        rest = counts.total() - sum(counts[kind] for kind in APART)
+        shares[need] = counts[COMPILES] / max(1, rest)
+        lines.append(f"{need}: {counts.total()} files, of which {shares[need]:.1%} of {rest} compile")
+        lines += [f"{count:7} {kind}" for kind, count in counts.most_common()]
+    return lines, shares
 
 
 @pytest.mark.trial
@@ -64,29 +245,23 @@ def test_plugins_compile_unmodified(tmp_path):
         library = built()
     except LibraryError as error:
         pytest.skip(str(error))
-    found = {}
-    for project in sorted(path for path in Path(SOURCES).iterdir() if path.is_dir()):
-        files = [path for path in sorted(project.rglob("*")) if path.suffix in CODE and path.is_file()]
-        files = [path for path in files if REGISTERS.search(path.read_text(errors="replace"))]
-        options = options_of(project, library, tmp_path / project.name) if files else []
-        for path in files:
-            found[path.relative_to(SOURCES)] = [f"-I{path.parent}", *options]
-    assert found, f"no file in {SOURCES} registers a plugin"
-
-    def compiled(item):
-        path, options = item
-        try:
-            return [error.message for error in check([Path(SOURCES, path)], options=options)]
-        except LibraryError as error:
-            return [str(error)]
-
+    ros = tmp_path / "ros"
+    install(ros)
+    fast, needs, commands, projects = precompiled(tmp_path, library), {}, {}, {}
+    for folder in sorted(path for path in Path(SOURCES).iterdir() if path.is_dir()):
+        project = Project(folder, tmp_path / folder.name, library, ros)
+        for path, source in project.sources.items():
+            name = str(path.relative_to(SOURCES))
+            projects[name] = project
+            needs[name], commands[name] = project.needs_of(path), (source, [f"-I{path.parent}", *project.options])
+    assert commands, f"no file in {SOURCES} registers a plugin"
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        errors = dict(zip(map(str, found), pool.map(compiled, found.items()), strict=True))
-    counts = collections.Counter(map(kind_of, errors.values()))
+        given = [(path, [*fast, *options]) for path, options in commands.values()]
+        errors = dict(zip(commands, pool.map(compiled, *zip(*given, strict=True)), strict=True))
     for path, messages in errors.items():
-        print(f"{kind_of(messages)}\t{path}\t{messages[0] if messages else ''}")
-    for kind, count in counts.most_common():
-        print(f"{count:5} {kind}")
+        print(f"{needs[path]}\t{kind_of(messages)}\t{path}\t{messages[0] if messages else ''}")
+    lines, shares = table_of(needs, errors)
+    print(*lines, sep="\n")
     lost = []
     if RESULTS:
         before = Path(RESULTS).read_text().splitlines() if Path(RESULTS).exists() else []
@@ -95,4 +270,14 @@ def test_plugins_compile_unmodified(tmp_path):
         lines = [f"{path}\t{COMPILES if path in lost else kind_of(messages)}\n" for path, messages in errors.items()]
         Path(RESULTS).write_text("".join(lines))  # what is lost stays so until it compiles again
     assert not lost, {path: errors[path][0] for path in lost}
-    assert counts[COMPILES] >= SHARE * len(errors)
+    assert shares.get(NO_ROS, 1.0) >= SHARE
+    assert shares.get(ROS_1, 1.0) >= ROS_SHARE
+    good = [path for path in errors if not errors[path]]
+    chosen = random.Random(0).sample(good, round(WHOLE * len(good)))
+    libraries = [ctypes.CDLL(str(library.lib / name), mode=os.RTLD_GLOBAL) for name in (MESSAGES, SONAME)]
+    given = set().union(*(symbols(one._name, "--defined-only") for one in libraries))
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = [(*commands[path], tmp_path, projects[path], given) for path in chosen]
+        whole = dict(zip(chosen, pool.map(linked, *zip(*jobs, strict=True)), strict=True)) if jobs else {}
+    print(f"built wholly: {len(whole)}", *(f"{path}\t{found[0]}" for path, found in whole.items() if found), sep="\n")
+    assert not any(whole.values()), whole

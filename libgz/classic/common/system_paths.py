@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from libgz.base.errors import NotFoundError
 from libgz.base.files import exists, expand
@@ -26,13 +28,34 @@ def _texts(folders: list[Path]) -> list[str]:
     return list(dict.fromkeys(map(str, folders)))
 
 
+def _from_environment(variable: str, added: Callable[[SystemPaths], list[Path]]) -> Any:
+    """Whether a variable is read; what it lists stays until folders are cleared."""
+
+    def read(_self: SystemPaths) -> bool:
+        return variable not in paths.unread
+
+    def choose(self: SystemPaths, value: bool) -> None:
+        if value:
+            paths.unread.discard(variable)
+        else:
+            added(self)[:0] = paths.listed(variable)
+            paths.unread.add(variable)
+
+    return property(read, choose)
+
+
 @takes_names
 class SystemPaths:
     """The search paths of the process; `SystemPaths.Instance()` is the only instance.
 
     The variables GAZEBO_PLUGIN_PATH, GAZEBO_MODEL_PATH and GAZEBO_RESOURCE_PATH are read at each call. Added folders
     are searched after them, until the end of the process; SDF files use added folders of models and resources, too.
+    Attributes say whether the variables are read: `pluginPathsFromEnv`, `modelPathsFromEnv`, `gazeboPathsFromEnv`.
     """
+
+    pluginPathsFromEnv = _from_environment("GAZEBO_PLUGIN_PATH", lambda self: self._plugins)
+    modelPathsFromEnv = _from_environment("GAZEBO_MODEL_PATH", lambda _self: paths.added_models)
+    gazeboPathsFromEnv = _from_environment("GAZEBO_RESOURCE_PATH", lambda _self: paths.added_resources)
 
     _instance: SystemPaths | None = None
 
@@ -48,7 +71,7 @@ class SystemPaths:
 
     def GetPluginPaths(self) -> list[str]:
         """The folders in which plugins are searched, in order."""
-        return _texts([*_parts(os.environ.get("GAZEBO_PLUGIN_PATH", "")), *self._plugins])
+        return _texts([*paths.listed("GAZEBO_PLUGIN_PATH"), *self._plugins])
 
     def GetModelPaths(self) -> list[str]:
         """The folders in which `model://` is searched, in order; the last one has the models of libgz."""
@@ -56,7 +79,7 @@ class SystemPaths:
 
     def GetGazeboPaths(self) -> list[str]:
         """The folders in which `file://` and plain names are searched after the current one, in order."""
-        return _texts([*_parts(os.environ.get("GAZEBO_RESOURCE_PATH", "")), *paths.added_resources])
+        return _texts([*paths.listed("GAZEBO_RESOURCE_PATH"), *paths.added_resources])
 
     def AddPluginPaths(self, path: str) -> None:
         """Add folders of plugins, separated by colons."""

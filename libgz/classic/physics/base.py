@@ -241,6 +241,12 @@ class Entity(Base):
 
     GetWorldPose = WorldPose
 
+    def DirtyPose(self) -> Pose3d:
+        """The pose that the engine has, which `WorldPose` returns, too: none waits to be taken over."""
+        return self.WorldPose()
+
+    GetDirtyPose = DirtyPose
+
     def SetWorldPose(self, pose: GzPose, notify: bool = True, publish: bool = True) -> None:
         """Set the global pose [m], also as six numbers; velocities stay."""
         self.move(GzPoseOf(pose))

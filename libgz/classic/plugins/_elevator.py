@@ -75,12 +75,16 @@ class ElevatorPlugin(ModelPlugin):
             pid.Reset()
 
     def OnRequest(self, message: Any) -> None:
-        """Keep a request, unless there are too many, or its floor is none."""
+        """Keep the request of a message."""
         try:
             floor = int(message.data)
         except ValueError:
             log.error("ElevatorPlugin: the request %.200r is no number of a floor", message.data)
             return
+        self.MoveToFloor(floor)
+
+    def MoveToFloor(self, floor: int) -> None:
+        """Keep a request for a floor, unless there are too many, or it is none."""
         if abs(floor) <= MOST_FLOORS and len(self.requests) < MOST_REQUESTS:
             self.requests.append(floor)
 

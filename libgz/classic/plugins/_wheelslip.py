@@ -10,6 +10,7 @@ from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic.event import Events
 from libgz.classic.plugin import ModelPlugin
 from libgz.classic.plugins._wheels import radius_of
+from libgz.physics.check import not_negative
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, Model
@@ -24,6 +25,7 @@ class Tire:
 
     Attributes:
         joint: it spins about the joint's last axis.
+        name: of its link.
         surfaces: of its collisions.
         radius: [m].
         force: that presses it on the ground [N].
@@ -31,6 +33,7 @@ class Tire:
     """
 
     joint: Joint
+    name: str
     surfaces: list[Any]
     radius: float
     force: float
@@ -85,7 +88,25 @@ class WheelSlipPlugin(ModelPlugin):
                 raise ParameterError(f"{element.where}: <{tag}> is {value:g}; it must be positive")
         surfaces = [collision.GetSurface() for collision in link.GetCollisions()]
         compliances = [max(element.Get(float, f"slip_compliance_{way}"), 0.0) for way in ("lateral", "longitudinal")]
-        return Tire(joints[0], surfaces, radius, force, compliances[0], compliances[1])
+        return Tire(joints[0], name, surfaces, radius, force, compliances[0], compliances[1])
+
+    def SetSlipComplianceLateral(self, wheel: str, compliance: float) -> None:
+        """Set the lateral slip compliance [1] of the wheel with this link; of all wheels if the name is empty."""
+        for tire in self._named(wheel, compliance):
+            tire.lateral = compliance
+
+    def SetSlipComplianceLongitudinal(self, wheel: str, compliance: float) -> None:
+        """Set the longitudinal slip compliance [1] of the wheel with this link; of all wheels if the name is empty."""
+        for tire in self._named(wheel, compliance):
+            tire.longitudinal = compliance
+
+    def _named(self, wheel: str, compliance: float) -> list[Tire]:
+        not_negative(compliance, "slip compliance")
+        found = [tire for tire in self.tires if wheel in ("", tire.name)]
+        if not found:
+            names = [tire.name for tire in self.tires]
+            raise NotFoundError(f"there is no wheel {wheel!r}; there are {', '.join(names)}{nearest(wheel, names)}")
+        return found
 
     def OnUpdate(self) -> None:
         """Set the slips of the next step."""

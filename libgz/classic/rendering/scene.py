@@ -104,6 +104,10 @@ class Scene:
 
     GetName = Name
 
+    def IsServer(self) -> bool:
+        """Whether the scene is the server's: it always is, for clients show pages."""
+        return True
+
     def Initialized(self) -> bool:
         """Whether it can be rendered: always."""
         return True

@@ -775,7 +775,7 @@ void say_parameter(const std::string &plugin, const std::string &name, const std
 
 namespace gazebo {
 namespace event {
-Connection::~Connection()
+void Connection::End()
 {
   const std::unique_ptr<std::function<void()>> ending(this->end);
   this->end = nullptr;

@@ -6,10 +6,79 @@
 #include <boost/archive/iterators/transform_width.hpp>
 
 #include "bridge.hh"
+#include "gazebo/libgz/model_plugins.hh"
+
+namespace libgz {
+template <typename T>
+Field<T>::operator T() const
+{
+  Gil gil;
+  return From<T>::f(got(static_cast<PyObject *>(this->owner->view), this->name).get());
+}
+template <typename T>
+Field<T> &Field<T>::operator=(const T &value)
+{
+  Gil gil;
+  Ref made(to(value));
+  if (PyObject_SetAttr(static_cast<PyObject *>(this->owner->view), interned(this->name), made.get()) != 0)
+    raise_python();
+  return *this;
+}
+template class Field<bool>;
+template class Field<unsigned int>;
+template class Field<double>;
+}  // namespace libgz
 
 namespace gazebo {
 using libgz::call_function;
 static const char *const HELP = "libgz.classic_cxx.values";  // Python's helpers
+
+ReadyPlugin::ReadyPlugin(const char *module, const char *name)
+    : ready(libgz::construct((std::string("plugins.") + module).c_str(), name))
+{
+}
+void ReadyPlugin::Load(physics::ModelPtr model, sdf::ElementPtr sdf)
+{
+  libgz::Call call(&this->ready, "Load");
+  (call << model << sdf).run();
+}
+void ReadyPlugin::Reset() { libgz::Call(&this->ready, "Reset").run(); }
+void ElevatorPlugin::MoveToFloor(const int floor)
+{
+  libgz::Call call(&this->ready, "MoveToFloor");
+  (call << floor).run();
+}
+void HarnessPlugin::SetWinchVelocity(const float velocity)
+{
+  libgz::Call call(&this->ready, "SetWinchVelocity");
+  (call << velocity).run();
+}
+void HarnessPlugin::Detach() { libgz::Call(&this->ready, "Detach").run(); }
+void LinearBatteryPlugin::Load(physics::ModelPtr model, sdf::ElementPtr sdf)
+{
+  ReadyPlugin::Load(model, sdf);
+  this->sdf = sdf;
+  this->model = model;
+  this->world = model->GetWorld();
+  this->physics = this->world->Physics();
+  this->link = model->GetLink(sdf->Get<std::string>("link_name"));
+  this->battery = this->link->Battery(sdf->Get<std::string>("battery_name"));
+}
+void WheelSlipPlugin::Load(physics::ModelPtr model, sdf::ElementPtr sdf)
+{
+  this->model = model;
+  ReadyPlugin::Load(model, sdf);
+}
+void WheelSlipPlugin::SetSlipComplianceLateral(std::string wheel, const double compliance)
+{
+  libgz::Call call(&this->ready, "SetSlipComplianceLateral");
+  (call << wheel << compliance).run();
+}
+void WheelSlipPlugin::SetSlipComplianceLongitudinal(std::string wheel, const double compliance)
+{
+  libgz::Call call(&this->ready, "SetSlipComplianceLongitudinal");
+  (call << wheel << compliance).run();
+}
 
 namespace common {
 
@@ -811,25 +880,6 @@ FrictionPyramidPtr SurfaceParams::FrictionPyramid() const
 {
   return libgz::Call(this, "FrictionPyramid").result<FrictionPyramidPtr>();
 }
-template <typename T>
-Field<T>::operator T() const
-{
-  libgz::Gil gil;
-  return libgz::From<T>::f(libgz::got(static_cast<PyObject *>(this->owner->view), this->name).get());
-}
-template <typename T>
-Field<T> &Field<T>::operator=(const T &value)
-{
-  libgz::Gil gil;
-  libgz::Ref made(libgz::to(value));
-  if (PyObject_SetAttr(static_cast<PyObject *>(this->owner->view), libgz::interned(this->name), made.get()) != 0)
-    libgz::raise_python();
-  return *this;
-}
-template class Field<bool>;
-template class Field<unsigned int>;
-template class Field<double>;
-
 /* Contacts as classic has them: numbers that stay until they are asked for again. */
 struct Contacts
 {

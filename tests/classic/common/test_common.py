@@ -419,6 +419,28 @@ def test_plugin_paths_are_read_anew_and_added_to(system_paths, monkeypatch):
     assert system_paths.GetPluginPaths() == ["/c", "/a"]
 
 
+def test_variables_are_left_out_and_what_they_list_stays_until_it_is_cleared(system_paths, monkeypatch):
+    lists = {
+        "plugin": ("GAZEBO_PLUGIN_PATH", "Plugin"),
+        "model": ("GAZEBO_MODEL_PATH", "Model"),
+        "gazebo": ("GAZEBO_RESOURCE_PATH", "Gazebo"),
+    }
+    for name, (variable, kind) in lists.items():
+        monkeypatch.setenv(variable, "/a")
+        folders, attribute = getattr(system_paths, f"Get{kind}Paths"), f"{name}PathsFromEnv"
+        assert getattr(system_paths, attribute)
+        assert "/a" in folders()
+        setattr(system_paths, attribute, False)
+        monkeypatch.setenv(variable, "/b")
+        getattr(system_paths, f"Add{kind}Paths")("/c")
+        assert "/b" not in folders()
+        assert [path for path in folders() if path in ("/a", "/c")] == ["/a", "/c"]
+        getattr(system_paths, f"Clear{kind}Paths")()
+        assert "/a" not in folders()
+        setattr(system_paths, attribute, True)
+        assert "/b" in folders()
+
+
 def test_files_and_models_are_found(system_paths, monkeypatch, tmp_path, records):
     models, resources = tmp_path / "m", tmp_path / "r"
     (models / "robot").mkdir(parents=True)

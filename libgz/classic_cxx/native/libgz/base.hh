@@ -4,6 +4,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
@@ -124,6 +125,27 @@ class GAZEBO_VISIBLE Object
   void *row = nullptr;  // where the engine keeps its numbers, for the calls that plugins make in every step
   mutable void *kept = nullptr;  // results that methods return as references
   mutable int inner = 0;         // pointers to this in what objects keep
+};
+
+/* One number or text of an object of Python, which C++ code uses like a field. */
+template <typename T>
+class Field
+{
+ public:
+  Field(Object *owner, const char *name) : owner(owner), name(name) {}
+  operator T() const;
+  Field &operator=(const T &value);
+  Field &operator=(const Field &other) { return *this = static_cast<T>(other); }
+  template <class U> Field &operator+=(const U &value) { return *this = static_cast<T>(*this) + value; }
+  template <class U> Field &operator-=(const U &value) { return *this = static_cast<T>(*this) - value; }
+  template <class U> Field &operator*=(const U &value) { return *this = static_cast<T>(*this) * value; }
+  template <class U> Field &operator/=(const U &value) { return *this = static_cast<T>(*this) / value; }
+  template <class U> Field &operator|=(const U &value) { return *this = static_cast<T>(*this) | value; }
+  template <class U> Field &operator&=(const U &value) { return *this = static_cast<T>(*this) & value; }
+
+ private:
+  Object *owner;
+  const char *name;
 };
 
 /* The gravity of a physics engine [m/s^2], which Gazebo 7 had there. */

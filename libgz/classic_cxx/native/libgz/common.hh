@@ -23,6 +23,8 @@ class SingletonT
 void Base64Encode(const char *bytes, unsigned int length, std::string &result);
 std::string Base64Decode(const std::string &text);
 
+#define GZ_SEC_TO_HOUR(seconds) ((seconds) / 3600.0)
+
 namespace gazebo {
 namespace common {
 
@@ -467,7 +469,8 @@ class GAZEBO_VISIBLE Connection
   Connection(Event *event, const int id) : Connection([event, id] { event->Disconnect(id); }, id) {}
   Connection(const Connection &) = delete;
   Connection &operator=(const Connection &) = delete;
-  ~Connection();
+  ~Connection() { this->End(); }
+  void End();
   int Id() const { return this->id; }
 
  private:
@@ -476,6 +479,11 @@ class GAZEBO_VISIBLE Connection
 };
 typedef boost::shared_ptr<Connection> ConnectionPtr;
 typedef std::vector<ConnectionPtr> Connection_V;
+inline void end(const ConnectionPtr &connection)
+{
+  if (connection)
+    connection->End();
+}
 
 /* An event of a plugin's own: callbacks that are called together. */
 template <typename T>
@@ -572,7 +580,7 @@ class WorldEvent
  public:
   explicit WorldEvent(const char *name) : name(name) {}
   ConnectionPtr Connect(const std::function<T> &callback) { return connect(this->name, callback); }
-  void Disconnect(ConnectionPtr) {}
+  void Disconnect(ConnectionPtr connection) { end(connection); }
   template <typename... A>
   void Signal(A &&...values)
   {
@@ -598,7 +606,7 @@ class GAZEBO_VISIBLE Events
   { \
     return connect(#Name, std::function<type>(callback)); \
   } \
-  static void Disconnect##Name(ConnectionPtr) {}
+  static void Disconnect##Name(ConnectionPtr connection) { end(connection); }
 #define LIBGZ_EVENTS \
   LIBGZ_EVENT(Pause, pause, void(bool)) \
   LIBGZ_EVENT(Step, step, void()) \

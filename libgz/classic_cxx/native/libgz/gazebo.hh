@@ -3,5 +3,6 @@
 #define LIBGZ_GAZEBO_HH
 #include "gazebo/libgz/classes.hh"
 #include "gazebo/libgz/functions.hh"
+#include "gazebo/libgz/ode.hh"
 #include "gazebo/libgz/surface.hh"
 #endif

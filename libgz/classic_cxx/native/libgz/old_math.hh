@@ -109,6 +109,7 @@ class Vector3
   static const Vector3 Zero, One, UnitX, UnitY, UnitZ;
   Vector3() : x(0), y(0), z(0) {}
   Vector3(const double &x, const double &y, const double &z) : x(x), y(y), z(z) {}
+  Vector3(const Vector3 &v) = default;
   Vector3(const ign::Vector3d &v) : x(v.X()), y(v.Y()), z(v.Z()) {}
   operator ign::Vector3d() const { return ign::Vector3d(this->x, this->y, this->z); }
   ign::Vector3d Ign() const { return *this; }
@@ -151,6 +152,8 @@ class Vector3
   Vector3 operator*(double f) const { return {this->x * f, this->y * f, this->z * f}; }
   Vector3 operator/(double f) const { return {this->x / f, this->y / f, this->z / f}; }
   friend Vector3 operator*(double f, const Vector3 &v) { return v * f; }
+  Vector3 &operator=(const Vector3 &v) = default;
+  Vector3 &operator=(double v) { return *this = Vector3(v, v, v); }
   const Vector3 &operator+=(const Vector3 &v) { return *this = *this + v; }
   const Vector3 &operator-=(const Vector3 &v) { return *this = *this - v; }
   const Vector3 &operator*=(double f) { return *this = *this * f; }
@@ -170,6 +173,9 @@ class Vector3
 };
 inline const Vector3 Vector3::Zero(0, 0, 0), Vector3::One(1, 1, 1), Vector3::UnitX(1, 0, 0), Vector3::UnitY(0, 1, 0),
     Vector3::UnitZ(0, 0, 1);
+
+class Matrix3;
+class Matrix4;
 
 class Quaternion
 {
@@ -207,6 +213,8 @@ class Quaternion
   void Normalize() { *this = this->Ign().Normalized(); }
   Vector3 RotateVector(const Vector3 &v) const { return this->Ign().RotateVector(v); }
   Vector3 RotateVectorReverse(const Vector3 &v) const { return this->Ign().RotateVectorReverse(v); }
+  Matrix3 GetAsMatrix3() const;
+  Matrix4 GetAsMatrix4() const;
   Vector3 GetXAxis() const { return this->Ign().XAxis(); }
   Vector3 GetYAxis() const { return this->Ign().YAxis(); }
   Vector3 GetZAxis() const { return this->Ign().ZAxis(); }
@@ -282,6 +290,110 @@ class Pose
   Quaternion rot;
 };
 inline const Pose Pose::Zero;
+
+/* Rows of a matrix, for m[row][column]. */
+template <typename Matrix>
+class Rows : public Matrix
+{
+ public:
+  using Matrix::Matrix;
+  Rows() {}
+  Rows(const Matrix &m) : Matrix(m) {}
+  struct Row
+  {
+    double &operator[](unsigned int column) const { return (*this->matrix)(this->row, column); }
+    Matrix *matrix;
+    unsigned int row;
+  };
+  struct ConstRow
+  {
+    double operator[](unsigned int column) const { return (*this->matrix)(this->row, column); }
+    const Matrix *matrix;
+    unsigned int row;
+  };
+  Row operator[](unsigned int row) { return {this, row}; }
+  ConstRow operator[](unsigned int row) const { return {this, row}; }
+};
+
+class Matrix3 : public Rows<ign::Matrix3d>
+{
+ public:
+  static const Matrix3 IDENTITY, ZERO;
+  using Rows::Rows;
+  Matrix3() {}
+  Matrix3(const ign::Matrix3d &m) : Rows(m) {}
+  ign::Matrix3d Ign() const { return *this; }
+  void SetFromAxes(const Vector3 &x, const Vector3 &y, const Vector3 &z) { this->Axes(x.Ign(), y.Ign(), z.Ign()); }
+  void SetFromAxis(const Vector3 &axis, double angle) { this->Axis(axis.Ign(), angle); }
+  void SetCol(unsigned int column, const Vector3 &v) { this->Col(column, v.Ign()); }
+  Matrix3 Inverse() const { return ign::Matrix3d::Inverse(); }
+  Matrix3 operator*(const Matrix3 &m) const { return this->Ign() * m.Ign(); }
+  Matrix3 operator*(const double &f) const { return this->Ign() * f; }
+  Matrix3 operator+(const Matrix3 &m) const { return this->Ign() + m.Ign(); }
+  Matrix3 operator-(const Matrix3 &m) const { return this->Ign() - m.Ign(); }
+  Vector3 operator*(const Vector3 &v) const { return this->Ign() * v.Ign(); }
+};
+inline const Matrix3 Matrix3::IDENTITY(ign::Matrix3d::Identity), Matrix3::ZERO(ign::Matrix3d::Zero);
+
+class Matrix4 : public Rows<ign::Matrix4d>
+{
+ public:
+  static const Matrix4 IDENTITY, ZERO;
+  using Rows::Rows;
+  Matrix4() {}
+  Matrix4(const ign::Matrix4d &m) : Rows(m) {}
+  ign::Matrix4d Ign() const { return *this; }
+  void SetTranslate(const Vector3 &v) { this->SetTranslation(v.Ign()); }
+  Vector3 GetTranslation() const { return this->Translation(); }
+  Quaternion GetRotation() const { return this->Rotation(); }
+  Vector3 GetEulerRotation(bool first = true) const { return this->EulerRotation(first); }
+  math::Pose GetAsPose() const { return ign::Matrix4d::Pose(); }
+  void SetScale(const Vector3 &v) { this->Scale(v.Ign()); }
+  Vector3 TransformAffine(const Vector3 &v) const
+  {
+    ign::Vector3d found;
+    if (!ign::Matrix4d::TransformAffine(v.Ign(), found))
+      throw std::domain_error("TransformAffine of a matrix that is not affine");
+    return found;
+  }
+  Matrix4 Inverse() const { return ign::Matrix4d::Inverse(); }
+  Matrix4 &operator=(const Matrix3 &m)
+  {
+    for (unsigned int row = 0; row < 3; ++row)
+      for (unsigned int column = 0; column < 3; ++column)
+        (*this)(row, column) = m(row, column);
+    return *this;
+  }
+  Matrix4 operator*(const Matrix4 &m) const { return this->Ign() * m.Ign(); }
+  Matrix4 operator*(const Matrix3 &m) const
+  {
+    Matrix4 whole = IDENTITY;
+    return *this * (whole = m);
+  }
+  Vector3 operator*(const Vector3 &v) const { return this->Ign() * v.Ign(); }
+};
+inline const Matrix4 Matrix4::IDENTITY(ign::Matrix4d::Identity), Matrix4::ZERO(ign::Matrix4d::Zero);
+inline Matrix3 Quaternion::GetAsMatrix3() const { return ign::Matrix3d(this->Ign()); }
+inline Matrix4 Quaternion::GetAsMatrix4() const { return ign::Matrix4d(this->Ign()); }
+
+/* The plane of the points p with normal . p = d. */
+class Plane
+{
+ public:
+  Plane() {}
+  Plane(const Vector3 &normal, double offset = 0.0) : normal(normal), d(offset) {}
+  Plane(const Vector3 &normal, const Vector2d &size, double offset) : normal(normal), size(size), d(offset) {}
+  Plane(const ign::Planed &p) : normal(p.Normal()), size(p.Size()), d(p.Offset()) {}
+  ign::Planed Ign() const { return ign::Planed(this->normal.Ign(), this->size.Ign(), this->d); }
+  void Set(const Vector3 &n, const Vector2d &s, double offset) { *this = Plane(n, s, offset); }
+  double Distance(const Vector3 &origin, const Vector3 &direction) const
+  {
+    return this->Ign().Distance(origin.Ign(), direction.Ign());
+  }
+  Vector3 normal;
+  Vector2d size;
+  double d = 0.0;
+};
 
 class Box
 {

@@ -6,26 +6,7 @@
 namespace gazebo {
 namespace physics {
 
-/* One number or text of an object of Python, which C++ code uses like a field. */
-template <typename T>
-class Field
-{
- public:
-  Field(libgz::Object *owner, const char *name) : owner(owner), name(name) {}
-  operator T() const;
-  Field &operator=(const T &value);
-  Field &operator=(const Field &other) { return *this = static_cast<T>(other); }
-  template <class U> Field &operator+=(const U &value) { return *this = static_cast<T>(*this) + value; }
-  template <class U> Field &operator-=(const U &value) { return *this = static_cast<T>(*this) - value; }
-  template <class U> Field &operator*=(const U &value) { return *this = static_cast<T>(*this) * value; }
-  template <class U> Field &operator/=(const U &value) { return *this = static_cast<T>(*this) / value; }
-  template <class U> Field &operator|=(const U &value) { return *this = static_cast<T>(*this) | value; }
-  template <class U> Field &operator&=(const U &value) { return *this = static_cast<T>(*this) & value; }
-
- private:
-  libgz::Object *owner;
-  const char *name;
-};
+using libgz::Field;
 
 class GAZEBO_VISIBLE SurfaceParams : public libgz::Object
 {

@@ -2,12 +2,21 @@
 #ifndef LIBGZ_VALUES_HH
 #define LIBGZ_VALUES_HH
 #include "gazebo/libgz/types.hh"
+#if GAZEBO_MAJOR_VERSION < 8
+#include "gazebo/libgz/old_math.hh"
+#endif
 
 #define MAX_COLLIDE_RETURNS 250
 #define MAX_CONTACT_JOINTS 250
 
 namespace gazebo {
 namespace physics {
+
+#if GAZEBO_MAJOR_VERSION < 8
+typedef math::Vector3 WrenchVector;  // three doubles in both
+#else
+typedef ignition::math::Vector3d WrenchVector;
+#endif
 
 class GAZEBO_VISIBLE JointWrench
 {
@@ -28,7 +37,7 @@ class GAZEBO_VISIBLE JointWrench
     this->body2Torque -= other.body2Torque;
     return *this;
   }
-  ignition::math::Vector3d body1Force, body2Force, body1Torque, body2Torque;
+  WrenchVector body1Force, body2Force, body1Torque, body2Torque;
 };
 
 class GAZEBO_VISIBLE Contact
@@ -44,7 +53,7 @@ class GAZEBO_VISIBLE Contact
   void Reset() { this->count = 0; }
   Collision *collision1 = nullptr, *collision2 = nullptr;
   JointWrench wrench[MAX_CONTACT_JOINTS];
-  ignition::math::Vector3d positions[MAX_CONTACT_JOINTS], normals[MAX_CONTACT_JOINTS];
+  WrenchVector positions[MAX_CONTACT_JOINTS], normals[MAX_CONTACT_JOINTS];
   double depths[MAX_CONTACT_JOINTS] = {};
   int count = 0;
   common::Time time;

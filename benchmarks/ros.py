@@ -130,7 +130,10 @@ class Worker:
     def __init__(self, path: Path, uri: str | None, measures: bool = False) -> None:
         environment = {**os.environ, "ROS_MASTER_URI": uri or ""}
         how = "measures" if measures else "ros" if uri else "plain"
-        command = [sys.executable, __file__, "work", str(path), how]
+        self.start([sys.executable, __file__, "work", str(path), how], environment)
+
+    def start(self, command: list[str], environment: Mapping[str, str]) -> None:
+        """Start the process, and wait until it is ready."""
         self._process = subprocess.Popen(
             command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )

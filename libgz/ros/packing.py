@@ -90,7 +90,7 @@ class Codec:
         """The message of some bytes.
 
         Raises:
-            FormatError: they are too few or too many, or a text or a number of values in them is invalid.
+            FormatError: they are too few, or in ROS 1 too many, or a text or a number of values in them is invalid.
         """
         reader = _Reader(data, self._cdr)
         message = self._read(self.kind.name, reader)
@@ -534,10 +534,10 @@ class _Reader:
             raise FormatError(f"a text is not in UTF-8: {error.reason} at byte {error.start}") from None
 
     def end(self, name: str) -> None:
-        """Check that all was read.
+        """Check that all was read; bytes of CDR may be followed by others, as Fast CDR estimates sizes.
 
         Raises:
             FormatError: more follows.
         """
-        if self._at < len(self._data) and not (self._cdr and len(self._data) - self._at < 4):
+        if self._at < len(self._data) and not self._cdr:
             raise FormatError(f"{len(self._data) - self._at} bytes follow a {name}")

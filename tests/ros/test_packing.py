@@ -175,6 +175,15 @@ def test_damaged_bytes_are_refused():
             read_schema({"a/B": field})
 
 
+def test_bytes_after_a_message_matter_in_ros1_only():
+    kind = message_type("geometry_msgs/Point")
+    message = kind(x=1.0)
+    with pytest.raises(FormatError, match="12 bytes follow"):
+        codec(kind).unpack(codec(kind).pack(message) + bytes(12))
+    cdr = Codec(kind, cdr=True)  # of ROS 2, whose serialised requests end in a reserve
+    assert cdr.unpack(cdr.pack(message) + bytes(12)).x == 1.0
+
+
 def test_values_that_do_not_fit_name_the_type():
     with pytest.raises(ParameterError, match="std_msgs/Int32 cannot be packed"):
         codec(message_type("std_msgs/Int32")).pack(message_type("std_msgs/Int32")(data="x"))

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import functools
 import io
 import json
 import math
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,20 +15,17 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from libgz.base.errors import ClosedError, GazeboError
-from libgz.transport.layout import Field, fields_of
+from libgz.view.fields import KEY, value_of
 from libgz.view.pages import Page
-from libgz.view.protocol import LONGEST_NAME, as_float32, image_message
+from libgz.view.protocol import as_float32, image_message
 from libgz.view.source import Controls, Overlay
 
-__all__ = ["Channels", "fields_of_interface"]
+__all__ = ["Channels"]
 
 VALUE_PERIOD = 0.05  # [s]
 IMAGE_PERIOD, READING_PERIOD, CONTACT_PERIOD, CONSOLE_PERIOD, OVERLAY_PERIOD = 0.2, 0.1, 0.2, 0.5, 0.25  # [s]
 CAMERAS = ("camera", "guicam", "stereo")
 MOST_IMAGES, MOST_RANGES, MOST_FIELDS = 32, 200, 200  # of all pages together
-LONGEST_ARRAY = 48  # numbers of a field that are offered
-COUNTS = {"sonar_ranges": "sonar_count", "ir_ranges": "ir_count"}
-KEY = re.compile(r"(?P<type>\w+)\.(?P<id>.+)\.(?P<field>\w+)(?:\[(?P<place>\d{1,5})\])?")
 QUALITY = 80  # of JPEGs
 
 Ask = Callable[..., None]
@@ -210,7 +205,7 @@ class Channels:
                     opened[owner] = controls.interface(*owner)
                 interface = opened[owner]
                 if interface is not None:
-                    value = value_of(interface, found["field"], None if found["place"] is None else int(found["place"]))
+                    value = value_of(interface, found["path"])
                     if value is not None:
                         series[key] = [time, value]
         if series:
@@ -262,43 +257,3 @@ def jpeg_of(image: NDArray[Any]) -> bytes:
     file = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(image, dtype=np.uint8)).convert("RGB").save(file, "jpeg", quality=QUALITY)
     return file.getvalue()
-
-
-@functools.lru_cache
-def _numbers(layout: Any) -> dict[str, Field]:
-    """The fields of a struct that are numbers, or arrays of them of one dimension."""
-    return {
-        name: field
-        for name, field in fields_of(layout).items()
-        if isinstance(getattr(field.ctype, "_type_", None), str)
-        and field.ctype._type_ != "c"
-        and field.unit != "byte"
-        and len(field.shape) <= 1
-        and name != "time"
-    }
-
-
-def value_of(interface: Any, name: str, place: int | None) -> float | None:
-    """A number that an interface holds; None if there is no such field, or it is not finite."""
-    field = _numbers(interface.layout).get(name)
-    if field is None or (place is None) != (not field.shape) or (place is not None and place >= field.shape[0]):
-        return None
-    raw = getattr(interface.data, name)
-    value = float(raw if place is None else raw[place])
-    return value if math.isfinite(value) else None
-
-
-def fields_of_interface(interface: Any) -> Iterator[dict[str, Any]]:
-    """The numbers that an interface holds: key, label, unit, value."""
-    owner = f"{interface.type}.{interface.id}"
-    for name, field in _numbers(interface.layout).items():
-        if not field.shape:
-            places: list[int | None] = [None]
-        else:
-            count = getattr(interface.data, COUNTS[name]) if name in COUNTS else field.shape[0]
-            places = [*range(min(max(int(count), 0), field.shape[0]))] if count <= LONGEST_ARRAY else []
-        for place in places:
-            label = name if place is None else f"{name}[{place}]"
-            key = f"{owner}.{label}"
-            if len(key) <= LONGEST_NAME:
-                yield {"key": key, "label": label, "unit": field.unit, "value": value_of(interface, name, place)}

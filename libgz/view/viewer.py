@@ -17,9 +17,10 @@ from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, InterfaceError, ParameterError, ServerGoneError
 from libgz.transport.observer import ObservedState
 from libgz.view.assets import Assets
-from libgz.view.channels import Channels, fields_of_interface
+from libgz.view.channels import Channels
 from libgz.view.controllers import Controllers
 from libgz.view.driving import Driver, Robot, robots_of
+from libgz.view.fields import fields_of_interface
 from libgz.view.gate import Gate
 from libgz.view.pages import Page, Pages
 from libgz.view.parts import STEERED, interface_parts

@@ -185,6 +185,7 @@ def test_fields_of_interfaces_are_plotted_and_warnings_listed(chromium, tmp_path
         assert "<colour>" in message.first.inner_text()
         assert f"{file}:" in message.first.inner_text()
         row(page, "robot1").click()
+        page.locator("#inspector").get_by_text("position.robot1", exact=True).click()
         button(page, "Plot pos[0]").first.click()
         page.keyboard.down("w")
         until(page, "(workplace => workplace.plots.plots[0].curves[0].values.at(-1) > 0.1)(libgz.workplace)")

@@ -180,12 +180,13 @@ def test_a_page_that_only_watches_drives_nothing():
 def test_fields_of_interfaces_are_listed_and_sent():
     with showing(ROBOT, Interfaces) as (world, viewer), Socket(viewer.watch_url) as page:
         fields, _ = page.ask("fields", "robot1")
-        units = {field["key"]: field["unit"] for field in fields}
-        assert units["position.robot1.pos[0]"] == "m"
-        assert "laser.laser1.range_count" in units  # of what it carries
-        page.send(
-            {"want": "fields", "names": ["position.robot1.pos[0]", "laser.laser1.ranges[3]", "position.x.pos[0]"]}
-        )
+        found = {field["key"]: field for field in fields}
+        assert found["position.robot1.pos[#]"]["unit"] == "m"
+        assert found["laser.laser1.range_count"]["whole"]  # of what it carries
+        assert found["laser.laser1.ranges[#]"]["count"] == 401  # as none was measured yet
+        assert found["sonar.robot1.sonar_pos[#][1]"]["count"] == 16
+        wrong = ["position.x.pos[0]", "laser.laser1.ranges[999]", "laser.laser1.head", "laser.laser1.ranges/__class__"]
+        page.send({"want": "fields", "names": ["position.robot1.pos[0]", "laser.laser1.ranges[3]", *wrong]})
         world.interface("position", "robot1").command(vx=0.5)
         world.step(100)
         wanted = lambda m: m.get("series", {}).get("position.robot1.pos[0]", [0])[0] == world.GetSimTime()  # noqa: E731

@@ -352,8 +352,19 @@ def test_the_inspector_shows_and_sets_a_model(opened):
     panel.get_by_text("28.05 kg").wait_for()
     panel.get_by_text("position.robot1", exact=True).wait_for()
     panel.get_by_text("libdrive.so").wait_for()
+    assert page.evaluate("world.wants.fields") == []
+    panel.get_by_text("position.robot1", exact=True).click()
     panel.get_by_text("stall").wait_for()  # a field of an interface
-    assert page.evaluate("world.wants.fields") == ["position.robot1.pos[0]", "position.robot1.stall"]
+    chosen = [*(f"pos[{place}]" for place in range(3)), "stall", "ranges[200]/far"]
+    assert page.evaluate("world.wants.fields") == [f"position.robot1.{name}" for name in chosen]
+    panel.get_by_label("Place in ranges/far").fill("7")
+    panel.get_by_label("Place in ranges/far").press("Enter")
+    until(page, "world.wants.fields.includes('position.robot1.ranges[7]/far')")
+    button(page, "Plot ranges[7]/far").wait_for()
+    panel.get_by_text("levels").click()
+    until(page, "world.wants.fields.includes('position.robot1.levels[9]')")
+    panel.get_by_text("levels").first.click()
+    until(page, "!world.wants.fields.includes('position.robot1.levels[9]')")
     for name in ("vx", "wz"):
         assert panel.get_by_text(name, exact=True).is_visible()
     button(page, "Pause").click()
@@ -467,6 +478,7 @@ def test_values_are_dragged_into_plots(opened):
     plot = page.get_by_role("region", name="Plot", exact=True)
     assert plot.count() == 1
     button(page, "Plot robot1 vy").click()
+    page.locator("#inspector").get_by_text("position.robot1", exact=True).click()
     button(page, "Plot pos[0]").click()
     assert plot.locator("li").all_inner_texts()[0].split()[:2] == ["robot1", "vx"]
     assert plot.locator("li").count() == 3

@@ -7,10 +7,11 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 /** @typedef {import("libgz/store.js").Store} Store */
 
 const LOWEST = 0.08; // [m] of the camera above the ground
-const MARGIN = 1.35; // around robots at the start
+const MARGIN = 1.5; // around robots at the start
 const FARTHEST = 1e6; // [m] from the origin of what is framed
 const GLIDE = 350; // [ms] of a change of view
-const START = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
+const OBLIQUE = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
+const START = new Vector3(-1, -1.25, 0.56).normalize(); // likewise, with the horizon in view
 /** From what is looked at to the eye. @type {Record<string, Vector3>} */
 const VIEWS = {
   front: new Vector3(1, 0, 0.001),
@@ -18,7 +19,7 @@ const VIEWS = {
   left: new Vector3(0, 1, 0.001),
   right: new Vector3(0, -1, 0.001),
   top: new Vector3(-0.001, 0, 1),
-  iso: START,
+  iso: OBLIQUE,
 };
 
 /** Moves the camera. */
@@ -64,8 +65,8 @@ export class Cameras {
     return this.camera.position.distanceTo(this.controls.target);
   }
 
-  /** Begin where the world says, else where the robots fill the frame. */
-  begin() {
+  /** Begin where the world says, else where the robots fill the frame, on their bright side. @param {Vector3} sun towards it */
+  begin(sun) {
     const { scene } = this.store, { view } = scene;
     this.touched = false;
     if (view) {
@@ -80,7 +81,8 @@ export class Cameras {
       this.changed();
       return;
     }
-    this._frame(this._interesting(), START, false, MARGIN);
+    const outward = sun.y > 0.05 ? START.clone().setY(-START.y) : START;
+    this._frame(this._interesting(), outward, false, MARGIN);
   }
 
   /** The box of what a user wants to see first: robots, else what moves, else everything. */

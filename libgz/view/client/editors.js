@@ -5,7 +5,9 @@
  */
 
 import { element, newId } from 'libgz/dom.js';
-import { short } from 'libgz/format.js';
+import { capitalized, short as shortest, shownUnit } from 'libgz/format.js';
+
+const NOTHING = 1e-11; // what is smaller is shown as zero
 
 /**
  * @typedef {object} Attribute
@@ -46,7 +48,7 @@ export async function editors(workplace, subject) {
   /** @type {Map<string, HTMLElement[]>} */
   const groups = new Map();
   for (const attribute of attributes ?? []) {
-    const title = attribute.group || 'Attributes';
+    const title = capitalized(attribute.group || 'attributes');
     const rows = groups.get(title) ?? [];
     groups.set(title, rows);
     rows.push(...(attribute.type === 'include' ? included(workplace, subject, attribute) : [row(workplace, subject, attribute)]));
@@ -106,12 +108,15 @@ function row(workplace, subject, attribute) {
   }
   return element(
     'div',
-    { class: 'property', 'data-key': attribute.key, title: [help, limits, attribute.reason, line && `${file ?? ''}:${line}`].filter(Boolean).join(' — ') || null },
+    { class: attribute.type === 'vector' && field.children.length > 2 ? 'property tall' : 'property', 'data-key': attribute.key, title: [help, limits, attribute.reason, line && `${file ?? ''}:${line}`].filter(Boolean).join(' — ') || null },
     element('label', { for: id, class: 'name', text: label }),
     field,
-    element('span', { class: 'unit', text: unit ?? '' }),
+    element('span', { class: 'unit', text: shownUnit(unit ?? '') }),
   );
 }
+
+/** A number, without what is only rounding. @param {number} value */
+const short = (value) => shortest(Math.abs(value) < NOTHING ? 0 : value);
 
 /** @param {unknown} value @param {number} [low] @param {number} [high] @param {boolean} [above] */
 const outside = (value, low = -Infinity, high = Infinity, above = false) =>

@@ -18,7 +18,7 @@ const RUBBER = { color: [0.17, 0.17, 0.18], roughness: 0.92, metalness: 0 };
 const METAL = { color: [0.74, 0.76, 0.79], roughness: 0.34, metalness: 0.85 };
 const DARK = 0.35; // brightness below which a wheel's own colour is rubber
 const SPOKES = 5;
-const DARKEST = 0.11, SOFT = 0.12; // of lacquer: its black, and how gray colours are
+const DARKEST = 0.13, SOFT = 0.25; // of lacquer: its black, and how gray colours are
 
 /** Whether an entity is a device of old, which may have a fine skin. @param {any} scene @param {any} entity */
 export const isDevice = (scene, entity) =>

@@ -74,3 +74,9 @@ export function clock(seconds) {
     ? `${sign}${minutes}:${rest}`
     : `${sign}${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, '0')}:${rest}`;
 }
+
+/** A unit with its exponents raised: m/s². @param {string} unit */
+export const shownUnit = (unit) => unit.replaceAll('^2', '²').replaceAll('^3', '³');
+
+/** @param {string} text */
+export const capitalized = (text) => text.charAt(0).toUpperCase() + text.slice(1);

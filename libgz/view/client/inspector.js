@@ -18,10 +18,19 @@ import { entityMenu, imageOf } from 'libgz/tree.js';
 /**
  * @typedef {import('libgz/store.js').Entity} Entity
  * @typedef {import('libgz/series.js').Series} Series
+ *
+ * @typedef {object} Field numbers of an interface
+ * @property {string} of the interface
+ * @property {string} key with `#` for the place in an array
+ * @property {string} label likewise
+ * @property {string} unit
+ * @property {boolean} [whole] whether they are integers
+ * @property {number} [count] of an array
  */
 
 const PERIOD = 120; // [ms] between two refreshes of numbers
-const MOST_FIELDS = 200;
+const FEW = 4; // numbers of an array, each of which has its row
+const MANY = 48; // of which one is chosen
 
 /** The panel at the right. */
 export class Inspector {
@@ -33,6 +42,8 @@ export class Inspector {
     this.live = [];
     /** @type {Set<string>} */
     this.folded = new Set(recall('inspector.folded', /** @type {string[]} */ ([])));
+    /** @type {Set<string>} groups of rows that are open */
+    this.opened = new Set();
     this.shown = '';
     this.builds = 0; // how often it was made anew: what is asked for one is not for the next
     const { store } = workplace;
@@ -140,7 +151,7 @@ export class Inspector {
       moving && !entity.static && this.#section('Velocity', ['vx', 'vy', 'vz', 'wx', 'wy', 'wz'].map((name) => this.#value(key(name), 3, name))),
       controls,
       details,
-      this.#section('Interfaces', this.#interfaces(entity)),
+      this.#section('Interfaces', entity.interfaces.map((one) => this.#interface(`${one.type}.${one.id}`, []))),
       this.#section('Sensors', entity.sensors.map((sensor) => this.#sensorRow(number, entity, sensor))),
       this.#section('Links', entity.bodies.map((body, i) => this.#partRow(number, 'body', body.name, body.name || `body ${i + 1}`))),
       this.#section('Joints', entity.joints.map((joint) => this.#partRow(number, 'joint', joint.name, joint.name || joint.kind, joint))),
@@ -500,21 +511,85 @@ export class Inspector {
     );
   }
 
-  /** @param {Entity} entity */
-  #interfaces(entity) {
-    return entity.interfaces.map((one) =>
-      element(
-        'div',
-        { class: 'property', 'data-interface': `${one.type}.${one.id}` },
-        element('span', { class: 'name', text: one.type }),
-        element('span', { class: 'text-value', text: `${one.type}.${one.id}` }),
-      ),
-    );
+  /**
+   * An interface, whose fields are made when it is opened.
+   * @param {string} name
+   * @param {Field[]} fields
+   */
+  #interface(name, fields) {
+    if (!fields.length) return element('div', { class: 'property', 'data-interface': name }, element('span', { class: 'whole', text: name, title: name }));
+    return this.#group(name, '', () => fields.flatMap((field) => this.#fieldRows(field)), { 'data-interface': name });
+  }
+
+  /**
+   * Rows below a name, which are made when it is opened. Which ones are open is remembered.
+   * @param {string} name
+   * @param {string} note
+   * @param {() => Node[]} rows
+   * @param {Record<string, string>} [marks] of the element
+   */
+  #group(name, note, rows, marks = {}) {
+    const place = element('div', {});
+    const root = element('details', { class: 'group', ...marks }, element('summary', {}, icon('right'), element('span', { text: name, title: name }), element('small', { text: note })), place);
+    const open = () => {
+      if (root.open && !place.childElementCount) fill(place, ...rows());
+      if (root.open) this.opened.add(name);
+      else this.opened.delete(name);
+      this.#wantFields();
+      this.refresh();
+    };
+    root.addEventListener('toggle', open);
+    if (this.opened.has(name)) {
+      root.open = true;
+      open();
+    }
+    return root;
+  }
+
+  /** @param {Field} field @returns {HTMLElement[]} */
+  #fieldRows({ key, label, unit, whole, count }) {
+    const digits = whole ? 0 : 3;
+    const series = (/** @type {number} */ place) => {
+      const at = (/** @type {string} */ text) => text.replace('#', String(place));
+      return { key: keyOf('field', at(key)), label: at(label), unit };
+    };
+    if (count === undefined) return [this.#value(series(0), digits)];
+    const places = Array.from({ length: count }, (_, place) => place);
+    if (count <= FEW) return places.map((place) => this.#value(series(place), digits));
+    if (count <= MANY) return [this.#group(label.replace('#', ''), String(count), () => places.map((place) => this.#value(series(place), digits)))];
+    return [this.#chosen(series, label, count, digits)];
+  }
+
+  /**
+   * One number of a large array, which the user chooses.
+   * @param {(place: number) => Series} series
+   * @param {string} label
+   * @param {number} count
+   * @param {number} digits
+   */
+  #chosen(series, label, count, digits) {
+    const input = element('input', { type: 'number', class: 'figure place', min: '0', max: String(count - 1), value: String(count >> 1), 'aria-label': `Place in ${label.replace('[#]', '')}` });
+    const holder = element('div', {});
+    const choose = () => {
+      const place = Math.min(Math.max(Math.round(Number(input.value) || 0), 0), count - 1);
+      const row = this.#value(series(place), digits);
+      row.querySelector('.name')?.replaceWith(element('span', { class: 'name' }, label.split('#')[0], input, label.split('#')[1]));
+      fill(holder, row);
+      this.#wantFields();
+      this.refresh();
+    };
+    input.addEventListener('change', () => {
+      choose();
+      input.focus();
+    });
+    input.addEventListener('keydown', (event) => event.stopPropagation());
+    choose();
+    return holder;
   }
 
   /** The keys of the fields whose values are shown. */
   fields() {
-    const rows = [...this.root.querySelectorAll('details[open] [data-series]')];
+    const rows = [...this.root.querySelectorAll('[data-series]')].filter((row) => !row.closest('details:not([open])'));
     const keys = rows.map((row) => JSON.parse(row.getAttribute('data-series') ?? '[]'));
     return keys.filter(([kind]) => kind === 'field').map(([, key]) => String(key));
   }
@@ -557,14 +632,12 @@ export class Inspector {
     const { store } = workplace;
     if (!store.abilities.has('fields')) return;
     const { builds } = this;
-    void workplace.ask('fields', entity.id).then((/** @type {{ key: string, label: string, unit: string, value: number }[]} */ answer) => {
+    void workplace.ask('fields', entity.id).then((/** @type {Field[] | undefined} */ answer) => {
       if (this.builds !== builds || !Array.isArray(answer) || !answer.length) return;
-      const some = answer.slice(0, MOST_FIELDS);
-      const section = this.#section(
-        'Fields',
-        some.map((field) => this.#value({ key: keyOf('field', field.key), label: field.label, unit: field.unit }, 3, field.label)),
-      );
-      this.root.querySelector('[data-section=Interfaces]')?.after(section);
+      for (const row of this.root.querySelectorAll('[data-interface]')) {
+        const name = row.getAttribute('data-interface') ?? '';
+        row.replaceWith(this.#interface(name, answer.filter(({ of }) => of === name)));
+      }
       this.#wantFields();
       this.refresh();
     });
@@ -580,7 +653,10 @@ export class Inspector {
     const { builds } = this;
     void editors(this.workplace, { name, part, kind }).then((groups) => {
       if (this.builds !== builds) return;
-      for (const { title, rows } of groups) this.root.append(this.#section(title, rows));
+      const sections = groups.map(({ title, rows }) => this.#section(title, rows));
+      const after = this.root.querySelector('[data-section=Properties]');
+      if (after && part === undefined) after.after(...sections);
+      else this.root.append(...sections);
     });
   }
 }

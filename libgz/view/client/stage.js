@@ -181,7 +181,7 @@ export class Stage {
     const world = `${scene.era} ${scene.world}`;
     if (world !== this._world) {
       this._world = world;
-      this.cameras.begin();
+      this.cameras.begin(this.lights.towards);
     }
     this.invalidate();
   }

@@ -177,7 +177,12 @@ class World extends EventTarget {
       catalogue: () => ['box', 'sphere', 'cylinder', 'model://table', { name: 'Pioneer2AT', title: 'Pioneer 2AT', group: 'Robots' }],
       describe: () => ({ mass: 28.05, plugins: [['drive', 'libdrive.so']] }),
       parts: () => (argument === 'robot1' ? [{ key: 'ptz1/pan', kind: 'slider', label: 'ptz1 pan', value: 0, low: -1.5, high: 1.5, unit: 'rad' }, { key: 'gripper1/1', kind: 'button', label: 'gripper1: open' }, { key: 'gripper1/2', kind: 'button', label: 'gripper1: close' }] : []),
-      fields: () => (argument === 'robot1' ? [{ key: 'position.robot1.pos[0]', label: 'pos[0]', unit: 'm', value: 0 }, { key: 'position.robot1.stall', label: 'stall', unit: '', value: 0 }] : []),
+      fields: () => (argument === 'robot1' ? [
+        { of: 'position.robot1', key: 'position.robot1.pos[#]', label: 'pos[#]', unit: 'm', count: 3 },
+        { of: 'position.robot1', key: 'position.robot1.stall', label: 'stall', unit: '', whole: true },
+        { of: 'position.robot1', key: 'position.robot1.levels[#]', label: 'levels[#]', unit: 'V', count: 10 },
+        { of: 'position.robot1', key: 'position.robot1.ranges[#]/far', label: 'ranges[#]/far', unit: 'm', count: 400 },
+      ] : []),
       attributes: () => [
         ...(content.name === 'rover' && !asked.some(([asked]) => asked === 'embed')
           ? [{ key: 'include', label: 'file', group: 'Included', type: 'include', value: '/models/rover/model.sdf', reason: 'included' }]

@@ -12,7 +12,7 @@ from lxml import etree
 from libgz.base.errors import GazeboError, NotFoundError
 from libgz.base.files import read_limited, xml_parser, xml_text
 from libgz.front import World
-from libgz.sdf.paths import find_model, model_directories
+from libgz.sdf.paths import BUILT_IN, find_model, model_directories
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.search import ready_worlds
 
@@ -145,7 +145,7 @@ def _described(name: str, folder: Path) -> Item:
         config = etree.fromstring(read_limited(folder / "model.config"), xml_parser())
         title = (config.findtext("name") or "").strip()[:LONGEST_TITLE] or title
         about = " ".join((config.findtext("description") or "").split())[:LONGEST_ABOUT]
-    return Item(name, title, str(folder.parent), about)
+    return Item(name, title, "libgz" if folder.parent == BUILT_IN else str(folder.parent), about)
 
 
 def sdf_shape(name: str) -> str:

@@ -137,8 +137,9 @@ class Gate:
                 return self._send(request, asset, {"Cache-Control": FOREVER})
         if path.startswith(PORTRAITS) and self.may_control(request):
             portrait = self._portraits.get(path.removeprefix(PORTRAITS))
-            if portrait is not None:
-                return self._send(request, portrait, {"Cache-Control": "private, max-age=600"})
+            if portrait is None:
+                return _response(204, "")  # no error: some models have nothing to see
+            return self._send(request, portrait, {"Cache-Control": "private, max-age=600"})
         return _response(404, "there is nothing here")
 
     def is_slow(self, request: web.BaseRequest) -> bool:

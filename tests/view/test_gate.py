@@ -121,7 +121,7 @@ def test_portraits_of_the_catalogue(viewer):
         assert image[60:130, 90:160].std() > 10.0  # something is in its middle
         assert get(viewer, f"/portraits/{name}")[0] == 404
     for name in ("TruthWidget", "unknown", ".."):  # nothing of them is seen
-        assert get(viewer, own + name)[0] == 404
+        assert get(viewer, own + name)[0] == 204
 
 
 def test_a_process_of_portraits_that_dies_is_started_again(monkeypatch):

@@ -6,6 +6,7 @@
 
 import { isOffered, keyName, labelOf } from 'libgz/actions.js';
 import { element, fill, setText, show } from 'libgz/dom.js';
+import { capitalized } from 'libgz/format.js';
 import { icon } from 'libgz/icons.js';
 
 /** @typedef {{ name: string, title: string, group: string, about: string }} Model */
@@ -119,7 +120,7 @@ export class Dialogs {
       const cards = [];
       let group = '';
       for (const one of shown) {
-        if (one.group && one.group !== group) cards.push(element('h3', { text: one.group }));
+        if (one.group && one.group !== group) cards.push(element('h3', { text: capitalized(one.group) }));
         group = one.group;
         cards.push(
           element(

@@ -71,12 +71,12 @@ export class Lights {
     if (source) toned(source.shape.material.diffuse, this.sun.color);
     this.sun.color.multiply(WARM);
     // Without any light the world would be black; a world that has only lamps is lit by them.
-    this.sun.intensity = source ? 1.35 * FULL * share : any ? 0 : FULL;
+    this.sun.intensity = source ? 1.25 * FULL * share : any ? 0 : FULL;
     this.sun.visible = this.sun.intensity > 0;
     this.casts = (source ? source.entity.cast_shadows !== false : true) && scene.shadows !== false;
     this.hemisphere.color.set(0xe9f1ff).lerp(sky, 0.3);
     const around = FULL * (0.6 + 0.4 * Math.min(Math.max(ambient, 0), 1)) * (any && !source ? 0.5 : 1);
-    this.hemisphere.intensity = (fine ? 0.56 : 0.93) * around; // of fine materials, the sky's image does the rest
+    this.hemisphere.intensity = (fine ? 0.72 : 1.2) * around; // of fine materials, the sky's image does the rest
     this.above.position.copy(ABOVE).multiplyScalar(FAR);
     this.above.color.copy(this.hemisphere.color);
     this.above.intensity = 0.42 * around;

@@ -10,6 +10,7 @@ from libgz.base.errors import LibraryError, NotFoundError
 from libgz.base.files import write_whole
 from libgz.base.python import run_module
 from libgz.ros.cxx_headers import message_header, service_headers
+from libgz.ros.pid_header import PID
 from libgz.ros.types import message_type, service_type, type_names
 
 __all__ = ["default_prefix", "install", "uninstall"]
@@ -92,6 +93,7 @@ SCRIPTS = {
     "controller_manager/scripts/spawner": ("spawn_controllers",),
 }
 PACKAGES = {
+    "control_toolbox": "The PID controller of C++ plugins.",
     "controller_manager": "Starts controllers of robots in libgz.",
     "gazebo_plugins": "Plugins of Gazebo, which libgz has.",
     "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
@@ -178,6 +180,8 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
         found[f"share/{name}"] = SCRIPT.format(command=command), True
     for package in MESSAGES:
         found |= _messages(package)
+    found["include/control_toolbox/pid.h"] = PID, False
+    found["share/control_toolbox/cmake/control_toolboxConfig.cmake"] = CMAKE.format(package="control_toolbox"), False
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False
     found["setup.bash"] = f". {place}/setup.sh\n", False

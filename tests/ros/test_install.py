@@ -103,6 +103,65 @@ def test_headers_of_messages_compile(tmp_path, monkeypatch):
     assert f"{len(kind.fields)} 1 110 {service.md5} {message_type('gazebo_msgs/ModelState').text}" in said
 
 
+CONTROLLED = """\
+#include <control_toolbox/pid.h>
+#include <cstdio>
+int main()
+{
+  control_toolbox::Pid pid(2, 3, 0.5, 0.25, -0.25), wound(2, 3, 0.5, 0.25, -0.25, true), unread;
+  for (double error : {1.0, 0.5, -3.0})
+    for (control_toolbox::Pid *one : {&pid, &wound})
+      std::printf("%.9f ", one->computeCommand(error, ros::Duration(0.1)));
+  double p, i, d;
+  wound.getCurrentPIDErrors(&p, &i, &d);
+  std::printf("%.9f %.9f %d ", i, d, unread.init(ros::NodeHandle("none"), true));
+  std::printf("%d ", unread.init(ros::NodeHandle("arm")));
+  std::printf("%.3f %.3f", unread.getGains().p_gain_, unread.getGains().i_min_);
+}
+"""
+NODE_HANDLE = """\
+#include <string>
+#define ROS_ERROR(...)
+namespace ros {
+struct Duration
+{
+  double seconds;
+  explicit Duration(double s) : seconds(s) {}
+  double toSec() const { return seconds; }
+};
+struct NodeHandle
+{
+  std::string name;
+  explicit NodeHandle(const std::string &n) : name(n) {}
+  std::string getNamespace() const { return name; }
+  bool getParam(const std::string &key, double &value) const { value = 7; return name == "arm" && key == "p"; }
+  template <class T> void param(const std::string &key, T &value, T otherwise) const
+  {
+    value = key == "i_clamp" ? T(4) : otherwise;
+  }
+};
+}
+"""
+
+
+def test_the_controller_of_plugins(tmp_path):
+    """The integral's share is limited; with antiwindup the integral is."""
+    if shutil.which("g++") is None:
+        pytest.skip("needs g++")
+    install(tmp_path)
+    (tmp_path / "include" / "ros").mkdir()
+    (tmp_path / "include" / "ros" / "ros.h").write_text(NODE_HANDLE)
+    (tmp_path / "user.cc").write_text(CONTROLLED)
+    command = ["g++", "-std=c++17", "-O0", "-Wall", "-Werror", f"-I{tmp_path}/include", "-o", "user", "user.cc"]
+    subprocess.run(command, check=True, cwd=tmp_path)
+    said = subprocess.run([tmp_path / "user"], capture_output=True, text=True, check=True).stdout.split()
+    # 2 e + integral + 0.5 de/dt: 2 + 0.25 + 5, 1 + 0.25 - 2.5, -6 - 0.25 - 17.5
+    expected = [7.25, 7.25, -1.25, -1.25, -23.75, -23.75]
+    assert [float(word) for word in said[:6]] == pytest.approx(expected)
+    assert [float(word) for word in said[6:8]] == pytest.approx([-0.25 / 3.0, -35.0])
+    assert said[8:] == ["0", "1", "7.000", "-4.000"]
+
+
 def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
     prefix = tmp_path / "with space" / "ros"
     assert main(["ros", "install", str(prefix)]) == 0

@@ -12,6 +12,7 @@ after the folders of a plugin's project. The table by kind of failure is printed
 import collections
 import concurrent.futures
 import ctypes
+import itertools
 import os
 import random
 import re
@@ -154,8 +155,10 @@ class Project:
         return next((path for path in self.named[PurePath(name).name] if str(path).endswith(f"/{name}")), None)
 
     def defines(self, name):
-        """Whether the project has a class or function of a name."""
-        return any(re.search(rf"\b{re.escape(name)}\b\s*[{{:(]", text) for text in self.text.values())
+        """Whether the project, or what is generated of its messages, has a class or function of a name."""
+        word = re.compile(rf"\b{re.escape(name)}\b\s*(final)?\s*[{{:(]")
+        made = (path.read_text(errors="replace") for path in self.place.glob("*.pb.h"))
+        return any(map(word.search, itertools.chain(self.text.values(), made)))
 
     def needs_of(self, plugin):
         """What a plugin needs beside Gazebo."""

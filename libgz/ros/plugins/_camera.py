@@ -22,7 +22,7 @@ log = logging.getLogger("libgz.ros")
 
 CAMERA = (
     Parameter("cameraName", "", "the namespace of its topics (in ROS 2 the sensor's name)"),
-    Parameter("frameName", "/world", "frame of the images", ros2=""),
+    Parameter("frameName", "", "frame of the images"),
     Parameter("imageTopicName", "image_raw", "images"),
     Parameter("cameraInfoTopicName", "camera_info", "calibration"),
     Parameter("updateRate", 0.0, "at most so many images a second [Hz]; 0: all"),
@@ -96,7 +96,7 @@ class RosCamera(RosSensor):
         given, self.camera = self.given, camera
         space = given.cameraName or (self.sensor.Name() if self.two else "")
         self.camera_space = f"{space}{suffix}"
-        self.frame_name = self.frame_of(given.frameName)
+        self.frame_name = self.frame_of(given.frameName) if self.two else self.frame(given.frameName)
         self.baseline = given.hackBaseline if baseline is None else baseline
         self.images = self.advertise(given.imageTopicName, "sensor_msgs/Image", 2, self.camera_space)
         topic = f"{given.imageTopicName}/compressed"

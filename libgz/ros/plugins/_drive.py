@@ -65,6 +65,7 @@ class Drive(RosPlugin):
         self.odometry.child_frame_id = self.frame(given.robotBaseFrame)
         self.odometry.pose.covariance[::7] = (x, y, UNKNOWN, UNKNOWN, UNKNOWN, yaw)
         self.odometry.pose.pose.orientation.w = 1.0
+        self.transforms = self.ros.transforms  # advertised at once, as the original does
         self.commands = self.subscribe(given.commandTopic, "geometry_msgs/Twist", self.OnCommand)
 
     def OnCommand(self, message: Any) -> None:

@@ -86,7 +86,7 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
         if self.given.publishWheelTF:
             self.send_wheel_transforms([*self.left, *self.right])
         if self.joint_states is not None and self.joint_states.listened:
-            joints = [*self.left, *self.right]
+            joints = [*self.right, *self.left]
             message = message_type("sensor_msgs/JointState")()
             message.header.stamp = self.odometry.header.stamp
             message.name = [joint.GetName() for joint in joints]

@@ -51,6 +51,7 @@ class GazeboRosSkidSteerDrive(Drive, ModelPlugin):
             joint.SetParam("fmax", 0, given.torque)
         self.ticks = Ticks(given.updateRate)
         self.open_drive(model, given.covarianceX, given.covarianceY, given.covarianceYaw)
+        self.odometry.twist.covariance[:] = self.odometry.pose.covariance
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -20,6 +21,7 @@ from libgz.physics.geoms import FrustrumGeom
 from libgz.rendering.camera import Camera as Eye, horizontal_view
 from libgz.rendering.image import write_pnm
 from libgz.simulation.entity import Entity
+from libgz.simulation.plan import Plan
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import angle, boolean, integer, length, number, numbers, text
 from libgz.worldfile.node import WorldFileNode
@@ -167,22 +169,39 @@ class CameraServer:
             )
         self.interface.data.width, self.interface.data.height = width, height
 
-    def Update(self, pose: GzPose, hfov: float) -> bool:
-        """Render an image from a global pose [m] with a field of view [rad], if one is due; return whether it was."""
-        eye, now = self.eye, self.model.world.GetSimTime()
+    def plan_update(self, plan: Plan, look: Callable[[], None]) -> None:
+        """Add to a model's plan that an image is taken when one is due.
+
+        Args:
+            plan: of the model.
+            look: calls `take` with the pose and the field of view of that moment.
+        """
+        eye = self.eye
         if eye is None or eye.blind:
-            return False
-        due = self.rate.due(now)
-        if self._taken is not None and (due or eye.ready):
+            return
+        if eye.threaded:
+            plan.call(self._publish_ready)
+        with plan.due(self.rate):
+            plan.call(look)
+
+    def take(self, pose: GzPose, hfov: float) -> None:
+        """Render an image from a global pose [m] with a field of view [rad]."""
+        eye = self.eye
+        if eye is None:
+            return
+        if self._taken is not None:
             self._publish(eye, self._taken)
-        if due:
-            set_view(self.model, eye, hfov)
-            eye.SetPose(pose)
-            eye.Start()
-            self._taken = now
-            if not eye.threaded:
-                self._publish(eye, now)
-        return due
+        set_view(self.model, eye, hfov)
+        eye.SetPose(pose)
+        eye.Start()
+        self._taken = self.model.world.GetSimTime()
+        if not eye.threaded:
+            self._publish(eye, self._taken)
+
+    def _publish_ready(self) -> None:
+        """Publish the image that is being rendered beside the world, once it is complete."""
+        if self._taken is not None and self.eye is not None and self.eye.ready:
+            self._publish(self.eye, self._taken)
 
     def _publish(self, eye: Eye, taken: float) -> None:
         """Serve and save the image of a sim time [s]."""

@@ -10,6 +10,7 @@ from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
 from libgz.models.parts import GREY, add_body, fit
 from libgz.physics.geoms import BoxGeom, CylinderGeom
+from libgz.simulation.plan import Plan
 from libgz.worldfile.attributes import read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -27,6 +28,7 @@ class MonoCam(Model):
 
     attributes = RobotCameraAttributes
     interfaces = ("camera",)
+    active_while_paused = True  # the image that is due is taken
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(RobotCameraAttributes, node)
@@ -41,8 +43,11 @@ class MonoCam(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.camera.Init()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        self.camera.Update(self.box.GetPose(), self.values.hfov)
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        self.camera.plan_update(plan, self._look)
+
+    def _look(self) -> None:
+        self.camera.take(self.box.GetPose(), self.values.hfov)
 
     def Fini(self) -> None:  # noqa: D102
         self.camera.Fini()

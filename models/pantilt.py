@@ -18,6 +18,7 @@ from libgz.ode.types import dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geoms import CylinderGeom
 from libgz.physics.joint import HingeJoint
+from libgz.simulation.plan import Plan
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import number, numbers, read
@@ -101,11 +102,12 @@ class PtzServer:
 class PanTiltCamera(Model):
     """Three bodies: a base, a middle part that pans on it, and a head that tilts on the middle part."""
 
-    STATE: ClassVar[tuple[str, ...]] = ("rate", "zoom", "ptz", "camera", "_shown_view")
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "zoom", "ptz", "camera", "_shown_view", "_moved")
 
     behaviour = "motors that turn and hold its head (it tilts by its weight); zoom"
     attributes = PanTiltAttributes
     interfaces = ("ptz", "camera")
+    active_while_paused = True  # the image that is due is taken
 
     panLimits: ClassVar[tuple[float, float]]  # [rad]
     tiltLimits: ClassVar[tuple[float, float]]  # [rad], down positive
@@ -133,6 +135,7 @@ class PanTiltCamera(Model):
             body.SetFiniteRotationMode(1)
         old = "updateTimes" in self.world.engine.quirks
         self.rate = OldRate(1.0 / PTZ_RATE, last=-1.0 / PTZ_RATE) if old else UpdateRate(PTZ_RATE)
+        self._moved = self.rate.last  # sim time of the last `_move` [s]
         self.ptz = PtzServer(self)
         self.camera = CameraServer(self, values)
         self.frustum = add_frustum(self, self.head, values, EYE)
@@ -170,17 +173,25 @@ class PanTiltCamera(Model):
         self.ptz.Fini()
         self.camera.Fini()
 
-    def Update(self, step: float) -> None:  # noqa: D102
-        now = self.world.GetSimTime()
-        before = self.rate.last
-        if step != 0.0 and self.rate.due(now):
-            self._move(now, before)
+    def plan_update(self, plan: Plan) -> None:  # noqa: D102
+        with plan.due(self.rate):
+            plan.do(self._move)
+        self.camera.plan_update(plan, self._look)
+
+    def _look(self) -> None:
+        """Take an image with the present zoom."""
         view = self.fieldOfView
-        if self.camera.Update(self.head.global_pose(EYE), view) and self.frustum is not None:
+        self.camera.take(self.head.global_pose(EYE), view)
+        if self.frustum is not None:
             self.frustum.SetFOV(view)
 
-    def _move(self, now: float, before: float) -> None:
-        """Set motors and zoom at sim time `now` [s]; the last time was at `before` [s]."""
+    def _move(self, step: float) -> None:
+        """Set motors and zoom; while the world is paused, that stays due."""
+        if step == 0.0:
+            self.rate.last = self._moved
+            return
+        now, before = self.world.GetSimTime(), self._moved
+        self._moved = now
         self.ptz.take_command()
         pan, tilt, view = self.ptz.command
         self._panServo.turn_to(_clamp(pan, self.panLimits))

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
 from libgz.base.extras import install
 from libgz.front import World
-from libgz.models.camera import eye_of
-from libgz.rendering.framing import free_camera
 from libgz.simulation.rate import TIME_SLACK
 
 if TYPE_CHECKING:
@@ -105,6 +103,8 @@ class ViewRecorder:
     """
 
     def __init__(self, world: World, path: Path, shadows: bool = True) -> None:
+        from libgz.rendering.framing import free_camera  # only who records loads OpenGL
+
         pose = world.start_pose(*VIEW_SIZE)
         self._world, self._video = world, _Video(path, VIEW_RATE)
         self._camera = free_camera(world, pose, VIEW_SIZE, shadows)
@@ -149,6 +149,8 @@ class Recorder:
     """
 
     def __init__(self, world: World, name: str, path: Path, *, shadows: bool = True) -> None:
+        from libgz.models.camera import eye_of  # only who records loads OpenGL
+
         interfaces = world.gz_server.interfaces
         kind = next(kind for kind in KINDS if (kind, name) in interfaces)
         self._interface, self._field = interfaces[kind, name], KINDS[kind]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,10 @@ from libgz.sdf.element import Element
 
 __all__ = ["MOST_MODELS", "populate"]
 
+if TYPE_CHECKING:
+    from numpy.random import Generator as Random  # which takes as long to load as lxml
+
 Array = NDArray[np.float64]
-Random = np.random.Generator
 
 SPACING = 0.1  # [m] between the points that a uniform population shares out, as in Gazebo
 SAMPLES = 10_000  # of them in a cylinder

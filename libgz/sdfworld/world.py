@@ -190,9 +190,9 @@ class SdfWorld(Era):
     def _document(self, element: Element, diagnostics: Diagnostics) -> Document:
         """What entities are built from a `<world>`: its own ones, itself for its joints, those that its state adds."""
         built = [part for part in element.children if part.name in BUILT]
-        built += populate(
-            element, np.random.default_rng(np.random.SeedSequence(self.world.seed, spawn_key=POPULATION)), diagnostics
-        )
+        if next(element.named("population"), None) is not None:  # the generator is slow to load
+            seeds = np.random.SeedSequence(self.world.seed, spawn_key=POPULATION)
+            built += populate(element, np.random.default_rng(seeds), diagnostics)
         state = next(element.named("state"), None)
         holders = state.named("insertions") if state is not None else ()
         inserted = [part for insertions in holders for part in insertions.children if part.name in BUILT]

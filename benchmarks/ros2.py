@@ -14,6 +14,7 @@ import contextlib
 import json
 import logging
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -54,6 +55,7 @@ def work(path: str, how: str) -> None:
     from libgz.ros.server import Ros2
 
     logging.disable(logging.WARNING)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that the node ends, too
     with contextlib.ExitStack() as stack:
         ros = stack.enter_context(Ros2(["--ros-args", "-p", "publish_rate:=100.0"])) if how != "plain" else None
         core = stack.enter_context(World(seed=1))

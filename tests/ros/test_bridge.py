@@ -598,6 +598,33 @@ def test_a_camera_of_ros2_has_its_sensors_name_depths_and_points(start, graph):
     assert server.topic("/eye/image_raw/compressed").format == "rgb8; jpeg compressed bgr8"
 
 
+PAIR = """<sdf version='1.6'><world name='default'><model name='m'><static>true</static><link name='head'>
+  <sensor name='pair' type='multicamera'><update_rate>10</update_rate>
+  <camera name='left'><image><width>16</width><height>12</height></image></camera>
+  <camera name='right'><pose>0 -0.1 0 0 0 0</pose><image><width>16</width><height>12</height></image></camera>
+  <plugin name='pair_driver' filename='libgazebo_ros_camera.so'><hack_baseline>0.1</hack_baseline></plugin></sensor>
+  <sensor name='still' type='camera'><update_rate>10</update_rate><camera><image><width>8</width><height>8</height>
+  </image></camera><plugin name='still_driver' filename='libgazebo_ros_camera.so'><triggered>true</triggered></plugin>
+  </sensor></link></model></world></sdf>"""
+
+
+def test_cameras_of_ros2_are_several_or_triggered(start, graph):
+    server = start(PAIR)
+    assert server.topic("/pair/left/image_raw").width == 16
+    right = server.topic("/pair/right/camera_info")
+    assert right.P[3] == pytest.approx(-0.1 * right.P[0])
+    graph.listen("/still/image_raw")
+    for _ in range(500):
+        server.core.Step()
+    assert not graph.received["/still/image_raw"]
+    kind = message_type("std_msgs/Empty", 2)
+    graph.publish("/still/image_trigger", cdr(kind, fields("std_msgs/Empty", "msg")[0]).pack(kind()))
+    wait_for(lambda: graph.received["/still/image_raw"], server.core.Step)
+    for _ in range(500):
+        server.core.Step()
+    assert len(graph.received["/still/image_raw"]) == 1
+
+
 def test_what_a_bridge_nests_too_deeply_is_nothing():
     assert bridged._parsed(b"[" * 200_000) is None
 

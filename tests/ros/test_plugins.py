@@ -284,6 +284,23 @@ MORE = {
 }
 
 
+STEREO = """<sensor name='pair' type='multicamera'><update_rate>20</update_rate>
+<camera name='right'><image><width>16</width><height>12</height></image></camera>
+<camera name='left'><image><width>16</width><height>12</height></image></camera>
+<plugin name='p' filename='libgazebo_ros_multicamera.so'><cameraName>stereo</cameraName>
+<hackBaseline>0.1</hackBaseline></plugin></sensor>"""
+
+
+def test_a_stereo_pair_has_its_baseline(master, start):
+    world = (
+        f"<sdf version='1.6'><world name='default'><model name='m'><link name='l'>{STEREO}</link></model></world></sdf>"
+    )
+    node = Node(master, *start(world))
+    assert node.topic("/stereo/left/image_raw", "sensor_msgs/Image")().width == 16
+    left, right = (node.topic(f"/stereo/{side}/camera_info", "sensor_msgs/CameraInfo")() for side in ("left", "right"))
+    assert (left.P[3], right.P[3]) == (0.0, pytest.approx(-0.1 * right.P[0]))
+
+
 def test_the_other_plugins_publish(master, start):
     rays = {"block_laser": "sensor_msgs/PointCloud", "velodyne_laser": "sensor_msgs/PointCloud2"}
     rays["range"] = "sensor_msgs/Range"

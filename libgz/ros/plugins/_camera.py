@@ -5,16 +5,19 @@ from __future__ import annotations
 import io
 import logging
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
 from libgz.ros.plugin import Endpoint, Parameter
-from libgz.ros.plugins._sensor import RosSensor
+from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.session import Publication
 from libgz.ros.types import Message, message_type
+
+if TYPE_CHECKING:
+    from libgz.sdf.element import Element
 
 __all__ = ["CAMERA", "CAMERA_ENDPOINTS", "DEPTH", "DEPTH_ENDPOINTS", "DepthCloud", "RosCamera"]
 
@@ -36,7 +39,7 @@ CAMERA = (
     Parameter("distortionK3", 0.0, "distortion"),
     Parameter("distortionT1", 0.0, "distortion"),
     Parameter("distortionT2", 0.0, "distortion"),
-    Parameter("autoDistortion", False, "take the distortion of the camera's `<distortion>`"),
+    Parameter("autoDistortion", False, "take the distortion of the camera's `<distortion>`", ros2=True),
     Parameter("borderCrop", True, "crop the black border of a distorted image"),
 )
 CAMERA_ENDPOINTS = (
@@ -83,7 +86,14 @@ POINT_STEP = 32  # bytes: x, y, z and a pad, the colour and a pad
 
 
 class RosCamera(RosSensor):
-    """Publishes the images of one camera of its sensor, with their calibration."""
+    """Publishes the images of one camera of its sensor, with their calibration.
+
+    Attributes:
+        wanted: how many images triggers ask for; None: all.
+    """
+
+    STATE = ("wanted",)
+    wanted: int | None = None
 
     def open_camera(self, camera: Any, suffix: str = "", baseline: float | None = None) -> None:
         """Advertise images and calibration.
@@ -102,6 +112,24 @@ class RosCamera(RosSensor):
         topic = f"{given.imageTopicName}/compressed"
         self.compressed = self.advertise(topic, "sensor_msgs/CompressedImage", 2, self.camera_space)
         self.infos = self.advertise(given.cameraInfoTopicName, "sensor_msgs/CameraInfo", 2, self.camera_space)
+
+    def open_trigger(self, topic: str) -> None:
+        """Publish one image for each message of a topic only."""
+        self.wanted = 0
+        self.triggers = self.subscribe(topic, "std_msgs/Empty", self.OnTrigger, 1, self.camera_space)
+
+    def OnTrigger(self, _message: Any) -> None:
+        """One more image is wanted."""
+        if self.wanted is not None:
+            self.wanted += 1
+            self.match_activity()
+
+    def match_activity(self) -> None:
+        """Let the sensor measure if somebody listens, or while triggers want an image."""
+        if self.wanted is None:
+            super().match_activity()
+        else:
+            self.sensor.SetActive(self.wanted > 0)
 
     def info(self) -> Message:
         """The calibration."""
@@ -140,12 +168,17 @@ class RosCamera(RosSensor):
 
     def send(self) -> None:
         """Publish image and calibration."""
+        if self.wanted == 0:
+            return
         if self.images.listened:
             self.images.publish(self.image())
         if self.compressed.listened:
             self.send_compressed()
         if self.infos.listened:
             self.infos.publish(self.info())
+        if self.wanted is not None:
+            self.wanted -= 1
+            self.match_activity()
 
     def send_compressed(self) -> None:
         """Publish the image as a JPEG; formats that JPEG does not have are left out."""
@@ -165,6 +198,41 @@ class RosCamera(RosSensor):
         self.compressed.publish(message)
 
 
+class _Part(RosCamera):
+    """One camera of several."""
+
+    parameters = CAMERA
+
+
+def open_each(owner: RosSensor, sensor: Any, sdf: Element) -> list[RosCamera]:
+    """Open each camera of a sensor with several.
+
+    In ROS 1, names with `left` and `right` are `/left` and `/right` of the namespace, others have numbers, and the
+    right one has the baseline of `<hackBaseline>`. In ROS 2, names are the cameras', and each has that baseline.
+
+    Args:
+        owner: the plugin; what the cameras publish is its own, too.
+        sensor: the sensor.
+        sdf: the plugin's element.
+    """
+    found: list[RosCamera] = []
+    for index in range(sensor.CameraCount()):
+        camera = sensor.Camera(index)
+        name = str(camera.Name()).rpartition("::")[2]
+        side = "left" if "left" in name else "right" if "right" in name else ""
+        part = _Part()
+        part.open(sdf, model_of(sensor))
+        part.open_sensor(sensor, sdf)
+        part.match_activity = owner.match_activity  # type: ignore[method-assign]
+        if part.two:
+            part.open_camera(camera, f"/{name}")
+        else:
+            part.open_camera(camera, f"/{side or index}", None if side == "right" else 0.0)
+        owner.publications += part.publications
+        found.append(part)
+    return found
+
+
 class DepthCloud(RosCamera):
     """Publishes depths and points beside images."""
 
@@ -181,6 +249,8 @@ class DepthCloud(RosCamera):
 
     def send(self) -> None:
         """Publish all that has subscribers."""
+        if self.wanted == 0:
+            return
         super().send()
         if self.depth_infos.listened:
             self.depth_infos.publish(self.info())

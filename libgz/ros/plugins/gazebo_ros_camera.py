@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
-from libgz.ros.plugins._camera import CAMERA, CAMERA_ENDPOINTS, DEPTH, DEPTH_ENDPOINTS, DepthCloud, RosCamera
+from libgz.ros.plugin import Endpoint, Parameter
+from libgz.ros.plugins._camera import CAMERA, CAMERA_ENDPOINTS, DEPTH, DEPTH_ENDPOINTS, DepthCloud, RosCamera, open_each
 from libgz.ros.plugins._sensor import model_of
 
 if TYPE_CHECKING:
@@ -13,24 +14,40 @@ if TYPE_CHECKING:
 
 
 class GazeboRosCamera(DepthCloud, SensorPlugin):
-    """Publishes the images of a camera, and its calibration; in ROS 2, depths and points of a depth camera, too."""
+    """Publishes the images of a camera, and its calibration.
 
-    parameters = (*CAMERA, *DEPTH)
-    endpoints = (*CAMERA_ENDPOINTS, *(one._replace(verb="in ROS 2 publishes") for one in DEPTH_ENDPOINTS))
+    In ROS 2, it also publishes depths and points of a depth camera, and images of the cameras of a multicamera; with
+    `<triggered>`, one image for each message of `image_trigger`.
+    """
+
+    parameters = (*CAMERA, *DEPTH, Parameter("triggered", False, "in ROS 2: publish images for triggers only"))
+    endpoints = (
+        *CAMERA_ENDPOINTS,
+        *(one._replace(verb="in ROS 2 publishes") for one in DEPTH_ENDPOINTS),
+        Endpoint("in ROS 2 subscribes", "<cameraName>/image_trigger", "std_msgs/Empty"),
+    )
 
     def Load(self, sensor: Any, sdf: Element) -> None:
         """Advertise."""
         self.open(sdf, model_of(sensor))
         self.open_sensor(sensor, sdf, self.given.updateRate)
-        self.open_camera(sensor.Camera())
+        several = self.two and sensor.Type() == "multicamera"
+        self.parts = open_each(self, sensor, sdf) if several else []
         self.deep = self.two and sensor.Type() == "depth"
+        if not several:
+            self.open_camera(sensor.Camera())
         if self.deep:
             self.open_depths()
+        if self.two and self.given.triggered and not several:
+            self.open_trigger("image_trigger")
         self.begin()
 
     def send(self) -> None:
         """Publish all that has subscribers."""
-        (DepthCloud if self.deep else RosCamera).send(self)
+        for part in self.parts:
+            part.send()
+        if not self.parts:
+            (DepthCloud if self.deep else RosCamera).send(self)
 
 
 GZ_REGISTER_SENSOR_PLUGIN(GazeboRosCamera)

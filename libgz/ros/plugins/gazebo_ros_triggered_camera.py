@@ -16,36 +16,16 @@ if TYPE_CHECKING:
 class GazeboRosTriggeredCamera(RosCamera, SensorPlugin):
     """Publishes the next image after each message of the trigger."""
 
-    STATE = ("wanted",)
-
     parameters = (*CAMERA, Parameter("triggerTopicName", "image_trigger", "triggers"))
     endpoints = (*CAMERA_ENDPOINTS, Endpoint("subscribes", "<cameraName>/<triggerTopicName>", "std_msgs/Empty"))
 
     def Load(self, sensor: Any, sdf: Element) -> None:
         """Advertise and subscribe."""
-        self.wanted = 0
         self.open(sdf, model_of(sensor))
         self.open_sensor(sensor, sdf, self.given.updateRate)
         self.open_camera(sensor.Camera())
-        trigger = self.given.triggerTopicName
-        self.triggers = self.subscribe(trigger, "std_msgs/Empty", self.OnTrigger, 1, self.camera_space)
+        self.open_trigger(self.given.triggerTopicName)
         self.begin()
-
-    def OnTrigger(self, _message: Any) -> None:
-        """One more image is wanted."""
-        self.wanted += 1
-        self.match_activity()
-
-    def match_activity(self) -> None:
-        """Let the sensor measure while an image is wanted."""
-        self.sensor.SetActive(self.wanted > 0)
-
-    def send(self) -> None:
-        """Publish one image, if it is wanted."""
-        if self.wanted > 0:
-            self.wanted -= 1
-            super().send()
-            self.match_activity()
 
 
 GZ_REGISTER_SENSOR_PLUGIN(GazeboRosTriggeredCamera)

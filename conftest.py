@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+import fcntl
 import itertools
 import os
 import random
 import select
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 import pytest
 
+# Servers of tests that do not use `wire` have a place of their own, too: what they leave there is seen.
+os.environ["TMP"] = tempfile.mkdtemp(prefix="gz", dir="/tmp")
+os.environ["USER"] = "tester"
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the workers share the cores
 os.environ["MESA_SHADER_CACHE_DISABLE"] = "true"  # Mesa would leave files in the user's cache
 
+from libgz.transport.paths import LOCK_FILE
 from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
 
 try:
@@ -154,6 +161,36 @@ class GazeboProcess:
             self.process.send_signal(number)
         out, err = self.process.communicate(timeout=START)
         return self.process.returncode, out, err
+
+
+_servers = Path(os.environ["TMP"])
+
+
+def pytest_unconfigure() -> None:
+    """Remove the place of servers; the tests have looked at what is in it."""
+    shutil.rmtree(_servers, ignore_errors=True)
+
+
+def _dead(server: Path) -> bool:
+    """Whether nobody holds the lock of a server's directory."""
+    try:
+        with (server / LOCK_FILE).open("rb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return not server.is_dir()  # it is about to begin, or to end
+    return True
+
+
+@pytest.fixture(autouse=True)
+def no_dead_servers() -> Iterator[None]:
+    """Fail where a test leaves the directory of a server that was killed or did not end as it should."""
+    yield
+    left = [server for server in _servers.iterdir() if _dead(server)]
+    for server in left:
+        shutil.rmtree(server, ignore_errors=True)
+    assert not left, f"servers were killed, and left {', '.join(server.name for server in left)}"
 
 
 @pytest.fixture

@@ -43,10 +43,7 @@ def served(*words, program="gazebo", viewer=True):
             yield process, address_of(process) if viewer else None
         finally:
             process.terminate()
-            try:
-                process.wait(10.0)
-            except subprocess.TimeoutExpired:
-                process.kill()
+            process.wait(PATIENCE)  # one that is killed would leave its directory
 
 
 def address_of(process):

@@ -576,7 +576,6 @@ def _array(name: Any, shape: Any, content: Any) -> Any:
     return np.frombuffer(content, kind).reshape(shape).copy()
 
 
-_LARGEST_WORD = (1 << 64) - 1
 _LARGEST_NUMBER = (1 << 128) - 1
 
 

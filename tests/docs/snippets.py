@@ -98,9 +98,11 @@ def await_end(child, log, endless=False):
         time.sleep(0.02)
     if found[0] == 0:
         os.kill(child, signal.SIGTERM)
-        time.sleep(0.5)
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
+        end = time.monotonic() + LONGEST
+        while os.waitpid(child, os.WNOHANG)[0] == 0:  # one that is killed at once would leave its directory
+            if time.monotonic() > end:
+                os.kill(child, signal.SIGKILL)
+            time.sleep(0.02)
     ended = found[0] != 0 or endless
     code = os.waitstatus_to_exitcode(found[1]) if found[0] else 0
     text = log.read_text() if log.exists() else ""

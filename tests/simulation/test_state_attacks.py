@@ -60,6 +60,7 @@ ATTACKS = {
     "more numbers than bytes": lambda: array("<f8", [2**40], b""),
     "a product that overflows": lambda: array("<f8", [2**32, 2**32], b""),
     "a large size": lambda: array("<f8", [2**63], b""),
+    "a shape of 33 sizes": lambda: array("<f8", [1] * 33, b"\0" * 8),
     "a size below zero": lambda: array("<f8", [-1, -1], b"\0" * 8),
     "texts of no letters": lambda: array("<U1", [1], b"\xff" * 4),
     "truth of 7": lambda: array("|b1", [1], b"\7"),
@@ -67,6 +68,9 @@ ATTACKS = {
     "a number of objects": lambda: data(extension(encoding.NUMBER, "|O", b"\x10" * 8)),
     "objects of another shape": lambda: data(extension(encoding.OBJECTS, [2**40], [])),
     "words behind the last": lambda: TWISTER.replace(b"\xa3pos\xcd\x02o", b"\xa3pos\xcd\xff\xff"),
+    "words of another length": lambda: encode(np.random.Generator(np.random.SFC64(1))).replace(
+        b"\x91\x04", b"\x91\x03"
+    ),
     "a generator of another name": lambda: encode(np.random.default_rng(1)).replace(b"\xa5PCG64", b"\xa5__all"),
     "no words": lambda: data(msgpack.ExtType(encoding.NUMPY, msgpack.packb({"bit_generator": "MT19937", "state": {}}))),
     "Python's generator": lambda: data(extension(encoding.RANDOM, 3, [], None)),
@@ -90,6 +94,9 @@ ATTACKS = {
     "a list of 2^32 in each other": lambda: FORMAT + b"\xdd\xff\xff\xff\xff" * 400,
     "a dict of 2^32": lambda: FORMAT + b"\xdf\xff\xff\xff\xff",
     "many empty lists": lambda: FORMAT + b"\xdd" + struct.pack(">I", FEW) + b"\x90" * FEW,
+    "many values in short lists": lambda: (
+        FORMAT + b"\x95" + (b"\xdd" + struct.pack(">I", FEW // 4) + b"\xc0" * (FEW // 4)) * 5
+    ),
     "a text of 2^32": lambda: FORMAT + b"\xdb\xff\xff\xff\xffa",
     "a broken text": lambda: FORMAT + b"\xa1\xff",
     "nothing": lambda: FORMAT,
@@ -114,7 +121,7 @@ def process():
 
 @pytest.mark.parametrize("name", ATTACKS)
 def test_bytes_that_were_made_to_harm_are_refused(world, name, monkeypatch):
-    if name == "many empty lists":  # each takes 64 bytes
+    if name.startswith("many"):  # each empty list takes 64 bytes
         assert 64 * encoding.MOST_ITEMS < 200e6
         monkeypatch.setattr(encoding, "MOST_ITEMS", FEW - 1)
     attack = ATTACKS[name]()
@@ -216,6 +223,15 @@ def test_parts_of_an_engine_that_are_damaged_are_refused(world, engine_part):
             assert value == state[engine_part] or engine_part in ("fresh", "quirks", "dummies", "contacts"), value
             engine.set_state(state)
         assert world.get_state() == before
+
+
+def test_lists_of_an_engine_have_one_length(world):
+    engine = world.engine
+    state = engine.get_state()
+    objects = decode(state["objects"])
+    longer = {**objects, "feedback": [*objects["feedback"], False]}
+    with pytest.raises(StateError, match="do not fit each other"):
+        engine.set_state({**state, "objects": encode(longer)})
 
 
 @pytest.mark.parametrize("name", WORDS)

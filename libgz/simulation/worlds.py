@@ -48,9 +48,11 @@ class Worlds(Closing, Sequence[W], Generic[W]):
         self._worlds = tuple(worlds)
         if not self._worlds:
             raise ParameterError("there is no world to step; give at least one")
+        before: set[W] = set()
         for number, world in enumerate(self._worlds):
-            if any(world is other for other in self._worlds[:number]):
+            if world in before:
                 raise ParameterError(f"world {number} is there twice; give a world of its own, such as world.clone()")
+            before.add(world)
             if world in _taken:
                 raise ParameterError(f"world {number} is one of other Worlds already")
         self._check_ready()

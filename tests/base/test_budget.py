@@ -34,6 +34,13 @@ def test_what_fits_is_decompressed_and_counted(tool):
         budget.take(1)
 
 
+@pytest.mark.parametrize("size", [SIZE - 1, SIZE - 2])
+@pytest.mark.parametrize("name", ["zstd", "lz4"])
+def test_sizes_may_be_odd_and_even(name, size):
+    compress, decompress = TOOLS[name]
+    assert decompress(Budget(), compress(DATA[:size]), size) == DATA[:size]
+
+
 def test_what_does_not_fit_is_refused(tool):
     compress, decompress = tool
     with pytest.raises(BudgetError):

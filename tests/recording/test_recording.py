@@ -264,6 +264,26 @@ def test_other_programs_read_a_log(world, tmp_path):
     assert found["/power/robot1"][0].encoding == "ros1msg"
 
 
+def test_the_index_names_the_places_of_chunks_and_their_messages(world, tmp_path):
+    path = tmp_path / "a.mcap"
+    record(world, path, 60)
+    data = path.read_bytes()
+    with path.open("rb") as file:
+        chunks = make_reader(file).get_summary().chunk_indexes
+    assert chunks
+    for chunk in chunks:
+        assert data[chunk.chunk_start_offset] == 6  # a chunk
+        assert chunk.chunk_length == 9 + int.from_bytes(data[chunk.chunk_start_offset + 1 :][:8], "little")
+        at = begin = chunk.chunk_start_offset + chunk.chunk_length
+        places = {}
+        while data[at] == 7:  # an index of messages
+            places[int.from_bytes(data[at + 9 : at + 11], "little")] = at
+            at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+        assert (places, at - begin) == (chunk.message_index_offsets, chunk.message_index_length)
+    with LogReader(path) as log:
+        assert f"{log.end - log.begin:.3f} s" in repr(log)
+
+
 def test_every_message_type_of_classic_has_a_schema():
     declare("test_log.msgs.Wheels", "double left, double right = 2, Vector3d points[], bool on")
     for name in (*known_types(), "test_log.msgs.Wheels"):

@@ -204,6 +204,23 @@ def test_a_client_of_actions_moves_an_arm(serve, tmp_path):
 
 
 @pytest.mark.trial
+def test_what_is_too_large_is_left_out(serve, tmp_path):
+    (tmp_path / "arm.yaml").write_text(CONTROL.replace("{type: forward", "{off: forward"))
+    (tmp_path / "arm.world").write_text(ARM.format(file=tmp_path / "arm.yaml"))
+    node = serve(tmp_path / "arm.world")
+    text = {"topic": "/robot_description", "kind": "std_msgs/msg/String", "latched": True}
+    assert node.publish(**text, values={"data": "x" * 5_000_000}, times=3)
+    log = tmp_path / "server.log"
+    wait_for(lambda: "bytes are left out" in log.read_text())
+    spawn = {"service": "/spawn_entity", "kind": "gazebo_msgs/srv/SpawnEntity"}
+    assert not node.call(**spawn, values={"name": "box", "xml": "x" * (1 << 24)})["success"]
+    assert node.publish(**text, values={"data": ROBOT})
+    assert node.first(topic="/joint_states", kind="sensor_msgs/msg/JointState")["name"] == ["elbow"]
+    assert log.read_text().count("/robot_description: messages of") == 1
+    assert log.read_text().count("/spawn_entity: a request of") == 1
+
+
+@pytest.mark.trial
 def test_a_diff_drive_controller_drives(serve, tmp_path):
     (tmp_path / "drive.yaml").write_text(DRIVE)
     (tmp_path / "drive.world").write_text(wagon(tmp_path / "drive.yaml"))

@@ -25,7 +25,7 @@ MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, sequences not
 Schema = Mapping[str, Sequence[tuple[Field, str | None]]]
 
 LARGE = 1 << 14  # [byte] from which the memory of numbers is sent as it is, not copied into the message
-FEW = 32  # numbers that are packed without numpy
+FEW = 64  # numbers that are packed without numpy: covariances have 36
 SHORT = 256  # letters of a text whose bytes are kept
 
 Buffer: TypeAlias = "bytes | memoryview"

@@ -215,6 +215,9 @@ class Session(Closing):
         self.later: list[tuple[Service, Later, Callable[[bool, bytes], None]]] = []
         self.watchers: WeakKeyDictionary[Publisher | Channel, WeakSet[Publication]] = WeakKeyDictionary()
         self._transforms: Publication | None = None
+        one = message_type("geometry_msgs/TransformStamped", self.version)()
+        # Filled again and again.
+        self._transform: Any = message_type("tf2_msgs/TFMessage", self.version)(transforms=[one])
         self._refusals = Tally(100)
         self.node.start()
         _sessions.append(self)
@@ -312,12 +315,12 @@ class Session(Closing):
         transforms = self.transforms
         if not transforms.listened:
             return
-        one = message_type("geometry_msgs/TransformStamped")()
+        (one,) = self._transform.transforms
         one.header.stamp, one.header.frame_id, one.child_frame_id = now, parent, child
         part, rotation = one.transform.translation, one.transform.rotation
         part.x, part.y, part.z = place
         rotation.x, rotation.y, rotation.z, rotation.w = turn
-        transforms.publish(transforms.kind(transforms=[one]))
+        transforms.publish(self._transform)
 
     # Between steps -----------------------------------------------------------------------------------------------
 

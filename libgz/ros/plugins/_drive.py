@@ -81,8 +81,10 @@ class Drive(RosPlugin):
         """Take pose and velocities of the model in the world as odometry."""
         pose, velocity = self.model.WorldPose(), self.model.WorldLinearVel()
         set_pose(self.odometry.pose.pose, pose)
-        twist, yaw = self.odometry.twist.twist, pose.Rot().Yaw()
-        cosine, sine = math.cos(yaw), math.sin(yaw)
+        twist, (w, x, y, z) = self.odometry.twist.twist, pose.Rot()
+        cosine, sine = w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y)  # of the yaw, times their length
+        length = math.hypot(cosine, sine)
+        cosine, sine = (cosine / length, sine / length) if length > 0.0 else (1.0, 0.0)
         twist.linear.x = cosine * velocity.X() + sine * velocity.Y()
         twist.linear.y = cosine * velocity.Y() - sine * velocity.X()
         twist.angular.z = self.model.WorldAngularVel().Z()

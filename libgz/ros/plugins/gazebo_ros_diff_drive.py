@@ -81,8 +81,7 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
         if not self.ticks.due(now):
             return
         self.stamp(now)
-        if self.publication is not None or self.given.publishOdomTF:
-            self._publish(self.publication)
+        self._publish()
         if self.given.publishWheelTF:
             self.send_wheel_transforms([*self.left, *self.right])
         if self.joint_states is not None and self.joint_states.listened:
@@ -94,12 +93,15 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
             self.joint_states.publish(message)
         self._run()
 
-    def _publish(self, publication: object) -> None:
-        if not self.encoders:
+    def _publish(self) -> None:
+        """Publish odometry and its transform to those who listen."""
+        heard = self.publication is not None and self.publication.listened
+        moves = self.given.publishOdomTF and self.transforms.listened
+        if not self.encoders and (heard or moves):
             self.measure_world()
-        if self.given.publishOdomTF:
+        if moves:
             self.send_odometry_transform()
-        if self.publication is not None and self.publication.listened:
+        if self.publication is not None and heard:
             self.publication.publish(self.odometry)
 
     def _measure(self, now: float) -> None:

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError
 from libgz.classic.event import Events
-from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, RosPlugin, Ticks, set_pose, set_twist
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, RosPlugin, Ticks, set_point, set_quaternion, set_twist
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -50,6 +50,7 @@ class GazeboRosP3D(RosPlugin, ModelPlugin):
             raise NotFoundError(f"{sdf.where}: <frameName> is {given.frameName!r}; it must be world or one of {names}")
         place = given.xyzOffset + given.xyzOffsets
         self.offset, self.turn = place, Quaterniond(*(given.rpyOffset + given.rpyOffsets))
+        self.placed_elsewhere = any(place) or any(given.rpyOffset + given.rpyOffsets)
         self.ticks = Ticks(given.updateRate)
         message = self.message = message_type("nav_msgs/Odometry")()
         message.header.frame_id, message.child_frame_id = self.frame(given.frameName), given.bodyName
@@ -75,7 +76,10 @@ class GazeboRosP3D(RosPlugin, ModelPlugin):
             angular = frame.Rot().RotateVector(angular - self.reference.WorldAngularVel())
         message = self.message
         set_stamp(message.header.stamp, now)
-        set_pose(message.pose.pose, Pose3d(place + self.offset, self.turn * turn))
+        if self.placed_elsewhere:
+            place, turn = place + self.offset, self.turn * turn
+        set_point(message.pose.pose.position, place)
+        set_quaternion(message.pose.pose.orientation, turn)
         set_twist(message.twist.twist, linear, angular, self.given.gaussianNoise)
         self.publication.publish(message)
 

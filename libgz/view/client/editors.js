@@ -7,6 +7,7 @@
 import { element, newId } from 'libgz/dom.js';
 import { capitalized, short as shortest, shownUnit } from 'libgz/format.js';
 
+const PLACES = new Set(['xyz', 'rpy', 'pose']);
 const NOTHING = 1e-11; // what is smaller is shown as zero
 
 /**
@@ -48,12 +49,25 @@ export async function editors(workplace, subject) {
   /** @type {Map<string, HTMLElement[]>} */
   const groups = new Map();
   for (const attribute of attributes ?? []) {
+    if (isPlace(workplace, subject, attribute)) continue;
     const title = capitalized(attribute.group || 'attributes');
     const rows = groups.get(title) ?? [];
     groups.set(title, rows);
     rows.push(...(attribute.type === 'include' ? included(workplace, subject, attribute) : [row(workplace, subject, attribute)]));
   }
   return [...groups].map(([title, rows]) => ({ title, rows }));
+}
+
+/**
+ * Whether an attribute is the place of a model in the world, which the section of its pose shows as it is now.
+ *
+ * @param {import('libgz/workplace.js').Workplace} workplace
+ * @param {Subject} subject
+ * @param {Attribute} attribute
+ */
+function isPlace({ store }, { name, part }, { key }) {
+  if (!name || part || !PLACES.has(key) || !store.abilities.has('move')) return false;
+  return !store.entities.has(store.entities.get(store.ids.get(name) ?? 0)?.parent ?? 0);
 }
 
 /**

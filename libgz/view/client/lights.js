@@ -76,7 +76,7 @@ export class Lights {
     this.casts = (source ? source.entity.cast_shadows !== false : true) && scene.shadows !== false;
     this.hemisphere.color.set(0xe9f1ff).lerp(sky, 0.3);
     const around = FULL * (0.6 + 0.4 * Math.min(Math.max(ambient, 0), 1)) * (any && !source ? 0.5 : 1);
-    this.hemisphere.intensity = (fine ? 0.72 : 1.2) * around; // of fine materials, the sky's image does the rest
+    this.hemisphere.intensity = (fine ? 0.62 : 1.05) * around; // of fine materials, the sky's image does the rest
     this.above.position.copy(ABOVE).multiplyScalar(FAR);
     this.above.color.copy(this.hemisphere.color);
     this.above.intensity = 0.42 * around;

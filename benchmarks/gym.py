@@ -38,10 +38,10 @@ def bare(env: WorldEnv) -> Callable[[list[float]], object]:
             for write, value in zip(writers, values, strict=True):
                 write(value)
             world.step(count)
-        elif efforts := env._efforts(values):
-            world.engine.hold(efforts)
+        elif env._write_held(values):
+            world.engine.hold(env._efforts)
             world.step(count)
-            world.engine.hold(())
+            world.engine.hold(None)
         else:
             for _ in range(count):
                 for write, value in zip(writers, values, strict=True):

@@ -237,8 +237,9 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._all_seen = {one.label: one.value for one in self._readings}
         self._lasting = all(one.lasts for one in commands)
         joints = [one.joint for one in commands if one.joint is not None]
-        # Two commands on one joint add up, step by step.
-        self._held = joints if len(set(joints)) == len(commands) else None
+        held = joints if len(set(joints)) == len(commands) else []  # two commands on one joint add up, step by step
+        self._efforts = (HeldEffort * len(held))()
+        self._held = list(zip(held, self._efforts, strict=True))
 
     def _space(self) -> spaces.Space[Any]:
         if "" in self._made:
@@ -329,14 +330,15 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             for write, value in zip(self._writers, values, strict=True):
                 write(value)
             yield self._count
-        elif efforts := self._efforts(values):
-            self.world.engine.hold(efforts)
+        elif self._write_held(values):
+            engine = self.world.engine
+            engine.hold(self._efforts)
             try:
                 yield self._count
             finally:
-                self.world.engine.hold(())
-            for joint, effort in zip(self._held or (), efforts, strict=True):
-                joint.was_held(effort.effort, self._count)
+                engine.hold(None)
+            for joint, record in self._held:
+                joint.was_held(record.effort, self._count)
         else:
             for _ in range(self._count):
                 for write, value in zip(self._writers, values, strict=True):
@@ -355,12 +357,12 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             self.render()
         return seen, reward, ended, truncated, self._information()
 
-    def _efforts(self, values: Sequence[float]) -> list[HeldEffort]:
-        """The action as efforts that native code holds over the steps of a period; empty where it cannot."""
-        if self._held is None:
-            return []
-        found: list[Any] = [joint.held_effort(value) for joint, value in zip(self._held, values, strict=True)]
-        return [] if None in found else found
+    def _write_held(self, values: Sequence[float]) -> bool:
+        """Write the action as efforts that native code holds over the steps of a period; whether it can."""
+        held = bool(self._held)
+        for (joint, record), value in zip(self._held, values, strict=held):
+            held = joint.write_held(record, value) and held
+        return held
 
     def _clipped(self, action: Any) -> list[Any]:
         """The numbers of an action within their bounds; whole ones rounded."""

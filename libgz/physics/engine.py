@@ -149,7 +149,7 @@ class Engine:
         self.attached: dict[Any, None] = {}
         self.couplings: list[Coupling] = []
         self._state = EngineState(self, self._context)
-        self._held: Sequence[HeldEffort] | ctypes.Array[HeldEffort] = ()
+        self._held: ctypes.Array[HeldEffort] | tuple[()] = ()
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
@@ -367,13 +367,18 @@ class Engine:
         return int(self._context.contact_count)
 
     @exclusive
-    def hold(self, efforts: Sequence[HeldEffort]) -> None:
-        """Apply efforts in each step from now on, in this order, and no others; see `Joint.held_effort`."""
-        context, count = self._context, len(efforts)
-        if count:
-            self._held = held = (HeldEffort * count)(*efforts)
-            context.held = ctypes.addressof(held)
-        context.held_count = count
+    def hold(self, efforts: ctypes.Array[HeldEffort] | None) -> None:
+        """Apply efforts in each step from now on, in this order, and no others; None for none.
+
+        See `Joint.write_held`. They may be written again between two steps.
+        """
+        context = self._context
+        if efforts is None:
+            context.held_count = 0
+            return
+        if efforts is not self._held:
+            self._held, context.held = efforts, ctypes.addressof(efforts)
+        context.held_count = len(efforts)
 
     def drop_held(self, handle: int | None) -> None:
         """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""

@@ -386,12 +386,10 @@ class Joint:
         number = joint_value(parameter, value)
         self._set_param(self.id, int(parameter), number)
 
-    def held_effort(self, effort: float, bodies: Iterable[Body] = ()) -> HeldEffort:
-        """An effort [N m or N] on a hinge or slider, for `Engine.holding`; it wakes bodies."""
-        held = HeldEffort(self.id, self.kind, finite(effort, "effort [N m or N]"))
-        for side, body in enumerate(bodies):
-            held.bodies[side] = body.id
-        return held
+    def write_held(self, held: HeldEffort, effort: float) -> bool:
+        """Write an effort [N m or N] on this hinge or slider for `Engine.hold`; whether that can hold it."""
+        held.joint, held.type, held.effort = self.id, self.kind, finite(effort, "effort [N m or N]")
+        return True
 
     def was_held(self, effort: float, steps: int) -> None:
         """Note an effort that was held for a number of steps; these joints keep none."""

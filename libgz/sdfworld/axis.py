@@ -63,6 +63,11 @@ class Axis(AxisRecord):
         limits, dynamics = (lower, upper, effort, velocity), (damping, friction, stiffness, reference)
         super().__init__(*limits, *dynamics, stop_stiffness, stop_dissipation)
 
+    def within_effort(self, effort: float) -> float:
+        """An effort, at most the largest one to either side."""
+        limit = self.effort
+        return max(-limit, min(limit, effort)) if limit >= 0.0 else effort
+
     @property
     def springs(self) -> bool:
         """Whether it applies an effort by itself in every step."""

@@ -338,7 +338,8 @@ class SdfJoint:
             return math.nan
         if self._mechanism is None:
             return 0.0
-        self._check_index(index)
+        if index:
+            self._check_index(index)
         return self._mechanism.position(index)
 
     def count_from(self, position: float, index: int = 0) -> None:
@@ -354,7 +355,8 @@ class SdfJoint:
             return 0.0
         if self._mechanism is None:
             return 0.0
-        self._check_index(index)
+        if index:
+            self._check_index(index)
         return self._mechanism.velocity(index)
 
     def plain_joint(self) -> Joint | None:
@@ -371,28 +373,29 @@ class SdfJoint:
         Raises:
             ParameterError: there is no such axis, or the effort is not finite.
         """
-        effort, axis = self._within_limit(effort, index)
+        effort = finite(effort, "effort [N m or N]")
+        self.release_deleted()
+        self._check_index(index)
+        axis = self._axis_of(index)
+        effort = axis.within_effort(effort)
         if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
             effort = 0.0
         self.record.add_effort(effort, index, self.engine.steps)
         self._apply(effort, index)
 
-    def _within_limit(self, effort: float, index: int) -> tuple[float, Axis]:
-        """(an effort within the limit of its axis, the axis)."""
-        effort = finite(effort, "effort [N m or N]")
-        self.release_deleted()
-        self._check_index(index)
-        axis = self._axis_of(index)
-        return (max(-axis.effort, min(axis.effort, effort)) if axis.effort >= 0.0 else effort), axis
-
-    def held_effort(self, effort: float, index: int = 0) -> HeldEffort | None:
-        """What `add_force` does, for `Engine.holding`; None where that depends on more than the effort."""
-        effort, axis = self._within_limit(effort, index)
+    def write_held(self, held: HeldEffort, effort: float) -> bool:
+        """Write what `add_force` does on the first axis for `Engine.hold`; false where more than the effort decides."""
         mechanism = self._mechanism
-        if mechanism is None or mechanism.joint is None or axis.velocity >= 0.0:
-            return None
-        waking = [body for body in (self.parent, self.child) if body is not None and body.auto_disable]
-        return mechanism.held_effort(effort, waking)
+        if mechanism is None or not mechanism.holds or (joint := mechanism.joint) is None or joint.closed:
+            return False
+        axis, (parent, child) = self.axes[0], (self.links.parent, self.links.child)
+        if axis.velocity >= 0.0:
+            return False
+        held.bodies[:] = (
+            parent.id if parent is not None and parent.auto_disable else None,
+            child.id if child is not None and child.auto_disable else None,
+        )
+        return joint.write_held(held, axis.within_effort(effort))
 
     def was_held(self, effort: float, steps: int) -> None:
         """Note the effort of a number of steps that are over, as `add_force` notes it."""

@@ -17,14 +17,13 @@ A new kind of joint is a class here and a row in `MECHANISMS`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.errors import ParameterError, nearest
 from libgz.base.geometry import GzVector, GzVectorAdd, GzVectorDot, GzVectorMag, GzVectorMul
 from libgz.base.law import constant, law
-from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
 from libgz.physics.couplings import Gears, PistonJoint, Thread
 from libgz.physics.engine import Engine
@@ -91,6 +90,7 @@ class Mechanism:
     needed_axes: ClassVar[int] = 1
     ode_class: ClassVar[type[Joint]]
     sense: ClassVar[float] = 1.0
+    holds: ClassVar[bool] = False  # whether the engine can hold an effort over several steps
     engine_springs: ClassVar[bool] = False  # whether the engine applies springs of its own to this kind
 
     joint: Joint | None
@@ -181,15 +181,6 @@ class Mechanism:
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         """Apply an effort for one step [N m] or [N]; `anchor` returns the joint's, global [m]."""
 
-    def held_effort(self, effort: float, waking: Iterable[Body]) -> HeldEffort | None:
-        """What `apply` does, for `Engine.holding`; None where that depends on more than the effort.
-
-        Args:
-            effort: [N m] or [N].
-            waking: bodies that it wakes.
-        """
-        return None
-
     @law
     def axis(self, index: int) -> GzVector | None:
         """An axis as it lies now, global; None if it is fixed to the child."""
@@ -236,7 +227,7 @@ class HingeMechanism(Mechanism):
     """`revolute`: one axis of rotation."""
 
     ode_class = HingeJoint
-    engine_springs = True
+    engine_springs = holds = True
     joint: HingeJoint
 
     def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
@@ -247,9 +238,6 @@ class HingeMechanism(Mechanism):
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetTorque(effort)
 
-    def held_effort(self, effort: float, waking: Iterable[Body]) -> HeldEffort | None:
-        return self.joint.held_effort(effort, waking)
-
     @law
     def axis(self, index: int) -> GzVector:
         return self.joint.GetAxis()
@@ -259,7 +247,7 @@ class SliderMechanism(Mechanism):
     """`prismatic`: one axis of translation."""
 
     ode_class = SliderJoint
-    engine_springs = True
+    engine_springs = holds = True
     joint: SliderJoint
 
     def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
@@ -273,9 +261,6 @@ class SliderMechanism(Mechanism):
 
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetSliderForce(effort)
-
-    def held_effort(self, effort: float, waking: Iterable[Body]) -> HeldEffort | None:
-        return self.joint.held_effort(effort, waking)
 
     def axis(self, index: int) -> GzVector:
         return self.joint.GetAxis()

@@ -129,7 +129,7 @@ class Command:
         low, high: bounds.
         whole: whether it is an integer.
         lasts: whether it holds until the next one; else it is for one step.
-        joint: on which it is an effort, if that can be held for several steps; see `held_effort` of the joint.
+        joint: on which it is an effort, if that can be held for several steps; see `write_held` of the joint.
     """
 
     label: str

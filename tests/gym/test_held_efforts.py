@@ -13,7 +13,7 @@ def play(monkeypatch, name, alone):
         env.reset(seed=3)
         own = env.unwrapped
         if alone:
-            monkeypatch.setattr(own, "_efforts", lambda values: [])
+            monkeypatch.setattr(own, "_write_held", lambda values: False)
         else:
             assert len(list(own._act(env.action_space.low))) == 1  # all steps of an action at once
         random = np.random.default_rng(1)
@@ -45,8 +45,9 @@ def test_an_effort_on_a_joint_that_goes_meanwhile_acts_no_more(monkeypatch):
 def test_a_limit_of_velocity_is_kept_step_by_step():
     with gymnasium.make("libgz/PendulumSwingUp-v0") as env:
         env.reset(seed=3)
-        joint = env.unwrapped._held[0]
-        assert joint.held_effort(1.0) is not None
+        joint, record = env.unwrapped._held[0]
+        assert env.unwrapped._write_held([1.0])
+        assert record.effort == 1.0
         joint.axes[0].velocity = 0.5
-        assert joint.held_effort(1.0) is None
-        assert not env.unwrapped._efforts([1.0])
+        assert not joint.write_held(record, 1.0)
+        assert not env.unwrapped._write_held([1.0])

@@ -45,7 +45,7 @@ bench: setup
 
 # All other benchmarks.
 bench-more: setup
-	@for part in step lock ground wire hostile player observer record camera plugins classic cxx sdf view state gym scale; do $(BIN)/python benchmarks/$$part.py || exit 1; done
+	@for part in step lock ground wire hostile player observer record camera plugins classic cxx sdf view state gym scale idle; do $(BIN)/python benchmarks/$$part.py || exit 1; done
 
 # The documents as a site, offline: build/site/index.html
 docs: setup

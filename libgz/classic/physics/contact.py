@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import World
 
-__all__ = ["RECORD", "Contact", "JointWrench", "contact_records", "read_contacts"]
+__all__ = ["RECORD", "Contact", "ContactPoints", "JointWrench", "contact_points", "contact_records", "read_contacts"]
 
 # A contact point with its sim time [ns], and the numbers of both geoms and rotations of their links at that time.
 RECORD = np.dtype([("time", np.int64), ("number", np.int64, 2), ("turn", np.float64, (2, 4)), ("point", CONTACT)])
@@ -105,6 +105,25 @@ class Contact:
         return "\n".join(lines) + "\n"
 
 
+class ContactPoints(NamedTuple):
+    """The contact points of two collisions in an iteration as arrays with a row for each.
+
+    Attributes:
+        names: scoped names of both collisions.
+        time: sim time [ns].
+        positions, normals: n x 3, in the world frame [m].
+        depths: n [m].
+        wrenches: n x 6: force [N] and torque [N m] on the first collision's link, in its frame.
+    """
+
+    names: tuple[str, str]
+    time: int
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    depths: NDArray[np.float64]
+    wrenches: NDArray[np.float64]
+
+
 def contact_records(world: World, points: NDArray[np.void]) -> NDArray[np.void]:
     """Contact points of the last iteration (see `Engine.contacts`) as numbers that `read_contacts` can read later."""
     found = np.zeros(len(points), RECORD)
@@ -153,3 +172,39 @@ def read_contacts(world: World, records: NDArray[np.void]) -> list[Contact]:
         # In the link frames, as in Gazebo.
         contact.wrench.append(JointWrench(*(turn.RotateVectorReverse(part) for turn, part in parts)))
     return [*contacts.values()]
+
+
+def contact_points(world: World, records: NDArray[np.void]) -> list[ContactPoints]:
+    """What `read_contacts` finds in `contact_records`, as arrays: much cheaper where there are many."""
+    table, points = world.core.engine.tables.geoms, records["point"]
+    numbers = records["number"].tolist()
+    names: dict[int, tuple[int, str]] = {}
+    rows_of: dict[tuple[int, int, int], list[int]] = {}
+    columns = records["time"].tolist(), points["geom1"].tolist(), points["geom2"].tolist()
+    for index, key in enumerate(zip(*columns, strict=True)):
+        for row, number in zip(key[1:], numbers[index], strict=True):
+            if row not in names:
+                found = world.collision_of(table.objects[row]) if number and table.number(row) == number else None
+                names[row] = (number, found.GetScopedName()) if found is not None else (-1, "")
+        if [names[row][0] for row in key[1:]] == numbers[index]:
+            rows_of.setdefault(key, []).append(index)
+    turn = records["turn"][:, 0]
+    efforts = np.hstack([_turned_back(turn, points["force1"]), _turned_back(turn, points["torque1"])])
+    return [
+        ContactPoints(
+            (names[first][1], names[second][1]),
+            time,
+            points["position"][rows],
+            points["normal"][rows],
+            points["depth"][rows],
+            efforts[rows],
+        )
+        for (time, first, second), rows in rows_of.items()
+    ]
+
+
+def _turned_back(turns: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors, each rotated by the inverse of a unit quaternion (u, x, y, z)."""
+    axis, scalar = -turns[:, 1:], turns[:, :1]
+    across = 2.0 * np.cross(axis, vectors)
+    return vectors + scalar * across + np.cross(axis, across)

@@ -11,7 +11,7 @@ import numpy as np
 from libgz.base.errors import StateError
 from libgz.classic import msgs
 from libgz.classic.names import takes_names
-from libgz.classic.physics.contact import RECORD, Contact, read_contacts
+from libgz.classic.physics.contact import RECORD, Contact, ContactPoints, contact_points, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
@@ -129,6 +129,10 @@ class ContactSensor(LinkSensor):
         if self._read is None or self._read[0] != count:
             self._read = count, read_contacts(self.world, np.frombuffer(self._taken, RECORD))
         return self._read[1]
+
+    def points(self) -> list[ContactPoints]:
+        """The contacts of the last measurement as arrays."""
+        return contact_points(self.world, np.frombuffer(self._taken, RECORD))
 
     def message(self) -> Any:
         """The contacts of the last measurement as a msgs.Contacts."""

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
 from libgz.ros.plugin import Endpoint, Parameter
 from libgz.ros.plugins._sensor import RosSensor, model_of
-from libgz.ros.types import Message, message_type
+from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.contact import ContactPoints
     from libgz.sdf.element import Element
 
 
@@ -28,41 +29,33 @@ class GazeboRosBumper(RosSensor, SensorPlugin):
         self.open_sensor(sensor, sdf)
         self.frame_name = self.frame(self.given.frameName)
         self.publication = self.advertise(self.given.bumperTopicName, "gazebo_msgs/ContactsState")
+        self.message = message_type("gazebo_msgs/ContactsState")()
+        self.states: list[Any] = []  # filled again and again
         self.begin()
 
     def send(self) -> None:
         """Publish the contacts."""
-        contacts = self.sensor.Contacts()
-        message = message_type("gazebo_msgs/ContactsState")()
-        self.stamp(message)
-        message.header.frame_id = self.frame_name
-        count = len(contacts.contact)
-        message.states = [_state(one, index, count) for index, one in enumerate(contacts.contact)]
-        self.publication.publish(message)
+        contacts = self.sensor.points()
+        self.states += [message_type("gazebo_msgs/ContactState")() for _ in contacts[len(self.states) :]]
+        for index, (state, contact) in enumerate(zip(self.states, contacts, strict=False)):
+            _fill(state, contact, index, len(contacts))
+        self.stamp(self.message)
+        self.message.header.frame_id = self.frame_name
+        self.message.states = self.states[: len(contacts)]
+        self.publication.publish(self.message)
 
 
-def _state(contact: Any, index: int, count: int) -> Message:
-    state: Any = message_type("gazebo_msgs/ContactState")()
-    state.collision1_name, state.collision2_name = contact.collision1, contact.collision2
+def _fill(state: Any, contact: ContactPoints, index: int, count: int) -> None:
+    """Fill a ContactState."""
+    state.collision1_name, state.collision2_name = one, other = contact.names
+    seconds, nanoseconds = divmod(contact.time, 10**9)
     state.info = (
-        f"Debug:  i:({index}/{count})     my geom:{contact.collision1}   other geom:{contact.collision2}"
-        f"         time:{contact.time.sec}.{contact.time.nsec:09d}\n"
+        f"Debug:  i:({index}/{count})     my geom:{one}   other geom:{other}         time:{seconds}.{nanoseconds:09d}\n"
     )
-    total = state.total_wrench
-    for joint in contact.wrench:
-        wrench = message_type("geometry_msgs/Wrench")()
-        for part in ("force", "torque"):
-            source, target, sum_ = getattr(joint.body_1_wrench, part), getattr(wrench, part), getattr(total, part)
-            for axis in "xyz":
-                value = getattr(source, axis)
-                setattr(target, axis, value)
-                setattr(sum_, axis, getattr(sum_, axis) + value)
-        state.wrenches.append(wrench)
-    vector = message_type("geometry_msgs/Vector3")
-    state.contact_positions = [vector(x=one.x, y=one.y, z=one.z) for one in contact.position]
-    state.contact_normals = [vector(x=one.x, y=one.y, z=one.z) for one in contact.normal]
-    state.depths = list(contact.depth)
-    return state  # type: ignore[no-any-return]
+    force, torque = state.total_wrench.force, state.total_wrench.torque
+    force.x, force.y, force.z, torque.x, torque.y, torque.z = contact.wrenches.sum(0).tolist()
+    state.wrenches, state.depths = contact.wrenches, contact.depths
+    state.contact_positions, state.contact_normals = contact.positions, contact.normals
 
 
 GZ_REGISTER_SENSOR_PLUGIN(GazeboRosBumper)

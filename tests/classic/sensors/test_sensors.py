@@ -218,6 +218,24 @@ def test_a_slow_contact_sensor_tells_of_every_iteration_in_between():
         assert len(get("s").Contacts().contact) == 20  # two pairs in each of ten iterations
 
 
+def test_points_of_contacts_as_arrays_are_those_of_the_message():
+    with world_of(touching(on=True, rate=100)) as world:
+        world.engine.bodies[0].SetAngularVel((0.3, 0.2, 0.5))
+        world.step(1000)
+        arrays, message = get("s").points(), get("s").Contacts()
+        assert len(arrays) == len(message.contact) == 20
+        for found, said in zip(arrays, message.contact, strict=True):
+            assert found.names == (said.collision1, said.collision2)
+            assert divmod(found.time, 10**9) == (said.time.sec, said.time.nsec)
+            assert found.depths.tolist() == list(said.depth)
+            for row, point, normal, wrench in zip(range(9), said.position, said.normal, said.wrench, strict=False):
+                assert found.positions[row].tolist() == [point.x, point.y, point.z]
+                assert found.normals[row].tolist() == [normal.x, normal.y, normal.z]
+                force, torque = wrench.body_1_wrench.force, wrench.body_1_wrench.torque
+                values = force.x, force.y, force.z, torque.x, torque.y, torque.z
+                assert found.wrenches[row].tolist() == pytest.approx(values, abs=1e-9)
+
+
 def test_a_state_with_incomplete_contacts_is_refused_at_once():
     with world_of(touching(on=True, rate=100)) as world:
         world.step(100)

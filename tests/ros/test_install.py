@@ -174,6 +174,9 @@ def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
         assert (package / "scripts" / name).stat().st_mode & 0o111 == 0o111
     done = subprocess.run([package / "scripts" / "spawn_model", "--help"], capture_output=True, text=True, check=True)
     assert "-param" in done.stdout
+    action = message_type("control_msgs/FollowJointTrajectoryAction")
+    assert action.md5 == "bc4f9b743838566551c0390c65f1a248"  # which actionlib's clients compare
+    assert "_action_goal_type" in (prefix / "include" / f"{action.name}.h").read_text()
     assert ast.parse((prefix / "python" / "gazebo_msgs" / "__init__.py").read_text())
     found = subprocess.run(
         ["sh", "-c", f". '{prefix}/setup.sh' && echo $PYTHONPATH"], capture_output=True, text=True, check=True

@@ -130,8 +130,12 @@ def limbs() -> str:
     """The COLLADA file of that skin: a root with five chains of bones of 0.2 m."""
 
     def source(name: str, values: object) -> str:
-        text = " ".join(f"{value:g}" for value in np.ravel(np.asarray(values, dtype=float)))
-        return f"<source id='{name}'><float_array id='{name}-a'>{text}</float_array></source>"
+        array = np.asarray(values, dtype=float)
+        text, each = " ".join(f"{value:g}" for value in array.ravel()), array.size // len(array)
+        return (
+            f"<source id='{name}'><float_array id='{name}-a' count='{array.size}'>{text}</float_array><technique_common>"
+            f"<accessor source='#{name}-a' count='{len(array)}' stride='{each}'/></technique_common></source>"
+        )
 
     def bone(number: int) -> str:
         children = range(1, 6) if number == 0 else range(number + 5, min(number + 6, BONES))
@@ -169,7 +173,8 @@ def limbs() -> str:
         f"<library_geometries><geometry id='mesh'><mesh>{source('points', points)}<vertices id='all'>"
         f"<input semantic='POSITION' source='#points'/></vertices><triangles count='{len(faces)}'><input semantic="
         f"'VERTEX' source='#all' offset='0'/><p>{' '.join(map(str, np.ravel(faces)))}</p></triangles></mesh></geometry>"
-        f"</library_geometries><library_controllers><controller id='ctl'><skin source='#mesh'>{source('binds', binds)}"
+        f"</library_geometries><library_controllers><controller id='ctl'><skin source='#mesh'>"
+        f"<bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix>{source('binds', binds)}"
         f"{source('weights', [1])}<source id='joints'><Name_array count='{BONES}'>"
         f"{' '.join(f'b{i}' for i in range(BONES))}</Name_array></source><joints><input semantic='JOINT' source="
         "'#joints'/><input semantic='INV_BIND_MATRIX' source='#binds'/></joints><vertex_weights count="

@@ -178,6 +178,16 @@ void gz_read(context *c)
     read_joints(c, c->joint_state);
 }
 
+/* Put geoms without bodies at positions, 3 a row, and rotations, 4 a row. */
+void gz_place(void *const *geoms, int64_t count, const double *positions, const double *turns)
+{
+    int64_t i;
+    for (i = 0; i < count; i++) {
+        dGeomSetPosition(geoms[i], positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
+        dGeomSetQuaternion(geoms[i], turns + 4 * i);
+    }
+}
+
 /* Mirrored by Publication in context.py. */
 typedef struct {
     char *target;             /* the mapped file */

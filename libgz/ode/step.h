@@ -65,6 +65,7 @@ typedef struct {
     X(void *, dGeomGetData, (void *))                                           \
     X(void, dGeomGetAABB, (void *, double *))                                   \
     X(void, dGeomSetPosition, (void *, double, double, double))                 \
+    X(void, dGeomSetQuaternion, (void *, const double *))                       \
     X(void, dGeomSetData, (void *, void *))                                     \
     X(void, dGeomSetBody, (void *, void *))                                     \
     X(void *, dGeomGetSpace, (void *))                                          \

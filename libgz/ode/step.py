@@ -6,7 +6,7 @@ import contextlib
 import ctypes
 import functools
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int64, c_void_p
 from pathlib import Path
 from typing import Any
@@ -95,6 +95,7 @@ class Step:
         library.gz_overlap.restype = c_double
         library.gz_parts_size.restype = ctypes.c_size_t
         library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
+        library.gz_place.argtypes, library.gz_place.restype = [c_void_p, c_int64, c_void_p, c_void_p], None
         library.gz_set_contacts.restype = None
         library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         sizes = library.gz_step_context_size(), library.gz_parts_size()
@@ -161,6 +162,11 @@ class Step:
     def read(self) -> None:
         """Copy all states out."""
         self._shared.gz_read(self._address)
+
+    def place(self, geoms: Sequence[int], positions: NDArray[np.float64], turns: NDArray[np.float64]) -> None:
+        """Put geoms without bodies at positions [m], shape (n, 3), with rotations, shape (n, 4); C-contiguous."""
+        handles = (c_void_p * len(geoms))(*geoms)
+        self._shared.gz_place(handles, len(geoms), positions.ctypes.data, turns.ctypes.data)
 
     def publish(self, publication: Publication) -> None:
         """Copy header and states to a mapped file, with its counter odd meanwhile; the tables stay as they are."""

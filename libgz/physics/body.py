@@ -99,7 +99,7 @@ class Body:
         self.auto_disable = False
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}
-        self._pose = GzPose()  # of a dummy
+        self._frame = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]  # of a dummy, see `frame`
         self._given_mass: mass_.Mass | None = None
         self.damping = 0.0, 0.0
         self.in_wind = False
@@ -199,15 +199,12 @@ class Body:
 
     def GetPose(self) -> GzPose:
         """Global pose of the body frame [m]."""
-        if self.row < 0:
-            pos, rot = self._pose.pos, self._pose.rot
-            return GzPose(GzVector(pos.x, pos.y, pos.z), GzQuatern(rot.u, rot.x, rot.y, rot.z))
-        x, y, z, qu, qx, qy, qz = self._values(0, 7)
+        x, y, z, qu, qx, qy, qz = self.frame()
         return GzPose(GzVector(x, y, z), GzQuatern(qu, qx, qy, qz))
 
     def frame(self) -> list[float]:
         """Position [m] and quaternion (u, x, y, z) of the body frame, global."""
-        return self._values(0, 7) if self.row >= 0 else [*self._pose.pos, *self._pose.rot]
+        return self._values(0, 7) if self.row >= 0 else [*self._frame]
 
     def GetPosition(self) -> GzVector:
         """Global position of the body frame [m]."""
@@ -230,7 +227,7 @@ class Body:
         if max(map(abs, position)) > FAR:
             self.engine.extend_range()
         if self.row < 0:
-            self._pose = GzPose(position, rotation)
+            self._frame = [*position, *rotation]
             self.engine.moved_dummies.add(self)
             self.engine.tables.record.changes += 1
             for geom in self.geoms:
@@ -651,17 +648,17 @@ def place_dummies(
         for body, position, rotation in zip(bodies, positions.tolist(), rotations.tolist(), strict=True):
             body.SetPose(GzPose(GzVector(*position), GzQuatern(*rotation)))
         return
-    turns = np.ascontiguousarray(rotations / lengths[:, None])
-    address, lib = turns.ctypes.data, ode()
-    for body, position, turn in zip(bodies, positions.tolist(), turns.tolist(), strict=True):
-        body._pose = GzPose(GzVector(*position), GzQuatern(*turn))
+    turns = rotations / lengths[:, None]
+    handles, rows = [], []
+    for row, (body, frame) in enumerate(zip(bodies, np.hstack((positions, turns)).tolist(), strict=True)):
+        body._frame = frame
         for geom in body.geoms:
             if geom.centred:
-                lib.dGeomSetPosition(geom.id, *position)
-                lib.dGeomSetQuaternion(geom.id, address)
+                handles.append(geom.id)
+                rows.append(row)
             else:
                 geom.follow_dummy()
-        address += turns.strides[0]
+    engine.native.place(handles, positions[rows], turns[rows])  # an index makes contiguous copies
     engine.moved_dummies.update(bodies)
     engine.tables.record.changes += 1
     engine.wake()

@@ -64,9 +64,7 @@ def fitted(motion: Figure, skin: Figure) -> SkeletonAnimation:
     """
     animation = motion.animations[0]
     frames, count = animation.turns.shape[:2]
-    first = turn_matrices(skin.turns[:1])[0]
-    rest = skin.world(first, skin.positions, skin.turns)
-    rest[:, :3, 3] = 0.0
+    rest = turn_matrices(skin.world(np.zeros(3), skin.turns[0], skin.positions, skin.turns)[1])
     local = turn_matrices(animation.turns)
     local[..., :3, 3] = animation.positions
     moved, result = np.empty((frames, count, 4, 4)), np.empty((frames, count, 4, 4))

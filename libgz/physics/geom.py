@@ -80,7 +80,7 @@ class Geom:
         self.appearance = Appearance()
         self.volume_mass = volume_mass
         self._mass = volume_mass
-        self._relative = GzPose()
+        self._relative = _CENTRE
         self._slip = (0.01, 0.01)
         self._closed = False
         self._id: int | None = None
@@ -203,7 +203,7 @@ class Geom:
     def centred(self) -> bool:
         """Whether ODE's geom is where its body's frame is."""
         placed = self._id is not None and self.placeableGeom and self.extra_rotation is None
-        return placed and self._relative == _CENTRE
+        return placed and (self._relative is _CENTRE or self._relative == _CENTRE)
 
     @exclusive
     def follow_dummy(self) -> None:

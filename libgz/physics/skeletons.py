@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
 from libgz.base.files import is_file
+from libgz.ode.bones import blend_bones, join_bones
 from libgz.physics.mesh_files import Collada, Texture, reading, step_matrix
 
 __all__ = ["Figure", "SkeletonAnimation", "SkinPart", "matrix_turns", "read_figure", "turn_matrices"]
@@ -76,8 +77,8 @@ class SkeletonAnimation:
             return self.positions[0], self.turns[0]
         start, end = self.times[after - 1], self.times[after]
         share = float(np.clip((time - start) / (end - start), 0.0, 1.0))
-        positions = (1.0 - share) * self.positions[after - 1] + share * self.positions[after]
-        return positions, slerp(self.turns[after - 1], self.turns[after], share)
+        before = self.positions[after - 1], self.turns[after - 1]
+        return blend_bones(before, (self.positions[after], self.turns[after]), share)
 
     def at_x(self, x: float) -> tuple[Array, Array]:
         """The same where the root has come as far along x [m]; it begins again at the end.
@@ -129,44 +130,18 @@ class Figure:
         animations = tuple(animation.scaled(scale) for animation in self.animations)
         return replace(self, positions=self.positions * scale, skin=tuple(skin), animations=animations)
 
-    def world(self, root: Array, positions: Array, turns: Array) -> Array:
-        """Global matrices of all bones, shape (k, 4, 4), from the root's and what `SkeletonAnimation.at` returns."""
-        local = turn_matrices(turns)
-        local[:, :3, 3] = positions
-        result = np.empty_like(local)
-        result[0] = root
-        for bones, parents in self.generations:
-            result[bones] = result[parents] @ local[bones]
-        return result
+    def world(self, place: Array, rotation: Array, positions: Array, turns: Array) -> tuple[Array, Array]:
+        """Global (positions, turns) of all bones, from the root's and what `SkeletonAnimation.at` returns."""
+        return join_bones(self._parents, positions, turns, place, rotation)
 
     @functools.cached_property
-    def generations(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """(bones, their parents) of those that are equally far from the root, without the root, the nearest first."""
-        depths = np.zeros(len(self.parents), dtype=np.int64)
-        for bone, parent in enumerate(self.parents[1:], start=1):
-            depths[bone] = depths[parent] + 1
-        rows = [np.flatnonzero(depths == depth) for depth in range(1, int(depths.max()) + 1)]
-        return [(bones, np.array(self.parents)[bones]) for bones in rows]
+    def _parents(self) -> NDArray[np.int64]:
+        return np.array(self.parents, dtype=np.int64)
 
     def fits(self, other: Figure) -> bool:
         """Whether animations of another skeleton fit this one: as many bones, with as many children each."""
         counts = [[figure.parents.count(bone) for bone in range(len(figure.parents))] for figure in (self, other)]
         return counts[0] == counts[1]
-
-
-def slerp(start: Array, end: Array, share: float) -> Array:
-    """Quaternions between those of two rows, along the shorter way; shape (n, 4)."""
-    dot = np.sum(start * end, axis=-1, keepdims=True)
-    end = np.where(dot < 0.0, -end, end)
-    angle = np.arccos(np.clip(np.abs(dot), 0.0, 1.0))
-    sine = np.sin(angle)
-    near = sine < 1e-9
-    safe = np.where(near, 1.0, sine)
-    a = np.where(near, 1.0 - share, np.sin((1.0 - share) * angle) / safe)
-    b = np.where(near, share, np.sin(share * angle) / safe)
-    found: Array = a * start + b * end
-    found /= np.linalg.norm(found, axis=-1, keepdims=True)
-    return found
 
 
 def turn_matrices(turns: Array) -> Array:
@@ -496,11 +471,14 @@ def _between(keys: Array, matrices: Array, times: Array) -> Array:
     if len(keys) == 1:
         return np.repeat(matrices, len(times), axis=0)
     share = np.clip((times - keys[after - 1]) / (keys[after] - keys[after - 1]), 0.0, 1.0)[:, None]
-    result = turn_matrices(
-        np.stack([slerp(turns[a - 1], turns[a], float(s)) for a, s in zip(after, share[:, 0], strict=True)])
-    )
+    places = matrices[:, :3, 3]
+    rows = [
+        blend_bones((places[a - 1 : a], turns[a - 1 : a]), (places[a : a + 1], turns[a : a + 1]), float(s))
+        for a, s in zip(after, share[:, 0], strict=True)
+    ]
+    result = turn_matrices(np.concatenate([turn for _, turn in rows]))
     result[:, :3, :3] *= ((1.0 - share) * lengths[after - 1] + share * lengths[after])[:, None, :]
-    result[:, :3, 3] = (1.0 - share) * matrices[after - 1, :3, 3] + share * matrices[after, :3, 3]
+    result[:, :3, 3] = np.concatenate([place for place, _ in rows])
     return result
 
 

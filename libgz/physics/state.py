@@ -120,8 +120,7 @@ class EngineState:
         }
 
     def _dummy_poses(self) -> bytes:
-        poses = [dummy._pose for dummy in self._engine.dummies]
-        return b"".join([_POSE.pack(*_place_of(pose)) for pose in poses])
+        return b"".join([_POSE.pack(*dummy.frame()) for dummy in self._engine.dummies])
 
     def _parts(self, blocks: Sequence[Block]) -> Parts:
         """What is copied by the step."""
@@ -279,7 +278,7 @@ class EngineState:
             for dummy, place in zip(engine.dummies, _POSE.iter_unpack(state["dummies"]), strict=True):
                 if not all(abs(number) <= LARGEST for number in place):
                     raise StateError("the state is damaged: the pose of a body is out of range")
-                dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
+                dummy._frame = [*place]
         if engine.record_contacts:
             contacts = np.frombuffer(state["contacts"], CONTACT)
             known = {0, *engine.geoms}

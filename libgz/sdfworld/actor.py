@@ -28,7 +28,7 @@ from libgz.base.law import law
 from libgz.physics.body import Body, place_dummies
 from libgz.physics.bone_motion import fitted, read_motion
 from libgz.physics.geoms import SkinGeom, SphereGeom
-from libgz.physics.skeletons import Figure, SkeletonAnimation, matrix_turns, read_figure, turn_matrices
+from libgz.physics.skeletons import Figure, SkeletonAnimation, read_figure
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 from libgz.sdfworld.mesh_images import found_images
@@ -204,12 +204,12 @@ class SdfActor(SdfModel):
         raise ParameterError(f"{path} is not allowed as a <{element.name}>; files of {known} are")
 
     def _add_bones(self, figure: Figure, pose: GzPose) -> None:
-        frames = figure.world(_matrix(pose), figure.positions, figure.turns)
-        for name, frame in zip(figure.names, frames, strict=True):
+        places, turns = figure.world(*_arrays(pose), figure.positions, figure.turns)
+        for name, place, turn in zip(figure.names, places.tolist(), turns.tolist(), strict=True):
             unique = name
             while unique in self.links:
                 unique += "_"
-            body = self._add_part(unique, _pose(frame))
+            body = self._add_part(unique, GzPose(GzVector(*place), GzQuatern(*turn)))
             ball = SphereGeom(body, self.modelSpaceId, JOINT_RADIUS)
             ball.appearance.visible = False
             self.geom_names[ball] = f"{unique}_collision"
@@ -409,8 +409,7 @@ class SdfActor(SdfModel):
         before, bones = self.GetPose(), set(self._bones)
         for body in [body for body in self.bodies if body not in bones]:
             body.SetPose(GzCoordPoseAdd(GzCoordPoseSub(body.GetPose(), before), root))
-        frames = figure.world(_matrix(root), positions, turns)
-        place_dummies(self.world.engine, self._bones, frames[:, :3, 3], matrix_turns(frames))
+        place_dummies(self.world.engine, self._bones, *figure.world(*_arrays(root), positions, turns))
 
     # State -------------------------------------------------------------------------------------------------------
 
@@ -434,11 +433,5 @@ def _is_motion(element: Element) -> bool:
     return element.Get(str, "filename").strip().lower().endswith(".bvh")
 
 
-def _matrix(pose: GzPose) -> Array:
-    matrix: Array = turn_matrices(np.array([*pose.rot]))
-    matrix[:3, 3] = (*pose.pos,)
-    return matrix
-
-
-def _pose(matrix: Array) -> GzPose:
-    return GzPose(GzVector(*matrix[:3, 3].tolist()), GzQuatern(*matrix_turns(matrix[None])[0].tolist()))
+def _arrays(pose: GzPose) -> tuple[Array, Array]:
+    return np.array([*pose.pos]), np.array([*pose.rot])

@@ -13,7 +13,7 @@ from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geoms import SkinGeom
 from libgz.physics.mesh_files import read_mesh
-from libgz.physics.skeletons import matrix_turns, read_figure, turn_matrices
+from libgz.physics.skeletons import read_figure, turn_matrices
 
 WALK = Path(libgz.__file__).parent / "sdf/media/models/walk.dae"
 
@@ -39,11 +39,11 @@ def figure_of(tmp_path):
 
 def bent(figure, time, engine):
     """The vertices of a figure's skin at a time of its animation, with the root at the origin."""
-    frames = figure.world(np.eye(4), *figure.animations[0].at(time))
+    places, turns = figure.world(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), *figure.animations[0].at(time))
     bones = []
-    for frame in frames:
+    for place, turn in zip(places.tolist(), turns.tolist(), strict=True):
         body = Body(engine, dummy=True)
-        body.SetPose(GzPose(GzVector(*frame[:3, 3].tolist()), GzQuatern(*matrix_turns(frame[None])[0].tolist())))
+        body.SetPose(GzPose(GzVector(*place), GzQuatern(*turn)))
         bones.append(body)
     skin = SkinGeom(Body(engine, dummy=True), figure.skin[0], bones)
     return skin.vertices
@@ -112,9 +112,9 @@ def test_the_walker_stands_on_the_ground():
     figure = read_figure(WALK)
     for time in (0.0, 0.31, 0.77, 1.2):
         positions, turns = figure.animations[0].at(time)
-        root = turn_matrices(turns[:1])[0]
-        root[:3, 3] = positions[0]
-        frames = figure.world(root, positions, turns)
+        places, rotations = figure.world(positions[0], turns[0], positions, turns)
+        frames = turn_matrices(rotations)
+        frames[:, :3, 3] = places
         low = high = 1.0
         for part in figure.skin:
             moved = (frames @ part.inverse_binds)[:, :3]
@@ -155,4 +155,7 @@ def test_bones_are_placed_by_those_before_them():
     expected = [root]
     for bone, parent in enumerate(figure.parents[1:], start=1):
         expected.append(expected[parent] @ local[bone])
-    np.testing.assert_array_equal(figure.world(root, positions, turns), expected)
+    places, rotations = figure.world(np.zeros(3), np.array([0.6, 0.0, 0.8, 0.0]), positions, turns)
+    found = turn_matrices(rotations)
+    found[:, :3, 3] = places
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)

@@ -137,5 +137,7 @@ void find_contacts(context *c)
                 dBodySetData(c->bodies[i], (void *)(intptr_t)i);
         find_held(c);
     }
+    leave_out_far(c);
     dSpaceCollide(c->space, c, collide);
+    bring_back_far(c);
 }

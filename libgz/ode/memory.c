@@ -32,6 +32,8 @@ void gz_close(context *c)
         free(w->ranked);
         free(w->resting_bodies);
         free(w->resting_points);
+        free(w->movable_boxes);
+        free(w->far);
         gz_free_resting(&w->resting);
         gz_free_calls(&w->calls);
         free_trees(w->trees);

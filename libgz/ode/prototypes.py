@@ -148,6 +148,7 @@ void dGeomSetCollideBits(id, ulong)
 ulong dGeomGetCollideBits(id)
 void dGeomEnable(id)
 void dGeomDisable(id)
+int dGeomIsEnabled(id)
 
 id dCreateSphere(id, real)
 void dGeomSphereSetRadius(id, real)

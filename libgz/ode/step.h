@@ -72,6 +72,9 @@ typedef struct {
     X(int, dGeomIsOffset, (void *))                                             \
     X(const double *, dGeomGetOffsetPosition, (void *))                         \
     X(void, dGeomSetOffsetPosition, (void *, double, double, double))           \
+    X(void, dGeomEnable, (void *))                                              \
+    X(void, dGeomDisable, (void *))                                             \
+    X(int, dGeomIsEnabled, (void *))                                            \
     X(int, dSpaceGetNumGeoms, (void *))                                         \
     X(void *, dSpaceGetGeom, (void *, int))                                     \
     X(void, dSpaceAdd, (void *, void *))                                        \
@@ -371,6 +374,9 @@ struct workspace {
     int64_t member_capacity, group_capacity, held_capacity, ranked_capacity;
     int64_t resting_body_capacity, resting_point_capacity;
     resting_memory resting;
+    double (*movable_boxes)[6];
+    void **far; /* geoms and spaces that are left out of the search for pairs */
+    int64_t movable_capacity, far_capacity, far_count;
     struct trees *trees;
     int stepped; /* 1: ODE has the memory of its own step */
 };
@@ -444,6 +450,10 @@ void refine_point(const context *c, touching *t, int count, double found, contac
 void default_direction(const double *n, double *one);
 void find_held(const context *c);
 int is_calm(const context *c, void *body);
+
+/* statics.c */
+void leave_out_far(context *c);
+void bring_back_far(const context *c);
 
 /* contacts.c */
 void find_contacts(context *c);

@@ -326,6 +326,7 @@ void dGeomSetCollideBits( void *, unsigned long );
 unsigned long dGeomGetCollideBits( void * );
 void dGeomEnable( void * );
 void dGeomDisable( void * );
+int dGeomIsEnabled( void * );
 dGeomID dCreateSphere( void *, dReal );
 dGeomID dCreateBox( void *, dReal, dReal, dReal );
 void dGeomBoxSetLengths( void *, dReal, dReal, dReal );

@@ -133,8 +133,9 @@ def limbs() -> str:
         array = np.asarray(values, dtype=float)
         text, each = " ".join(f"{value:g}" for value in array.ravel()), array.size // len(array)
         return (
-            f"<source id='{name}'><float_array id='{name}-a' count='{array.size}'>{text}</float_array><technique_common>"
-            f"<accessor source='#{name}-a' count='{len(array)}' stride='{each}'/></technique_common></source>"
+            f"<source id='{name}'><float_array id='{name}-a' count='{array.size}'>{text}</float_array>"
+            f"<technique_common><accessor source='#{name}-a' count='{len(array)}' stride='{each}'/></technique_common>"
+            "</source>"
         )
 
     def bone(number: int) -> str:

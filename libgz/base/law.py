@@ -26,12 +26,15 @@ __all__ = [
     "Recording",
     "Term",
     "Value",
+    "acos",
     "asin",
     "atan",
     "atan2",
     "clamp",
     "constant",
+    "copysign",
     "cos",
+    "ends",
     "floor",
     "fmod",
     "hypot",
@@ -40,6 +43,7 @@ __all__ = [
     "largest",
     "law",
     "least",
+    "possible",
     "rarely",
     "same",
     "sin",
@@ -74,45 +78,50 @@ class Operation(IntEnum):
     TEXT = 4
     TRUE = 5
     FALSE = 6
-    BODY = 7
-    JOINT = 8
-    BODY_STATE = 9
-    JOINT_STATE = 10
-    VECTOR = 11
-    LOAD = 12
-    REAL_TIME = 13
-    GATHER = 14
-    COPY = 15
-    ADD = 16
-    SUBTRACT = 17
-    MULTIPLY = 18
-    DIVIDE = 19
-    NEGATE = 20
-    ABSOLUTE = 21
-    LEAST = 22
-    MOST = 23
-    LESS = 24
-    AT_MOST = 25
-    EQUAL = 26
-    AND = 27
-    OR = 28
-    SELECT = 29
-    SQRT = 30
-    COS = 31
-    SIN = 32
-    TAN = 33
-    ASIN = 34
-    ATAN = 35
-    ATAN2 = 36
-    HYPOT = 37
-    FMOD = 38
-    FLOOR = 39
-    STORE = 40
-    SEEN = 41
-    SET = 42
-    EFFORT = 43
-    EFFORTS = 44
-    VELOCITY = 45
+    END = 7
+    BODY = 8
+    JOINT = 9
+    BODY_STATE = 10
+    JOINT_STATE = 11
+    VECTOR = 12
+    LOAD = 13
+    REAL_TIME = 14
+    GATHER = 15
+    COPY = 16
+    ADD = 17
+    SUBTRACT = 18
+    MULTIPLY = 19
+    DIVIDE = 20
+    NEGATE = 21
+    ABSOLUTE = 22
+    LEAST = 23
+    MOST = 24
+    LESS = 25
+    AT_MOST = 26
+    EQUAL = 27
+    AND = 28
+    OR = 29
+    SELECT = 30
+    SQRT = 31
+    COS = 32
+    SIN = 33
+    TAN = 34
+    ASIN = 35
+    ACOS = 36
+    ATAN = 37
+    ATAN2 = 38
+    HYPOT = 39
+    FMOD = 40
+    FLOOR = 41
+    COPYSIGN = 42
+    STORE = 43
+    SEEN = 44
+    SET = 45
+    EFFORT = 46
+    EFFORTS = 47
+    VELOCITY = 48
+    WAKE = 49
+    NOTE = 50
 
 
 class Recording(Protocol):
@@ -123,6 +132,9 @@ class Recording(Protocol):
 
     def require(self, condition: Term, holds: bool) -> None:
         """Leave steps to Python in which a condition is not as it usually is."""
+
+    def end(self, condition: Term) -> None:
+        """Leave out what follows in steps in which a condition holds."""
 
 
 def law(function: F) -> F:
@@ -199,7 +211,8 @@ def wrong(reason: str) -> LawError:
 
 
 _FUNCTIONS = (
-    "cos, sin, tan, asin, atan, atan2, sqrt, hypot, fmod, floor, where, least, largest and clamp of libgz.base.law"
+    "cos, sin, tan, asin, acos, atan, atan2, sqrt, hypot, fmod, floor, copysign, where, least, largest and clamp of "
+    "libgz.base.law"
 )
 
 
@@ -346,19 +359,19 @@ _UFUNCS = {
 }
 
 
-def _term(*values: Any) -> Term | None:
-    for value in values:
-        if isinstance(value, Term):
-            return value
-    return None
+def _recording(*values: Any) -> Recording:
+    """What notes the operations of the first term."""
+    return next(value.recording for value in values if isinstance(value, Term))
 
 
 def _function(operation: Operation, plain: Callable[..., float]) -> Callable[..., Any]:
     """A function of floats that takes terms, too."""
 
     def function(*values: Any) -> Any:
-        term = _term(*values)
-        return plain(*values) if term is None else term.recording.compute(operation, *values)
+        for value in values:
+            if isinstance(value, Term):
+                return value.recording.compute(operation, *values)
+        return plain(*values)
 
     function.__name__ = operation.name.lower()
     function.__doc__ = f"`math.{function.__name__}`."
@@ -366,30 +379,35 @@ def _function(operation: Operation, plain: Callable[..., float]) -> Callable[...
 
 
 sqrt, cos, sin = (_function(Operation[name], getattr(math, name.lower())) for name in ("SQRT", "COS", "SIN"))
-tan, asin, atan = (_function(Operation[name], getattr(math, name.lower())) for name in ("TAN", "ASIN", "ATAN"))
+tan, asin, acos, atan = (
+    _function(Operation[name], getattr(math, name.lower())) for name in ("TAN", "ASIN", "ACOS", "ATAN")
+)
 atan2 = _function(Operation.ATAN2, math.atan2)
 hypot = _function(Operation.HYPOT, lambda x, y: math.sqrt(x * x + y * y))  # math.hypot rounds in a way of its own
-fmod, floor = (_function(Operation[name], getattr(math, name.lower())) for name in ("FMOD", "FLOOR"))
+fmod, floor, copysign = (
+    _function(Operation[name], getattr(math, name.lower())) for name in ("FMOD", "FLOOR", "COPYSIGN")
+)
 
 
 def where(condition: Any, one: Any, other: Any) -> Any:
     """`one` where a condition holds, and else `other`; both are computed."""
-    term = _term(condition, one, other)
-    if term is None:
-        return one if condition else other
-    return term.recording.compute(Operation.SELECT, condition, one, other)
+    if isinstance(condition, Term):
+        return condition.recording.compute(Operation.SELECT, condition, one, other)
+    return one if condition else other
 
 
 def least(one: Any, other: Any) -> Any:
     """The smaller one of two numbers, as `min`."""
-    term = _term(one, other)
-    return min(one, other) if term is None else term.recording.compute(Operation.LEAST, one, other)
+    if isinstance(one, Term) or isinstance(other, Term):
+        return _recording(one, other).compute(Operation.LEAST, one, other)
+    return min(one, other)
 
 
 def largest(one: Any, other: Any) -> Any:
     """The larger one of two numbers, as `max`."""
-    term = _term(one, other)
-    return max(one, other) if term is None else term.recording.compute(Operation.MOST, one, other)
+    if isinstance(one, Term) or isinstance(other, Term):
+        return _recording(one, other).compute(Operation.MOST, one, other)
+    return max(one, other)
 
 
 def clamp(value: Value, limit: float) -> Value:
@@ -419,5 +437,21 @@ def rarely(condition: Any) -> bool:
     """Whether a condition holds; one that does not in most steps. Native code leaves the other steps to Python."""
     if isinstance(condition, Term):
         condition.recording.require(condition, False)
+        return False
+    return bool(condition)
+
+
+def possible(condition: Any) -> bool:
+    """Whether a condition holds, or may hold in other steps: what follows only matters where it does, by `where`."""
+    return isinstance(condition, Term) or bool(condition)
+
+
+def ends(condition: Any) -> bool:
+    """Whether a condition holds, with which there is nothing left to do: `if ends(condition): return`.
+
+    It stands in the law itself, not in one that this calls, and before anything is set.
+    """
+    if isinstance(condition, Term):
+        condition.recording.end(condition)
         return False
     return bool(condition)

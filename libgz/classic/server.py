@@ -228,6 +228,10 @@ class WorldServer:
         if self.sensors is not None:
             self.sensors.skipped()
 
+    def plan_update(self, plan: Plan) -> None:
+        """Add joint controllers."""
+        self.activity.plan(plan)
+
     def plan_end(self, plan: Plan) -> None:
         """Add what sensors measure by laws."""
         if self.sensors is not None:

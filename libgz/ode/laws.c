@@ -6,23 +6,25 @@
 
 #include "updates.h"
 
-int gz_may_sleep(void *body);
+void gz_wake(void *body, int always);
+void gz_note_effort(void *context, void *efforts, int axis, double effort);
 int gz_is_on(void *joint, void *body);
 void gz_disturb(void *context);
 
 /* Operation in libgz/base/law.py: conditions, what is read, arithmetic; then, from STORE on, what has effects. */
 enum {
-    REQUIRE, EXPECT, UNMARKED, SWITCH, TEXT, TRUE, FALSE, BODY, JOINT,
+    REQUIRE, EXPECT, UNMARKED, SWITCH, TEXT, TRUE, FALSE, END, BODY, JOINT,
     BODY_STATE, JOINT_STATE, VECTOR, LOAD, REAL_TIME, GATHER,
     COPY, ADD, SUBTRACT, MULTIPLY, DIVIDE, NEGATE, ABSOLUTE, LEAST, MOST, LESS, AT_MOST, EQUAL, AND, OR, SELECT,
-    SQRT, COS, SIN, TAN, ASIN, ATAN, ATAN2, HYPOT, FMOD, FLOOR,
-    STORE, SEEN, SET, EFFORT, EFFORTS, VELOCITY
+    SQRT, COS, SIN, TAN, ASIN, ACOS, ATAN, ATAN2, HYPOT, FMOD, FLOOR, COPYSIGN,
+    STORE, SEEN, SET, EFFORT, EFFORTS, VELOCITY, WAKE, NOTE
 };
 
 typedef void get_vector(void *joint, double *vector);
 typedef void set_parameter(void *joint, int parameter, double value);
 typedef void add_effort(void *joint, double);
 typedef void add_efforts(void *body, double, double, double);
+typedef void add_effort_at(void *body, double, double, double, double, double, double);
 
 static int hits_marked(const tables *t, const cast *c)
 {
@@ -120,6 +122,7 @@ static void set_motion(tables *t, const operation *o, const double *v)
     int64_t row = (intptr_t)o->three, joint;
     gz_disturb(t->context);
     (*(add_efforts **)&o->two)(o->result, v[0], v[1], v[2]);
+    gz_wake(o->result, 0);
     memcpy(t->body_state + 16 * row + o->type, v, 3 * sizeof *v);
     for (joint = 0; joint < t->joint_size; joint++)
         if (t->joints[joint] && gz_is_on(t->joints[joint], o->result))
@@ -149,8 +152,8 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
         return !is_switched(o, memory);
     case TEXT:
         return is_unsettled(o->one, memory + row);
-    case BODY: /* one that may sleep has to be woken, too */
-        return o->one && t->bodies[row] == o->one && !gz_may_sleep(o->one);
+    case BODY:
+        return o->one && t->bodies[row] == o->one;
     case JOINT:
         return o->one && t->joints[row] == o->one;
     case BODY_STATE:
@@ -213,6 +216,9 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
     case ASIN:
         UNLESS(x < -1.0 || x > 1.0)
         EACH(asin(x));
+    case ACOS:
+        UNLESS(x < -1.0 || x > 1.0)
+        EACH(acos(x));
     case ATAN: EACH(atan(x));
     case ATAN2: EACH_PAIR(atan2(x, y));
     case HYPOT: EACH_PAIR(sqrt(x * x + y * y)); /* hypot() of new libraries is not in older ones */
@@ -222,6 +228,7 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
     case FLOOR: /* an int in Python */
         UNLESS(!isfinite(x))
         EACH(floor(x));
+    case COPYSIGN: EACH_PAIR(copysign(x, y));
     case STORE:
         store(o, memory);
         break;
@@ -242,10 +249,21 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
         break;
     case EFFORTS:
         gz_disturb(t->context);
-        (*(add_efforts **)&o->two)(o->result, one[0], one[1], one[2]);
+        if (o->count == 6)
+            (*(add_effort_at **)&o->two)(o->result, one[0], one[1], one[2], one[3], one[4], one[5]);
+        else
+            (*(add_efforts **)&o->two)(o->result, one[0], one[1], one[2]);
+        gz_wake(o->result, 0);
         break;
     case VELOCITY:
         set_motion(t, o, one);
+        break;
+    case WAKE:
+        gz_disturb(t->context);
+        gz_wake(o->result, o->type);
+        break;
+    case NOTE:
+        gz_note_effort(t->context, o->result, o->type, *one);
         break;
     }
     return 1;
@@ -255,9 +273,12 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
 static const operation *compute(tables *t, const clock_record *clock, const law *l, char *memory)
 {
     const operation *o = l->operations, *end = o + l->count;
-    for (; o < end; o++)
+    for (; o < end; o++) {
+        if (o->code == END && *(const double *)o->one != 0.0)
+            break;
         if (!operate(t, clock, o, memory))
             return o;
+    }
     return NULL;
 }
 

@@ -15,8 +15,34 @@
 
 enum { MOTION_COLUMNS = 13 };
 
+/* Wake a body: one that may sleep, or any. */
+void gz_wake(void *body, int always)
+{
+    if (always || dBodyGetAutoDisableFlag(body))
+        dBodyEnable(body);
+}
 
-int gz_may_sleep(void *body) { return dBodyGetAutoDisableFlag(body); }
+enum { MOST_AXES = 2 };
+
+/* The begin of JointRecord in joint_record.py. */
+typedef struct {
+    double applied[MOST_AXES];
+    int64_t applied_at;
+    double before[MOST_AXES];
+    int64_t before_at;
+} effort_record;
+
+/* Note an effort on an axis in this step; those of one step add up. */
+void gz_note_effort(const context *c, effort_record *r, int axis, double effort)
+{
+    if (r->applied_at != c->steps) {
+        memcpy(r->before, r->applied, sizeof r->before);
+        r->before_at = r->applied_at;
+        memset(r->applied, 0, sizeof r->applied);
+        r->applied_at = c->steps;
+    }
+    r->applied[axis] += effort;
+}
 
 /* Whether a joint is on a body. */
 int gz_is_on(void *joint, void *body) { return dJointGetBody(joint, 0) == body || dJointGetBody(joint, 1) == body; }

@@ -290,8 +290,7 @@ class Body:
         values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
             function(self.id, *values)
-            if self.auto_disable:
-                self.Enable(True)
+            self.wake()
             self.engine.tables.body_moved(self.row)
 
     def GetPointVel(self, point: VectorLike) -> GzVector:
@@ -364,6 +363,11 @@ class Body:
                 ode().dBodyEnable(self.id)
             else:
                 ode().dBodyDisable(self.id)
+
+    def wake(self) -> None:
+        """Wake the body if it may sleep; one that was disabled stays so."""
+        if self.auto_disable:
+            self.Enable(True)
 
     @exclusive
     def set_auto_disable(self, on: bool) -> None:
@@ -468,16 +472,6 @@ class Body:
         """Add a torque about the body's own axes [N m]."""
         self._force(ode().dBodyAddRelTorque, (x, y, z))
 
-    @property
-    def force_adder(self) -> int:
-        """The address of ODE's function that adds a force along the body's axes, for native updates."""
-        return ode().address("dBodyAddRelForce")
-
-    @property
-    def torque_adder(self) -> int:
-        """The address of ODE's function that adds a torque about the body's axes, likewise."""
-        return ode().address("dBodyAddRelTorque")
-
     def AddForceAtPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
         """Add a global force [N] at a global point [m]."""
         self._force(ode().dBodyAddForceAtPos, (fx, fy, fz, px, py, pz))
@@ -492,8 +486,7 @@ class Body:
         if self.row >= 0:
             function(self.id, *numbers)
             self.engine.tables.disturb()
-            if self.auto_disable:
-                self.Enable(True)
+            self.wake()
 
     # Divergence --------------------------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ skipped step is dropped: its queue is `calls.c`, for ODE's own is the process's,
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from typing import Any
 
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import ParameterError
+from libgz.base.law import Term, usually
 from libgz.ode.types import JOINT_PARAMETERS
 
 __all__ = [
@@ -66,11 +68,14 @@ def _number(value: float, what: str) -> float:
 
 
 def finite(value: float, what: str) -> float:
-    """`value` as a float.
+    """`value` as a float; a number of a law that is recorded as it is.
 
     Raises:
         ParameterError: it is no number, NaN or infinite.
     """
+    if isinstance(value, Term):
+        usually(abs(value) <= sys.float_info.max)
+        return value
     number = _number(value, what)
     if not math.isfinite(number):
         raise ParameterError(f"{what} is {number}; it must be finite")

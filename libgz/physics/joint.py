@@ -487,11 +487,6 @@ class HingeJoint(AxisJoint):
         """Add a torque about the axis for one step [N m]."""
         ode().dJointAddHingeTorque(self.id, finite(torque, "torque [N m]"))
 
-    @property
-    def torque_adder(self) -> int:
-        """The address of ODE's function that adds a torque, for native updates."""
-        return ode().address("dJointAddHingeTorque")
-
 
 class SliderJoint(Joint):
     """One axis of translation. It has no anchor."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from libgz.base.errors import NotFoundError, ParameterError
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuaternInverse, GzVector, rotate
+from libgz.base.law import largest, law, least, possible, where
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint_record import AxisRecord
@@ -63,10 +64,13 @@ class Axis(AxisRecord):
         limits, dynamics = (lower, upper, effort, velocity), (damping, friction, stiffness, reference)
         super().__init__(*limits, *dynamics, stop_stiffness, stop_dissipation)
 
+    @law
     def within_effort(self, effort: float) -> float:
         """An effort, at most the largest one to either side."""
         limit = self.effort
-        return max(-limit, min(limit, effort)) if limit >= 0.0 else effort
+        if possible(limit >= 0.0):
+            return where(limit >= 0.0, largest(-limit, least(limit, effort)), effort)  # type: ignore[no-any-return]
+        return effort
 
     @property
     def springs(self) -> bool:

@@ -22,7 +22,7 @@ from libgz.base.geometry import (
     GzVectorSub,
     rotate,
 )
-from libgz.base.law import constant, law, usually
+from libgz.base.law import constant, law, possible, usually, where
 from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
@@ -150,10 +150,6 @@ class SdfJoint:
         if not 0 <= index < len(self.axes):
             raise ParameterError(f"joint {self.name!r} has no axis {index}; it has {len(self.axes)}")
         return self.axes[index]
-
-    def _axis_of(self, index: int) -> Axis:
-        """The axis that a position belongs to."""
-        return self.axes[min(index, len(self.axes) - 1)]
 
     def _check_index(self, index: int) -> None:
         if not 0 <= index < self.dof:
@@ -331,16 +327,17 @@ class SdfJoint:
 
     # Motion ----------------------------------------------------------------------------------------------------------
 
+    @law
     def position(self, index: int = 0) -> float:
         """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint, as in Gazebo."""
-        self.release_deleted()
+        mechanism = self._live_mechanism
         if not self.axes:
             return math.nan
-        if self._mechanism is None:
+        if mechanism is None:
             return 0.0
         if index:
-            self._check_index(index)
-        return self._mechanism.position(index)
+            self._index_checked(index)
+        return mechanism.position(index)
 
     def count_from(self, position: float, index: int = 0) -> None:
         """Count turns of an axis from a position on [rad]."""
@@ -348,16 +345,15 @@ class SdfJoint:
         if self._mechanism is not None:
             self._mechanism.count_from(position, index)
 
+    @law
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; 0 for a ball or fixed joint."""
-        self.release_deleted()
-        if not self.axes:
-            return 0.0
-        if self._mechanism is None:
+        mechanism = self._live_mechanism
+        if not self.axes or mechanism is None:
             return 0.0
         if index:
-            self._check_index(index)
-        return self._mechanism.velocity(index)
+            self._index_checked(index)
+        return mechanism.velocity(index)
 
     def plain_joint(self) -> Joint | None:
         """The engine's joint, if position and rate are its first ones as they are: a hinge or slider."""
@@ -365,6 +361,7 @@ class SdfJoint:
             return None
         return self._mechanism.joint
 
+    @law
     def add_force(self, effort: float, index: int = 0) -> None:
         """Apply an effort to an axis for one step [N m] or [N]; those of one step add up.
 
@@ -373,15 +370,20 @@ class SdfJoint:
         Raises:
             ParameterError: there is no such axis, or the effort is not finite.
         """
-        effort = finite(effort, "effort [N m or N]")
+        effort, axis = finite(effort, "effort [N m or N]"), self._axis_of(index)
+        effort, limited = axis.within_effort(effort), axis.velocity >= 0.0
+        if possible(limited):
+            rate = self.velocity(index)
+            effort = where(limited & (abs(rate) > axis.velocity) & (rate * effort > 0.0), 0.0, effort)
+        self.record.add_effort(effort, index, self.engine)
+        self._apply(effort, index)
+
+    @constant
+    def _axis_of(self, index: int) -> Axis:
+        """The axis that a position belongs to."""
         self.release_deleted()
         self._check_index(index)
-        axis = self._axis_of(index)
-        effort = axis.within_effort(effort)
-        if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
-            effort = 0.0
-        self.record.add_effort(effort, index, self.engine.steps)
-        self._apply(effort, index)
+        return self.axes[min(index, len(self.axes) - 1)]
 
     def write_held(self, held: HeldEffort, effort: float) -> bool:
         """Write what `add_force` does on the first axis for `Engine.hold`; false where more than the effort decides."""
@@ -406,13 +408,15 @@ class SdfJoint:
         self._check_index(index)
         return self.record.effort(index)
 
+    @law
     def _apply(self, effort: float, index: int) -> None:
-        if self._mechanism is None:
+        mechanism = self._live_mechanism
+        if mechanism is None:
             return
         for body in (self.parent, self.child):
-            if body is not None and body.auto_disable:
-                body.Enable(True)
-        self._mechanism.apply(effort, index, self.anchor)
+            if body is not None:
+                body.wake()
+        mechanism.apply(effort, index, self.anchor)
 
     def set_position(self, position: float, index: int = 0, *, preserve_world_velocity: bool = False) -> None:
         """Move all links behind the joint so that an axis is at a position [rad] or [m], within its limits.
@@ -647,6 +651,12 @@ class SdfJoint:
             self.record.set_parameter(key, index, number)
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
+
+    @property
+    @constant
+    def _live_mechanism(self) -> Mechanism | None:
+        self.release_deleted()
+        return self._mechanism
 
     @property
     @constant

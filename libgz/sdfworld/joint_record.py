@@ -9,8 +9,9 @@ import ctypes
 import math
 from collections.abc import Mapping, Sequence
 from ctypes import c_double, c_int64
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from libgz.base.law import Operation
 from libgz.ode.types import (
     dParamBounce,
     dParamCFM,
@@ -25,6 +26,10 @@ from libgz.ode.types import (
     dParamSuspensionERP,
     dParamVel,
 )
+from libgz.simulation.recorder import Recorder, recorded_as
+
+if TYPE_CHECKING:
+    from libgz.physics.engine import Engine
 
 __all__ = ["PARAMETERS", "RANGES", "AxisRecord", "JointRecord"]
 
@@ -56,6 +61,11 @@ _KEYS = tuple((key, index) for key in PARAMETERS for index in range(MOST_AXES))
 # Where the efforts are in the record, in words of 8 bytes.
 _AT, _BEFORE, _BEFORE_AT = MOST_AXES, MOST_AXES + 1, 2 * MOST_AXES + 1
 _UNSET = (math.nan,) * len(_KEYS)
+
+
+def _note(recorder: Recorder, record: JointRecord, effort: Any, index: int, _engine: Any) -> None:
+    recorder.kept.append(record)
+    recorder.add(Operation.NOTE, one=recorder.address(effort), type=index, result=ctypes.addressof(record))
 
 
 class AxisRecord(ctypes.Structure):
@@ -124,8 +134,10 @@ class JointRecord(ctypes.Structure):
         self.numbers = memoryview(memory).cast("B").cast("d")
         self._steps = memoryview(memory).cast("B").cast("q")
 
-    def add_effort(self, effort: float, index: int, step: int) -> None:
-        """Note an effort on an axis in a step; those of one step add up."""
+    @recorded_as(_note)
+    def add_effort(self, effort: float, index: int, engine: Engine) -> None:
+        """Note an effort on an axis in the present step; those of one step add up."""
+        step = engine.steps
         numbers, steps = self.numbers, self._steps
         if steps[_AT] != step:
             numbers[_BEFORE], numbers[_BEFORE + 1], steps[_BEFORE_AT] = numbers[0], numbers[1], steps[_AT]

@@ -149,6 +149,7 @@ class Mechanism:
         """Column of a position in the joint's row of the engine's table."""
         return index
 
+    @law
     def position(self, index: int) -> float:
         """Angle [rad], turns counted, or position [m]."""
         return self.joint._value(self.column(index)) if self.joint is not None else 0.0
@@ -178,6 +179,7 @@ class Mechanism:
 
     # Motion ----------------------------------------------------------------------------------------------------------
 
+    @law
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         """Apply an effort for one step [N m] or [N]; `anchor` returns the joint's, global [m]."""
 
@@ -235,6 +237,7 @@ class HingeMechanism(Mechanism):
         if axes[0] is not None:
             self.joint.SetAxis(axes[0])
 
+    @law
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetTorque(effort)
 
@@ -259,12 +262,15 @@ class SliderMechanism(Mechanism):
     def turns(index: int) -> bool:
         return False
 
+    @law
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
         self.joint.SetSliderForce(effort)
 
+    @law
     def axis(self, index: int) -> GzVector:
         return self.joint.GetAxis()
 
+    @law
     def motion(self, change: float, index: int, axis: GzVector) -> tuple[GzVector, GzVector]:
         return GzVector(), GzVectorMul(change, axis)
 

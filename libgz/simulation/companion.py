@@ -33,11 +33,14 @@ class Companion(Protocol):
     def skipped(self) -> None:
         """Steps have been made without it."""
 
+    def plan_update(self, plan: Plan) -> None:
+        """Add what it does in each step ahead of `update`. Where that changes, the rows of the world have to."""
+
     def plan_end(self, plan: Plan) -> None:
         """Add the laws of the end of steps that are made without it. Where these change, the world's rows have to."""
 
     def update(self) -> None:
-        """Sim time has grown, entities have been updated, physics comes next."""
+        """Sim time has grown, entities and what `plan_update` added have been updated, physics comes next."""
 
     def step(self, paused: bool) -> None:
         """A step is over."""
@@ -84,6 +87,9 @@ class Stateless:
 
     def skipped(self) -> None:
         """Nothing to do."""
+
+    def plan_update(self, plan: Plan) -> None:
+        """Nothing to add."""
 
     def plan_end(self, plan: Plan) -> None:
         """Nothing to add."""

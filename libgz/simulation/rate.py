@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from libgz.base.law import law
 from libgz.base.records import RateRecord
 
 __all__ = ["TIME_SLACK", "OldRate", "UpdateRate"]
@@ -22,6 +23,12 @@ class UpdateRate(RateRecord):
 
     def __init__(self, rate: float) -> None:
         super().__init__(period=1.0 / (rate + 1e-6), last=-math.inf, slack=TIME_SLACK)
+
+    @law
+    def is_due(self, now: Any) -> Any:
+        """Whether `due` will say so; for laws, of rates whose period need not be exceeded."""
+        elapsed = now - self.last
+        return (elapsed < 0.0) | (elapsed >= self.period - self.slack)
 
     def due(self, now: float) -> bool:
         """Whether it is due at sim time `now` [s], also when time was set back. If so, the next period begins."""

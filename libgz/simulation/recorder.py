@@ -13,7 +13,7 @@ import sys
 import types
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +25,14 @@ from libgz.ode.lib import ode
 from libgz.ode.types import dParamVel, dParamVel2
 from libgz.physics.body import Body, point_velocity
 from libgz.physics.check import LARGEST
-from libgz.physics.joint import AxisJoint, HingeJoint, Joint
+from libgz.physics.joint import AxisJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.rays import RayProximity
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 from libgz.transport.interface import Interface, View
 
-__all__ = ["Recorder"]
+__all__ = ["Recorder", "recorded_as"]
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 _BLOCK = 64  # doubles that are made at once
 _STATES = {Body: 16, Joint: 4}  # numbers of a row of the tables
@@ -108,6 +110,7 @@ class Recorder:
         self._written: dict[int, Term] = {}  # what doubles of ours are set to
         self._states: dict[int, int] = {}  # where the numbers of a body or joint are
         self._constants: dict[bytes, int] = {}
+        self._recorded: Any = None  # the function of the law
         self._next, self._left = 0, 0
         self.moved: set[tuple[int, int]] = set()  # bodies whose velocities the law sets, and their columns
         self.returned: int | None = None  # where the number is that the law returned
@@ -123,6 +126,7 @@ class Recorder:
             LawError: it cannot be recorded; the message has the line.
         """
         self.kept.append(function)
+        self._recorded = getattr(function, "__func__", None)
         returned = self.wrap(function)(*[self.wrap(argument) for argument in arguments])
         self.returned = self._operand(returned)[0] if isinstance(returned, (Term, bool)) else None
 
@@ -197,6 +201,17 @@ class Recorder:
         if size is not None:
             raise wrong("expects something of an array; take its numbers apart")
         self._add(self.operations, Operation.TRUE if holds else Operation.FALSE, [(address, 0)])
+
+    def end(self, condition: Term) -> None:
+        """Leave out what follows in steps in which a condition holds."""
+        address, size = self._operand(condition)
+        if size is not None:
+            raise wrong("ends by an array; take its numbers apart")
+        if self.effects:
+            raise wrong("ends after it has set something")
+        if sys._getframe(2).f_code is not getattr(self._recorded, "__code__", None):
+            raise wrong("ends in a part of a law")
+        self._add(self.operations, Operation.END, [(address, 0)])
 
     def add(self, operation: Operation, **values: Any) -> None:
         """Note a condition or an effect as it is."""
@@ -344,7 +359,9 @@ class Recorder:
         """An attribute of an object, as the law sees it."""
         static = _static(type(thing), name)
         if isinstance(static, Number):
-            return self.read(_cell(static, thing))
+            return self.read(_cell(static.cell(thing)))
+        if isinstance(thing, ctypes.c_double):
+            return self.read(_cell(thing))
         if isinstance(thing, ctypes.Structure) and isinstance(static, _FIELD):
             return self._field(thing, name)
         if isinstance(static, View):
@@ -362,7 +379,9 @@ class Recorder:
         """Set an attribute of an object."""
         static = _static(type(thing), name)
         if isinstance(static, Number):
-            self.assign(_cell(static, thing), value)
+            self.assign(_cell(static.cell(thing)), value)
+        elif isinstance(thing, ctypes.c_double):
+            self.assign(_cell(thing), value)
         elif isinstance(thing, ctypes.Structure) and isinstance(static, _FIELD):
             self.assign(self._view(thing, name), value)
         else:
@@ -475,13 +494,18 @@ class Recorder:
         self._handles.append((thing, thing.id, thing.row))
         return int(thing.id)
 
-    def limited(self, value: Any, most: float) -> int:
-        """The address of a number, which has to be within +-most."""
+    def address(self, value: Any) -> int:
+        """Where a number is that an effect uses."""
         address, size = self._operand(value)
         if size is not None:
             raise wrong("applies an array; take its numbers apart")
-        self.require(abs(Term(self, address)) <= most, True)
         return self._unchanged(value, address, 1)
+
+    def limited(self, value: Any, most: float) -> int:
+        """The address of a number, which has to be within +-most."""
+        address = self.address(value)
+        self.require(abs(Term(self, address)) <= most, True)
+        return address
 
     def vector(self, joint: Joint, function: str) -> GzVector:
         """What a function of ODE finds for a joint, such as its anchor."""
@@ -499,9 +523,9 @@ def _static(kind: type, name: str) -> Any:
     return next((vars(base)[name] for base in kind.__mro__ if name in vars(base)), None)
 
 
-def _cell(declared: Number, owner: object) -> NDArray[np.float64]:
-    """The number of an object as an array without dimensions."""
-    return np.ndarray((), np.float64, buffer=memoryview(declared.cell(owner)).cast("B"))
+def _cell(number: ctypes.c_double) -> NDArray[np.float64]:
+    """A number as an array without dimensions."""
+    return np.ndarray((), np.float64, buffer=memoryview(number).cast("B"))
 
 
 def _noted(value: Any) -> Any:
@@ -525,6 +549,16 @@ def _shape(kind: Any) -> tuple[tuple[int, ...], Any]:
     return shape, np.dtype(kind)
 
 
+def recorded_as(recording: Callable[..., Any]) -> Callable[[F], F]:
+    """Mark a method of which laws record what a function says that is called with the recorder and its arguments."""
+
+    def mark(function: F) -> F:
+        _PRIMITIVES[function] = recording
+        return function
+
+    return mark
+
+
 def _is_recorded(value: object) -> bool:
     function = value.fget if isinstance(value, property) else value
     return is_law(function) or is_constant(function) or (callable(function) and function in _PRIMITIVES)
@@ -544,9 +578,12 @@ def _set_param(recorder: Recorder, joint: Joint, parameter: int, value: Any) -> 
     recorder.add(Operation.SET, one=source, two=joint.setter, type=int(parameter), result=handle)
 
 
-def _set_torque(recorder: Recorder, hinge: HingeJoint, torque: Any) -> None:
-    source, handle = recorder.limited(torque, sys.float_info.max), recorder.handle(hinge, Operation.JOINT)
-    recorder.add(Operation.EFFORT, one=source, two=hinge.torque_adder, result=handle)
+def _joint_effort(function: str) -> Callable[..., None]:
+    def add(recorder: Recorder, joint: Joint, effort: Any) -> None:
+        source, handle = recorder.limited(effort, sys.float_info.max), recorder.handle(joint, Operation.JOINT)
+        recorder.add(Operation.EFFORT, one=source, two=ode().address(function), result=handle)
+
+    return add
 
 
 def _body_pose(recorder: Recorder, body: Body) -> GzPose:
@@ -570,13 +607,24 @@ def _point_velocity(recorder: Recorder, body: Body, point: Any) -> GzVector:
 
 def _body_effort(function: str) -> Callable[..., None]:
     def add(recorder: Recorder, body: Body, *values: Any) -> None:
-        handle, vector = recorder.handle(body, Operation.BODY), recorder._registers(3)
+        handle, vector = recorder.handle(body, Operation.BODY), recorder._registers(len(values))
         for i, value in enumerate(values):
             source = recorder.limited(value, sys.float_info.max)
             recorder._add(recorder.operations, Operation.COPY, [(source, 0)], vector + 8 * i)
-        recorder.add(Operation.EFFORTS, one=vector, two=ode().address(function), result=handle)
+        address = ode().address(function)
+        recorder.add(Operation.EFFORTS, count=len(values), one=vector, two=address, result=handle)
 
     return add
+
+
+def _wake(recorder: Recorder, body: Body) -> None:
+    recorder.add(Operation.WAKE, result=recorder.handle(body, Operation.BODY))
+
+
+def _enable(recorder: Recorder, body: Body, enable: Any) -> None:
+    if enable is not True:
+        raise wrong("puts a body to sleep")
+    recorder.add(Operation.WAKE, type=1, result=recorder.handle(body, Operation.BODY))
 
 
 def _com_pose(recorder: Recorder, body: Body) -> GzPose:
@@ -637,7 +685,9 @@ _PRIMITIVES: dict[Any, Callable[..., Any]] = {
     AxisJoint.GetAxis: _hinge_vector("Axis"),
     Joint.SetParam: _set_param,
     HingeJoint.SetParam: _set_param,
-    HingeJoint.SetTorque: _set_torque,
+    HingeJoint.SetTorque: _joint_effort("dJointAddHingeTorque"),
+    SliderJoint.SetSliderForce: _joint_effort("dJointAddSliderForce"),
+    SliderJoint.GetAxis: _vector("dJointGetSliderAxis"),
     Body.GetPose: _body_pose,
     Body.GetLinearVel: _body_vector(10),
     Body.GetAngularRate: _body_vector(13),
@@ -646,6 +696,12 @@ _PRIMITIVES: dict[Any, Callable[..., Any]] = {
     Body.SetLinearVel: _set_velocity("dBodySetLinearVel", 10),
     Body.SetAngularVel: _set_velocity("dBodySetAngularVel", 13),
     Joint._value: lambda recorder, joint, column: recorder.state(joint, Joint, column),
+    Body.Enable: _enable,
+    Body.wake: _wake,
+    Body.AddForce: _body_effort("dBodyAddForce"),
+    Body.AddTorque: _body_effort("dBodyAddTorque"),
+    Body.AddForceAtPos: _body_effort("dBodyAddForceAtPos"),
+    Body.AddForceAtRelPos: _body_effort("dBodyAddForceAtRelPos"),
     Body.AddRelForce: _body_effort("dBodyAddRelForce"),
     Body.AddRelTorque: _body_effort("dBodyAddRelTorque"),
     RayProximity.unmarked: _unmarked,

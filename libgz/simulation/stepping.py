@@ -134,13 +134,14 @@ class Stepping:
                 return
         self._run_own_rows(number, rows.count, refused)
 
-    def _run_own_rows(self, begin: int, end: int, refused: int) -> None:
+    def _run_own_rows(self, begin: int, end: int, refused: int = -1) -> None:
         """Do rows of the world itself; one that native code has refused is not done by it again."""
         rows = self.world.rows
-        number = begin if begin == refused else rows.run(begin, end)
+        number = begin if begin == refused or not rows.native else rows.run(begin, end)
         while number < end:
             rows.line(number).twin(self.world.engine.step_time)
-            number = rows.run(rows.after_twin(number), end)
+            number = rows.after_twin(number)
+            number = rows.run(number, end) if rows.native else number
 
     def _build_rows(self) -> None:
         """Describe a step as rows, and find out which entities have something to do in it."""
@@ -157,6 +158,10 @@ class Stepping:
             if self._begin.obeys_laws:
                 self._add_laws(rows)
             rows.entities()
+            for companion in world.companions:
+                plan = Plan()
+                companion.plan_update(plan)
+                rows.follow(plan)
             rows.advance(lambda _: world.engine.finish())
             if world.followers:
                 rows.python(lambda _: self._follow())
@@ -239,6 +244,12 @@ class Stepping:
         """The part of a step after the updates of the entities."""
         engine, clock = self.world.engine, self.world.clock
         clock.sim_time += 0.0 if self.world.era.counts_at_start else engine.step_time
+        rows = self.world.rows
+        if not rows.valid:
+            self._build_rows()
+        if rows.end < rows.physics:
+            engine.enter()
+            self._run_own_rows(rows.end, rows.physics)
         for companion in self.world.companions:
             companion.update()
         if self._contact:

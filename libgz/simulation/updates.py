@@ -86,6 +86,7 @@ class UpdateRows:
         valid: whether they are those of the present world; whoever changes parts of a model sets it to False.
         updating: the entities that have something to do in a step, in order.
         begin, end: where the rows of the entities are.
+        physics: the row of the physics step; those from `end` to it are of companions.
         tail: where the rows begin that report the step.
         run_all: does all rows natively, for so many `steps` as Python has nothing to do in; the number of the row that
             Python has to do, or `count`. Its argument says when they are due, see `Pacer.pace`.
@@ -100,7 +101,7 @@ class UpdateRows:
         self.valid = False
         self._enabled = True
         self.updating: list[Any] = []
-        self.begin = self.end = self.tail = self.count = 0
+        self.begin = self.end = self.physics = self.tail = self.count = 0
         self.steps = ctypes.c_int64(1)
         self._run, self._prepare = world.engine.native.updates()
         self.native = True
@@ -127,7 +128,7 @@ class UpdateRows:
         self._ends: dict[int, int] = {}  # the row after its last one
         self._unmet: set[int] = set()  # rows that Python did last, and whose condition did not hold
         self.updating = []
-        self.begin = self.end = self.tail = self.count = 0
+        self.begin = self.end = self.physics = self.tail = self.count = 0
 
     @property
     def enabled(self) -> bool:
@@ -302,6 +303,7 @@ class UpdateRows:
 
     def advance(self, twin: Twin) -> None:
         """The physics step; the twin recovers from what went wrong in it."""
+        self.physics = len(self._rows)
         self._add(Kind.ADVANCE, self._beginning, twin)
 
     def end_physics(self) -> None:

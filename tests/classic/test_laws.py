@@ -7,8 +7,9 @@ from plugin_worlds import GROUND, command, plugin, wheel
 
 import libgz
 from libgz.base.law import law
+from libgz.base.records import Kind
 from libgz.classic import transport
-from libgz.classic.math import Quaterniond, Vector3d
+from libgz.classic.math import PID, Quaterniond, Vector3d
 from libgz.classic.server import WorldServer, attach
 
 IMU = (
@@ -194,6 +195,105 @@ def test_a_drive_runs_without_python(steps):
         assert not steps
         assert attach(world).world.ModelByName("rover").WorldPose().Pos().X() == pytest.approx(0.3, abs=0.02)
         del kept
+
+
+WING = {"a0": 0.05, "cla": 4.75, "cda": 0.64, "alpha_stall": 0.2, "cla_stall": -3.8, "cp": "0.1 0.3 0", "area": 0.1}
+WING |= {"link_name": "body"}
+FLAP = {"control_joint_name": "flap", "control_joint_rad_to_cl": 2.0}
+CONTROLS = "".join(
+    f"<controller type='{kind}'><joint>{joint}</joint><target>{target}</target><pid_gains>3 2 .1</pid_gains>"
+    "</controller>"
+    for kind, joint, target in (("position", "flap", 0.4), ("velocity", "wheel", 3), ("force", "flap", 0.01))
+)
+ROS_DRIVE = {
+    "leftJoint": "wheel",
+    "rightJoint": "other",
+    "updateRate": 50,
+    "wheelSeparation": 0.4,
+    "wheelDiameter": 0.2,
+}
+READY = {
+    "wings": plugin("LiftDragPlugin", **WING) + plugin("LiftDragPlugin", **WING, **FLAP, radial_symmetry=1),
+    "buoyancy": plugin("BuoyancyPlugin", fluid_density=1100),
+    "controller": f"<plugin name='control' filename='libJointControlPlugin.so'>{CONTROLS}</plugin>",
+    "drive of ROS": plugin("gazebo_ros_diff_drive", **ROS_DRIVE),
+    "publishers of ROS": plugin("gazebo_ros_p3d", bodyName="body", updateRate=40)
+    + plugin("gazebo_ros_joint_state_publisher", updateRate=30),
+}
+
+
+def limb(name, kind, limit):
+    inertia = "<inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
+    return (
+        f"<link name='{name}_link'><pose>{len(name) / 10} 0.3 0 0 0 0</pose><inertial><mass>0.2</mass>{inertia}"
+        f"</inertial></link><joint name='{name}' type='{kind}'><parent>body</parent><child>{name}_link</child><axis>"
+        f"<xyz>0 1 0</xyz><limit>{limit}</limit></axis></joint>"
+    )
+
+
+LIMBS = limb("flap", "revolute", "<lower>-1</lower><upper>1</upper><effort>0.2</effort><velocity>2</velocity>")
+LIMBS += limb("wheel", "revolute", "<velocity>-1</velocity>") + limb("other", "prismatic", "<effort>3</effort>")
+BOX = "<collision name='c'><geometry><box><size>.4 .3 .1</size></box></geometry></collision>"
+BODY = f"<link name='body'><inertial><mass>2</mass></inertial>{BOX}</link>"
+
+
+def glider(part):
+    """A world in which a body with three limbs falls, lies down, and sleeps."""
+    model = f"<model name='glider'><pose>0 0 1.2 0.1 0.2 0.3</pose>{BODY}{LIMBS}{part}</model>"
+    return f"<sdf version='1.6'><world name='default'>{GROUND}{model}</world></sdf>"
+
+
+def retarget(model):
+    controller = model.GetJointController()
+    controller.SetPositionTarget("flap", -0.3)
+    controller.SetVelocityTarget("other", 0.5)
+    controller.GetVelocityPIDs()["glider::wheel"].SetPGain(0.5)
+    controller.SetVelocityPID("other", PID(4.0, 1.0, 0.0, 0.1, -0.1, 2.0, -2.0))
+
+
+def limit_effort(model):
+    model.GetJoint("flap").SetEffortLimit(0, 0.05)
+    model.GetJoint("wheel").SetVelocityLimit(0, 1.0)
+
+
+def throw_it(model):
+    model.SetLinearVel(Vector3d(6.0, 1.0, 2.0))
+
+
+def break_it(model):
+    model.GetJoint("flap").Detach()
+    model.GetJointController().SetForce("wheel", 0.3)
+
+
+def drive_it(model):
+    for loaded in attach(model.GetWorld().core).plugins.running():
+        if hasattr(loaded.plugin, "order"):
+            loaded.plugin.order(0.2, 0.3)
+
+
+CHANGES = (retarget, limit_effort, throw_it, break_it, drive_it)
+
+
+@pytest.mark.parametrize("part", READY.values(), ids=READY)
+def test_ready_plugins_do_the_same_natively(part):
+    with pair(glider(part)) as worlds:
+        for world in worlds:
+            for change in CHANGES:
+                world.step(130)
+                change(attach(world).world.ModelByName("glider"))
+            world.step(130)
+        native, plain = worlds
+        assert native.get_state() == plain.get_state()
+
+
+@pytest.mark.parametrize("part", READY.values(), ids=READY)
+def test_ready_plugins_run_without_python(part, steps):
+    with libgz.World.from_string(glider(part)) as world:
+        world.step(5)
+        steps.clear()
+        world.step(200)
+        assert not steps
+        assert all(row.kind != Kind.PYTHON for row in world.rows._rows)
 
 
 class Undecided:

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -89,7 +90,7 @@ def test_records_are_those_of_python():
             assert joint_value(PARAMETERS[key], bound) == bound
     record = JointRecord([Axis(GzVector(0.0, 0.0, 1.0))], 1)
     for step, effort in ((3, 1.5), (3, 0.25), (4, -2.0)):
-        record.add_effort(effort, 0, step)
+        record.add_effort(effort, 0, SimpleNamespace(steps=step))
     assert (record.efforts_of(3), record.efforts_of(4), record.efforts_of(2)) == ((1.75, 0.0), (-2.0, 0.0), (0.0, 0.0))
     other = JointRecord([], 2)
     other.efforts = record.efforts

@@ -10,17 +10,21 @@ import libgz
 from libgz.base.law import (
     LawError,
     Number,
+    acos,
     asin,
     atan,
     atan2,
     clamp,
+    copysign,
     cos,
+    ends,
     floor,
     fmod,
     hypot,
     largest,
     law,
     least,
+    possible,
     rarely,
     same,
     sin,
@@ -69,7 +73,7 @@ def expressions(x, y):
         *(least(x, y), largest(x, y), clamp(x, 0.7), atan(x), atan2(x, y), hypot(x, y)),
         *(where(x < y, 1.0, 2.0), where(x <= y, x, y), where(x > y, x, 0), where(x >= 1, x, y), where(x == y, 1, 2)),
         *(where(x != y, 1.0, 2.0), where((x > 0.0) & (y > 0.0), x, y), where((x > 0.0) | (y > 0.0), x, y)),
-        where(same(x, y), 1.0, 0.0),
+        *(where(same(x, y), 1.0, 0.0), copysign(x, y), copysign(1.0, x)),
     )
 
 
@@ -130,13 +134,14 @@ def test_domains_of_asin_and_of_whole_numbers():
     @law
     def compute(self):
         self.results[0], self.results[1], self.results[2] = asin(self.x), floor(self.y), whole(self.y)
+        self.results[3] = acos(self.x)
 
     with world_of(compute) as world:
         own = world.model("own")
         for x, y in ((0.3, 2.7), (-1.0, -2.7), (1.0, 1e9)):
             own.x, own.y = x, y
             world.step()
-            assert own.results[:3] == [math.asin(x), math.floor(y), int(y)]
+            assert own.results[:4] == [math.asin(x), math.floor(y), int(y), math.acos(x)]
         own.x = 1.5
         world.step()
         assert isinstance(own.failed, ValueError)
@@ -169,6 +174,49 @@ def test_what_a_law_set_it_reads():
             assert ours.array.tolist() == theirs.array.tolist()
             assert list(ours.results) == list(theirs.results)
         assert all(row.kind != Kind.PYTHON for row in world.rows._rows)
+
+
+def test_a_law_may_end_before_it_sets_anything():
+    @law
+    def compute(self):
+        if ends(self.x < 0.0):
+            return
+        limited = self.y > 1.0
+        if possible(limited):
+            self.results[1] = where(limited, 1.0, self.y)
+        self.results[0] += sqrt(self.x)
+
+    with world_of(compute) as world:
+        own = world.model("own")
+        for x, y, expected in ((4.0, 2.0, [2.0, 1.0]), (-4.0, 0.5, [2.0, 1.0]), (9.0, 0.5, [5.0, 0.5])):
+            own.x, own.y = x, y
+            world.step()
+            assert own.results[:2] == expected
+        assert own.failed is None
+        assert all(row.kind != Kind.PYTHON for row in world.rows._rows)
+
+
+def late(self):
+    self.results[0] = 1.0
+    if ends(self.x < 0.0):
+        return
+
+
+@law
+def part_that_ends(self):
+    if ends(self.x < 0.0):
+        return
+
+
+@pytest.mark.parametrize(
+    ("compute", "message"),
+    [(law(late), "ends after it has set something"), (law(lambda self: self.part()), "ends in a part of a law")],
+)
+def test_a_law_ends_nowhere_else(compute, message):
+    with world_of(compute, part=part_that_ends) as world:
+        world.step()
+        assert isinstance(world.model("own").failed, LawError)
+        assert message in str(world.model("own").failed)
 
 
 def test_numpy_and_arrays():

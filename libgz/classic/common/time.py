@@ -7,14 +7,26 @@ import time
 from datetime import datetime
 from enum import IntEnum
 from numbers import Real
-from typing import SupportsFloat
+from typing import TYPE_CHECKING, SupportsFloat
 
 from libgz.base.errors import ParameterError
+from libgz.base.law import floor
 from libgz.classic.math.constant import Constant
 
-__all__ = ["Time"]
+if TYPE_CHECKING:
+    from libgz.simulation.clock import Clock
+
+__all__ = ["Time", "sim_nanoseconds"]
 
 _SECOND = 10**9
+_ROUNDING = 2.0**52  # what is added to it has no digits after the point; ties go to even, as in round()
+
+
+def sim_nanoseconds(clock: Clock) -> float:
+    """The sim time of a world as `Time` has it [ns], a whole number; for laws."""
+    seconds = clock.sim_time
+    whole = floor(seconds)
+    return whole * 1e9 + ((seconds - whole) * 1e9 + _ROUNDING - _ROUNDING)  # type: ignore[no-any-return]
 
 
 def _nanoseconds(seconds: float) -> int:

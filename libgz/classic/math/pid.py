@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-import math
+import ctypes
+import sys
 from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import SupportsFloat
 
-from libgz.classic.math.number import clamp
+from libgz.base.law import largest, law, least, possible, usually, where
 
 __all__ = ["PID"]
 
+NAMES = (
+    *("cmd", "cmdMax", "cmdMin", "dErr", "dGain", "iErr"),
+    *("iGain", "iMax", "iMin", "pErr", "pErrLast", "pGain"),
+)
 
-class PID:
+
+class PID(ctypes.Structure):
     """A proportional, integral and derivative controller with the signs of Gazebo classic.
 
     The error is the measured minus the desired value, and the command is -(p error + i integral + d rate): a positive
@@ -28,20 +34,20 @@ class PID:
         cmdMax, cmdMin: limits of the command.
     """
 
-    __slots__ = (
-        "cmd",
-        "cmdMax",
-        "cmdMin",
-        "dErr",
-        "dGain",
-        "iErr",
-        "iGain",
-        "iMax",
-        "iMin",
-        "pErr",
-        "pErrLast",
-        "pGain",
-    )
+    _fields_ = [(name, ctypes.c_double) for name in NAMES]
+
+    cmd: float
+    cmdMax: float
+    cmdMin: float
+    dErr: float
+    dGain: float
+    iErr: float
+    iGain: float
+    iMax: float
+    iMin: float
+    pErr: float
+    pErrLast: float
+    pGain: float
 
     def __init__(
         self,
@@ -85,7 +91,7 @@ class PID:
 
     def LoadState(self, state: Sequence[float]) -> None:
         """Take what SaveState returned."""
-        for name, value in zip(self.__slots__, state, strict=True):
+        for name, value in zip(NAMES, state, strict=True):
             setattr(self, name, value)
 
     def Reset(self) -> None:
@@ -100,21 +106,28 @@ class PID:
             dt: time since the last update [s], a number or a `common.Time`. If it is 0, or the error is infinite or
                 NaN, the state does not change and the command is 0.
         """
-        step = float(dt)
+        return self.advance(error, float(dt))
+
+    @law
+    def advance(self, error: float, step: float) -> float:
+        """`Update` by a time step [s], as a law."""
         self.pErr = error
-        if step == 0.0 or not math.isfinite(error):
+        if not usually((step != 0.0) & (abs(error) <= sys.float_info.max)):
             return 0.0
-        self.iErr += step * error
-        iTerm = self.iGain * self.iErr
-        if self.iMax >= self.iMin and not self.iMin <= iTerm <= self.iMax:
-            iTerm = clamp(iTerm, self.iMin, self.iMax)
-            if self.iGain:
-                self.iErr = iTerm / self.iGain  # against wind-up
+        whole, gain = self.iErr + step * error, self.iGain
+        term = gain * whole
+        beyond = (self.iMax >= self.iMin) & ((term < self.iMin) | (term > self.iMax) | (term != term))
+        if possible(beyond):
+            term = where(beyond, largest(least(term, self.iMax), self.iMin), term)
+            # Against wind-up the integral is limited, too.
+            whole = where(beyond & (gain != 0.0), term / where(gain == 0.0, 1.0, gain), whole)
+        self.iErr = whole
         self.dErr = (error - self.pErrLast) / step
         self.pErrLast = error
-        command = -self.pGain * error - iTerm - self.dGain * self.dErr
-        if self.cmdMax >= self.cmdMin:
-            command = clamp(command, self.cmdMin, self.cmdMax)
+        command = -self.pGain * error - term - self.dGain * self.dErr
+        limited = self.cmdMax >= self.cmdMin
+        if possible(limited):
+            command = where(limited, largest(least(command, self.cmdMax), self.cmdMin), command)
         self.cmd = command
         return command
 
@@ -196,4 +209,4 @@ class PID:
     Cmd, Errors = GetCmd, GetErrors
 
 
-_values: Callable[[PID], tuple[float, ...]] = attrgetter(*PID.__slots__)
+_values: Callable[[PID], tuple[float, ...]] = attrgetter(*NAMES)

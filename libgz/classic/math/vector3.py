@@ -8,6 +8,7 @@ from numbers import Real
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzVector, VectorLike
+from libgz.base.law import Term, sqrt, where
 from libgz.classic.math.components import HasXYZ
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import fixnan, text_of
@@ -15,11 +16,13 @@ from libgz.sdf.value import parse
 
 __all__ = ["Vector3", "Vector3d"]
 
-_NUMBERS = (float, int)  # checked first; numpy's numbers are handled by `_operand`
+_NUMBERS = (float, int, Term)  # checked first; numpy's numbers are handled by `_operand`
 
 
 def _operand(value: object) -> GzVector | None:
     """Return the components of an operand: a number three times, or three numbers; None if it is neither."""
+    if isinstance(value, Term):
+        return GzVector(value, value, value)  # type: ignore[arg-type]
     if isinstance(value, Real):
         number = float(value)
         return GzVector(number, number, number)
@@ -179,7 +182,8 @@ class Vector3d(HasXYZ, GzVector):
 
     def Length(self) -> float:
         """The length."""
-        return math.sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
+        square = self.x * self.x + self.y * self.y + self.z * self.z
+        return math.sqrt(square) if isinstance(square, float) else sqrt(square)
 
     def SquaredLength(self) -> float:
         """The square of the length."""
@@ -216,8 +220,8 @@ class Vector3d(HasXYZ, GzVector):
     def Normalize(self) -> Vector3d:
         """Scale it to length 1, and return it; zero stays zero."""
         length = self.Length()
-        if length:
-            self.x, self.y, self.z = self.x / length, self.y / length, self.z / length
+        length = where(length == 0.0, 1.0, length)
+        self.x, self.y, self.z = self.x / length, self.y / length, self.z / length
         return self
 
     def Normalized(self) -> Vector3d:

@@ -23,6 +23,7 @@ from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
+    from libgz.simulation.plan import Plan
 
 __all__ = ["Activity"]
 
@@ -58,6 +59,7 @@ class Activity:
             if model.core in self._world.core.models:
                 known = {**self._controllers, model: found}
                 self._controllers = {one: known[one] for one in self._world.all_models() if one in known}
+                self._world.core.update_rows_changed()
         return found
 
     def refresh_controllers(self) -> None:
@@ -171,7 +173,8 @@ class Activity:
 
     def forget(self, model: Model) -> None:
         """Drop all that belongs to a model that is being removed."""
-        self._controllers.pop(model, None)
+        if self._controllers.pop(model, None) is not None:
+            self._world.core.update_rows_changed()
         for part in model.tree():
             if isinstance(part, Entity):
                 self.animations.stop(part)
@@ -192,18 +195,15 @@ class Activity:
     @property
     def idle(self) -> bool:
         """Whether `update` has nothing to do."""
-        return not (
-            self._controllers
-            or self._attached
-            or self.joint_update
-            or self.animations.running
-            or self._batteries_of_all()
-        )
+        return not (self._attached or self.joint_update or self.animations.running or self._batteries_of_all())
+
+    def plan(self, plan: Plan) -> None:
+        """Add the joint controllers."""
+        for controller in self._controllers.values():
+            plan.call(controller.Update)
 
     def update(self) -> None:
         """Act for one iteration, before physics."""
-        for controller in list(self._controllers.values()):
-            controller.Update()
         for battery in self._batteries_of_all():
             battery.Update()
         if self.joint_update:

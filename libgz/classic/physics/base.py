@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.base.errors import NotFoundError, ParameterError
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, VectorLike, place_of
+from libgz.base.law import law
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 
@@ -223,6 +224,7 @@ class Entity(Base):
 
     # Pose: subclasses read and write the engine's pose in these two methods.
 
+    @law
     def pose(self) -> GzPose:
         """Global pose [m]."""
         raise NotImplementedError
@@ -235,6 +237,7 @@ class Entity(Base):
         """Global pose of the parent [m]."""
         return self._parent.pose() if isinstance(self._parent, Entity) else GzPose()
 
+    @law
     def WorldPose(self) -> Pose3d:
         """Global pose [m]."""
         return Pose3d(self.pose())

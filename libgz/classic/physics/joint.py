@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
+from libgz.base.law import law
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base
@@ -92,6 +93,7 @@ class Joint(Base):
 
     # Motion ------------------------------------------------------------------------------------------------------
 
+    @law
     def Position(self, index: int = 0) -> float:
         """The position of an axis [rad] or [m]."""
         return self.core.position(index)
@@ -110,16 +112,19 @@ class Joint(Base):
 
     SetAngle = SetPosition
 
+    @law
     def GetVelocity(self, index: int) -> float:
         """The velocity of an axis [rad/s] or [m/s]."""
         return self.core.velocity(index)
 
+    @law
     def SetVelocity(self, index: int, vel: float) -> None:
         """Set the velocity of the child relative to the parent [rad/s] or [m/s]."""
         self.core.set_velocity(vel, index)
 
     # Forces ------------------------------------------------------------------------------------------------------
 
+    @law
     def SetForce(self, index: int, effort: float) -> None:
         """Apply an effort, clamped to the effort limit, for the next step; several calls add up."""
         self.core.add_force(effort, index)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from ctypes import c_double
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import GazeboError, ParameterError, nearest
+from libgz.base.law import LawError, Number, constant, law, unrecorded, usually
 from libgz.classic.common import PID, Time
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.names import takes_names
 from libgz.physics.check import finite
 
@@ -32,12 +35,20 @@ class JointController:
         self._joints: dict[str, Joint] = {}
         self._position_pids: dict[str, PID] = {}
         self._velocity_pids: dict[str, PID] = {}
-        self._forces: dict[str, float] = {}
-        self._positions: dict[str, float] = {}
-        self._velocities: dict[str, float] = {}
-        self._last = model.GetWorld().SimTime()
+        # Targets are where native code finds them: a new one of a joint that had one is set there.
+        self._forces: dict[str, c_double] = {}
+        self._positions: dict[str, c_double] = {}
+        self._velocities: dict[str, c_double] = {}
+        self._clock = model.GetWorld().core.clock
+        self._last = sim_nanoseconds(self._clock)
         for joint in model.all_joints():
             self.AddJoint(joint)
+
+    _last = Number()  # sim time of the last update [ns]
+
+    def _changed(self) -> None:
+        """Joints, gains or the presence of targets have changed."""
+        self._model.GetWorld().core.update_rows_changed()
 
     def match(self) -> None:
         """Have the joints that the model has now, each with its gains if it had any."""
@@ -55,8 +66,11 @@ class JointController:
         pids = (*self._position_pids.values(), *self._velocity_pids.values())
         return not self._targets() and all(pid.SaveState() == NEW_PID for pid in pids)
 
+    def _tables(self) -> tuple[dict[str, c_double], ...]:
+        return self._forces, self._positions, self._velocities
+
     def _targets(self) -> bool:
-        return bool(self._forces or self._positions or self._velocities)
+        return any(self._tables())
 
     def _changed_pids(self) -> list[dict[str, tuple[float, ...]]]:
         return [
@@ -66,15 +80,17 @@ class JointController:
 
     def SaveState(self) -> tuple[Any, ...]:
         """Targets, and the PIDs that are not as new."""
-        return self._forces, self._positions, self._velocities, self._last.nanoseconds, self._changed_pids()
+        return *map(_values, self._tables()), int(self._last), self._changed_pids()
 
     def LoadState(self, state: Sequence[Any] | None) -> None:
         """Take what SaveState returned; None for what a new one has."""
         self.match()
-        now = self._model.GetWorld().SimTime()
-        forces, positions, velocities, last, changed = state or ({}, {}, {}, now.nanoseconds, ({}, {}))
-        self._forces, self._positions, self._velocities = dict(forces), dict(positions), dict(velocities)
-        self._last = Time(0, last)
+        *targets, last, changed = state or ({}, {}, {}, sim_nanoseconds(self._clock), ({}, {}))
+        for table, values in zip(self._tables(), targets, strict=True):
+            table.clear()
+            table.update({name: c_double(value) for name, value in values.items()})
+        self._last = float(last)
+        self._changed()
         for pids, states in zip((self._position_pids, self._velocity_pids), changed, strict=True):
             for name, pid in pids.items():
                 pid.LoadState(states.get(name, NEW_PID))
@@ -83,6 +99,7 @@ class JointController:
         """Add a joint."""
         name = joint.GetScopedName()
         self._joints[name] = joint
+        self._changed()
         self._position_pids[name], self._velocity_pids[name] = PID(*DEFAULT_GAINS), PID(*DEFAULT_GAINS)
 
     def RemoveJoint(self, joint: Joint) -> None:
@@ -98,14 +115,16 @@ class JointController:
         """Know the joints by the names that they have now."""
         names = {before: joint.GetScopedName() for before, joint in self._joints.items()}
         tables: tuple[dict[str, Any], ...] = (self._joints, self._position_pids, self._velocity_pids)
-        for table in (*tables, self._forces, self._positions, self._velocities):
+        for table in (*tables, *self._tables()):
             rows = [(names.get(name, name), value) for name, value in table.items()]
             table.clear()
             table.update(rows)
+        self._changed()
 
     def _drop_targets(self, name: str) -> None:
-        for targets in (self._forces, self._positions, self._velocities):
+        for targets in self._tables():
             targets.pop(name, None)
+        self._changed()
 
     def scoped_name(self, name: str) -> str | None:
         """The scoped name of a joint; None if there is none."""
@@ -121,11 +140,17 @@ class JointController:
             log.error("Could not find joint with name[%s] in model %r%s", name, model, nearest(name, self._joints))
         return found
 
-    def _set(self, targets: dict[str, float], name: str, value: float) -> bool:
+    def _set(self, targets: dict[str, c_double], name: str, value: float) -> bool:
         found = self.scoped_name(name)
-        if found is not None:
-            targets[found] = finite(value, f"target of joint {found!r}")
-        return found is not None
+        if found is None:
+            return False
+        number = finite(value, f"target of joint {found!r}")
+        if found in targets:
+            targets[found].value = number
+        else:
+            targets[found] = c_double(number)
+            self._changed()
+        return True
 
     def SetForce(self, jointName: str, force: float) -> bool:
         """Set the force on a joint from now on [N m] or [N]; returns whether there is such a joint."""
@@ -144,12 +169,14 @@ class JointController:
         name = self._known(jointName)
         if name is not None:
             self._position_pids[name] = _checked(pid)
+            self._changed()
 
     def SetVelocityPID(self, jointName: str, pid: PID) -> None:
         """Set the PID for the velocity of a joint; an unknown joint is logged."""
         name = self._known(jointName)
         if name is not None:
             self._velocity_pids[name] = _checked(pid)
+            self._changed()
 
     def GetJoints(self) -> dict[str, Joint]:
         """The joints by scoped name."""
@@ -165,15 +192,15 @@ class JointController:
 
     def GetForces(self) -> dict[str, float]:
         """The forces that were set [N m] or [N], by scoped name."""
-        return dict(self._forces)
+        return _values(self._forces)
 
     def GetPositions(self) -> dict[str, float]:
         """The target positions [rad] or [m], by scoped name."""
-        return dict(self._positions)
+        return _values(self._positions)
 
     def GetVelocities(self) -> dict[str, float]:
         """The target velocities [rad/s] or [m/s], by scoped name."""
-        return dict(self._velocities)
+        return _values(self._velocities)
 
     def SetJointPosition(self, joint: str | Joint, position: float, index: int = 0) -> None:
         """Set the position of a joint [rad] or [m] at once; an unknown joint is logged."""
@@ -188,38 +215,70 @@ class JointController:
 
     def GetLastUpdateTime(self) -> Time:
         """The sim time of the last update."""
-        return self._last
+        return Time(0, int(self._last))
 
     def Reset(self) -> None:
         """Remove all targets, and reset the PIDs."""
-        for targets in (self._forces, self._positions, self._velocities):
+        for targets in self._tables():
             targets.clear()
         for pid in (*self._position_pids.values(), *self._velocity_pids.values()):
             pid.Reset()
-        self._last = self._model.GetWorld().SimTime()
+        self._last = sim_nanoseconds(self._clock)
+        self._changed()
 
+    @law
     def Update(self) -> None:
         """Apply efforts for one step; called in every iteration."""
-        now = self._model.GetWorld().SimTime()
-        passed, self._last = now - self._last, now
-        if not float(passed) > 0.0:
+        now = sim_nanoseconds(self._clock)
+        passed = (now - self._last) / 1e9
+        self._last = now
+        if not usually(passed > 0.0):
             return
-        for name in dict.fromkeys((*self._forces, *self._positions, *self._velocities)):
+        for control in self._controls():
             try:
-                self._apply(name, self._joints[name], passed)
+                self._apply(passed, *control)
+            except LawError:
+                raise
             except GazeboError as error:  # the joint was destroyed, or the effort is not finite
-                log.error("joint %s is not controlled any more: %s", name, error)
-                self._drop_targets(name)
+                self._give_up(control[0], error)
 
-    def _apply(self, name: str, joint: Joint, passed: Time) -> None:
-        if name in self._forces:
-            joint.SetForce(0, self._forces[name])
-        if name in self._positions:
-            error = joint.Position(0) - self._positions[name]
-            joint.SetForce(0, self._position_pids[name].Update(error, passed))
-        if name in self._velocities:
-            error = joint.GetVelocity(0) - self._velocities[name]
-            joint.SetForce(0, self._velocity_pids[name].Update(error, passed))
+    @constant
+    def _controls(self) -> list[tuple[Any, ...]]:
+        """(name, joint, force; target and PID of its position and of its velocity) of the joints with targets."""
+        found = []
+        for name in dict.fromkeys((*self._forces, *self._positions, *self._velocities)):
+            force, position, velocity = (table.get(name) for table in self._tables())
+            pids = self._position_pids[name], self._velocity_pids[name]
+            found.append((name, self._joints[name], force, position, pids[0], velocity, pids[1]))
+        return found
+
+    @law
+    def _apply(
+        self,
+        passed: float,
+        _name: str,
+        joint: Joint,
+        force: c_double | None,
+        position: c_double | None,
+        position_pid: PID,
+        velocity: c_double | None,
+        velocity_pid: PID,
+    ) -> None:
+        if force is not None:
+            joint.SetForce(0, force.value)
+        if position is not None:
+            joint.SetForce(0, position_pid.advance(joint.Position(0) - position.value, passed))
+        if velocity is not None:
+            joint.SetForce(0, velocity_pid.advance(joint.GetVelocity(0) - velocity.value, passed))
+
+    @unrecorded
+    def _give_up(self, name: str, error: GazeboError) -> None:
+        log.error("joint %s is not controlled any more: %s", name, error)
+        self._drop_targets(name)
+
+
+def _values(targets: dict[str, c_double]) -> dict[str, float]:
+    return {name: target.value for name, target in targets.items()}
 
 
 def _checked(pid: PID) -> PID:

@@ -17,6 +17,7 @@ from libgz.base.geometry import (
     VectorLike,
     rotate,
 )
+from libgz.base.law import law
 from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
@@ -94,6 +95,7 @@ class Link(Entity):
 
     # Pose and motion ---------------------------------------------------------------------------------------------
 
+    @law
     def pose(self) -> GzPose:
         """Global pose [m]."""
         return self.body.GetPose()
@@ -103,6 +105,7 @@ class Link(Entity):
         self.body.SetPose(pose)
         self.body.Enable(True)
 
+    @law
     def WorldCoGPose(self) -> Pose3d:
         """Global pose of the centre of mass [m]; its rotation is the link's."""
         return Pose3d(self.body.GetCoMPose())
@@ -115,6 +118,7 @@ class Link(Entity):
 
     GetWorldInertialPose = WorldInertialPose
 
+    @law
     def WorldLinearVel(self, offset: VectorLike | None = None, q: QuaternLike | None = None) -> Vector3d:
         """Linear velocity [m/s] of the link's origin, or of a point at an offset from it [m].
 
@@ -127,12 +131,14 @@ class Link(Entity):
         point = pose.pos if offset is None else GzVectorAdd(pose.pos, rotate(turn, offset))
         return Vector3d(*self.body.GetPointVel(point))
 
+    @law
     def WorldCoGLinearVel(self) -> Vector3d:
         """Linear velocity of the centre of mass [m/s]."""
         return Vector3d(*self.body.GetLinearVel())
 
     GetWorldCoGLinearVel = WorldCoGLinearVel
 
+    @law
     def WorldAngularVel(self) -> Vector3d:
         """Angular velocity [rad/s]."""
         return Vector3d(*self.body.GetAngularRate())
@@ -162,26 +168,31 @@ class Link(Entity):
 
     # Forces ------------------------------------------------------------------------------------------------------
 
+    @law
     def AddForce(self, force: VectorLike) -> None:
         """Add a force at the centre of mass [N]."""
         self._wake()
         self.body.AddForce(*force)
 
+    @law
     def AddRelativeForce(self, force: VectorLike) -> None:
         """Add a force at the centre of mass [N], given in the link frame."""
         self._wake()
         self.body.AddRelForce(*force)
 
+    @law
     def AddForceAtWorldPosition(self, force: VectorLike, pos: VectorLike) -> None:
         """Add a force [N] at a point [m], both in the world frame."""
         self._wake()
         self.body.AddForceAtPos(*force, *pos)
 
+    @law
     def AddForceAtRelativePosition(self, force: VectorLike, relPos: VectorLike) -> None:
         """Add a force in the world frame [N] at a point relative to the centre of mass, along the link's axes [m]."""
         self._wake()
         self.body.AddForceAtRelPos(*force, *relPos)
 
+    @law
     def AddLinkForce(self, force: VectorLike, offset: VectorLike = (0.0, 0.0, 0.0)) -> None:
         """Add a force [N] at a point [m], both in the link frame."""
         self._wake()
@@ -189,11 +200,13 @@ class Link(Entity):
         point = GzVectorAdd(pose.pos, rotate(pose.rot, offset))
         self.body.AddForceAtPos(*rotate(pose.rot, force), *point)
 
+    @law
     def AddTorque(self, torque: VectorLike) -> None:
         """Add a torque [N m]."""
         self._wake()
         self.body.AddTorque(*torque)
 
+    @law
     def AddRelativeTorque(self, torque: VectorLike) -> None:
         """Add a torque [N m], given in the link frame."""
         self._wake()
@@ -240,6 +253,7 @@ class Link(Entity):
     GetRelativeForce = RelativeForce
     GetRelativeTorque = RelativeTorque
 
+    @law
     def _wake(self) -> None:
         self.body.Enable(True)
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from libgz.base.errors import NotFoundError, nearest
 from libgz.base.geometry import GzVector, VectorLike
+from libgz.base.law import law
 from libgz.classic.common import SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
 from libgz.classic.names import takes_names
@@ -477,6 +478,7 @@ class World(Base):
 
     GetPresetManager = PresetMgr
 
+    @law
     def Gravity(self) -> Vector3d:
         """The gravity [m/s^2]."""
         return Vector3d(*self.core.engine.gravity)

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import NORMALIZE
+from libgz.base.law import cos, law, rarely, sin
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
 from libgz.classic.plugin import ModelPlugin
 from libgz.classic.plugins._wheels import Wheel, separation
@@ -18,7 +22,6 @@ from libgz.transport.guard import Guard
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
@@ -78,14 +81,14 @@ class PositionDrive(ModelPlugin):
         self.position.create(core.world.gz_server, name, model.GetName(), core.GetIntId(), core.GetParentIntId())
         self.position.data.cmd_enable_motors = 1
         self.ending = AtEnd(self.position.destroy)
-        self.step_size = model.GetWorld().Physics().GetMaxStepSize
+        self.clock, self.tables = core.world.clock, core.world.engine.tables.record
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:
         """Set odometry and command to zero."""
-        self.odometry = [0.0, 0.0, 0.0]  # x [m], y [m], yaw [rad]
-        self.velocity = (0.0, 0.0)  # [m/s], [rad/s]
+        self.odometry = np.zeros(3)  # x [m], y [m], yaw [rad]
+        self.velocity = np.zeros(2)  # [m/s], [rad/s]
         self.rate.last = -math.inf
         self.order(0.0, 0.0)
         self.command = (0.0, 0.0)
@@ -96,11 +99,13 @@ class PositionDrive(ModelPlugin):
             data.cmd_vel_pos[:] = (speed, 0.0, 0.0)
             data.cmd_vel_rot[:] = (0.0, 0.0, turn)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def OnUpdate(self) -> None:
         """Update odometry; at the update rate publish it, and read the client's command."""
-        self._measure(self.step_size())
-        now = info.simTime.Double()
-        if self.rate.due(now):
+        self._measure(self.tables.step)
+        now = sim_nanoseconds(self.clock) / 1e9
+        if rarely(self.rate.is_due(now)):
+            self.rate.due(now)
             self.exchange(now)
             self.run_wheels()
 
@@ -113,14 +118,15 @@ class PositionDrive(ModelPlugin):
         for wheel in self.right:
             wheel.run(speed + half)
 
+    @law
     def _measure(self, step: float) -> None:
         """Update odometry after a step [s]."""
         left, right = (sum(wheel.speed() for wheel in side) / len(side) for side in (self.left, self.right))
-        self.velocity = (left + right) / 2.0, (right - left) / self.separation
-        distance, yaw = step * self.velocity[0], self.odometry[2]
-        self.odometry[0] += distance * math.cos(yaw)
-        self.odometry[1] += distance * math.sin(yaw)
-        self.odometry[2] = NORMALIZE(yaw + step * self.velocity[1])
+        speed, turn = (left + right) / 2.0, (right - left) / self.separation
+        x, y, yaw = (self.odometry[i] for i in range(3))
+        distance = step * speed
+        self.velocity[:] = (speed, turn)
+        self.odometry[:] = (x + distance * cos(yaw), y + distance * sin(yaw), NORMALIZE(yaw + step * turn))
 
     def exchange(self, now: float) -> None:
         """Publish odometry, and read the client's command."""

@@ -57,6 +57,7 @@ class Wheel:
         else:
             self.joint.core.set_velocity(rate)
 
+    @law
     def speed(self) -> float:
         """The speed on the ground [m/s]."""
         return self.joint.GetVelocity(0) * self.radius

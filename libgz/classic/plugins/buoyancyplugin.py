@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.law import law
 from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
@@ -50,6 +51,7 @@ class BuoyancyPlugin(ModelPlugin):
             gzwarn(f"{element.where}: Specified link [{name}] not found.")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
+    @law
     def OnUpdate(self) -> None:
         """Apply the forces."""
         up = -self.world.Gravity() * self.density

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.law import law, rarely
 from libgz.classic import msgs, transport
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
@@ -12,7 +14,6 @@ from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -34,15 +35,22 @@ class GazeboRosJointStatePublisher(ModelPlugin):
         names = [name.strip() for element in sdf.named("jointName") for name in element.Get(str).split(",")]
         self.joints = [find_joint(model, name) for name in names if name] or list(model.all_joints())
         self.rate = UpdateRate(ros_rate(model, sdf, 100.0))
+        self.clock = model.GetWorld().core.clock
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.Param_V, ros_topic(model, sdf, "topicName", "joint_states"))
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def OnUpdate(self) -> None:
         """Publish the positions, if it is time."""
-        if not self.rate.due(info.simTime.Double()):
-            return
+        now = sim_nanoseconds(self.clock) / 1e9
+        if rarely(self.rate.is_due(now)):
+            self.rate.due(now)
+            self.publish(now)
+
+    def publish(self, now: float) -> None:
+        """Publish the positions."""
         message = msgs.Param_V()
         for joint in self.joints:
             if joint.DOF():

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError
+from libgz.base.law import law, rarely
 from libgz.classic import msgs, transport
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
@@ -14,7 +16,6 @@ from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -55,21 +56,28 @@ class GazeboRosP3D(ModelPlugin):
         self.offset = Pose3d(place, Quaterniond(*turn))
         self.noise = sdf.Get(float, "gaussianNoise", 0.0)[0]
         self.rate = UpdateRate(ros_rate(model, sdf, 0.0))
+        self.clock = model.GetWorld().core.clock
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "topicName", "odom"))
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def OnUpdate(self) -> None:
         """Publish the pose, if it is time."""
-        if not self.rate.due(info.simTime.Double()):
-            return
+        now = sim_nanoseconds(self.clock) / 1e9
+        if rarely(self.rate.is_due(now)):
+            self.rate.due(now)
+            self.publish(now)
+
+    def publish(self, now: float) -> None:
+        """Publish the pose."""
         pose = self.link.WorldPose()
         if self.frame is not None:
             pose = pose - self.frame.WorldPose()
         place = noisy(pose.Pos() + self.offset.Pos(), self.noise)
         message = msgs.PoseStamped()
-        msgs.Set(message.time, info.simTime)
+        msgs.Set(message.time, now)
         msgs.Set(message.pose, Pose3d(place, self.offset.Rot() * pose.Rot()))
         self.publisher.Publish(message)
 

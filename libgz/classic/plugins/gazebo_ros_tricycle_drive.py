@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.law import law, rarely
 from libgz.classic import msgs, transport
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.msgs import ConvertIgn
@@ -16,7 +18,6 @@ from libgz.classic.plugins._wheels import radius_of
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -61,6 +62,7 @@ class GazeboRosTricycleDrive(ModelPlugin):
         self.turning, self.tolerance = positive(sdf, turning, 1.0), positive(sdf, "steeringAngleTolerance", 0.01)
         rate = ros_rate(model, sdf, 100.0)
         self.rate, self.period = UpdateRate(rate), 1.0 / rate
+        self.clock = model.GetWorld().core.clock
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
@@ -79,10 +81,16 @@ class GazeboRosTricycleDrive(ModelPlugin):
         if math.isfinite(speed) and math.isfinite(angle):
             self.command = speed, angle
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def OnUpdate(self) -> None:
         """Set the motors, and publish odometry, if it is time."""
-        if not self.rate.due(info.simTime.Double()):
-            return
+        now = sim_nanoseconds(self.clock) / 1e9
+        if rarely(self.rate.is_due(now)):
+            self.rate.due(now)
+            self.publish(now)
+
+    def publish(self, now: float) -> None:
+        """Set the motors, and publish odometry."""
         wanted, angle = self.command
         most = self.acceleration * self.period
         self.speed = max(self.speed - most, min(wanted, self.speed + most)) if most > 0.0 else wanted
@@ -92,7 +100,7 @@ class GazeboRosTricycleDrive(ModelPlugin):
             joint.SetParam("fmax", 0, self.torque)
             joint.SetParam("vel", 0, rate)
         message = msgs.PoseStamped()
-        msgs.Set(message.time, info.simTime)
+        msgs.Set(message.time, now)
         msgs.Set(message.pose, self.model.WorldPose())
         self.publisher.Publish(message)
 

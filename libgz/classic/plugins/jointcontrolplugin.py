@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.law import law
 from libgz.base.pattern import Pattern
 from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
@@ -70,6 +71,7 @@ class JointControlPlugin(ModelPlugin):
             pid.SetDGain(d)
         aim(name, target)
 
+    @law
     def OnUpdate(self) -> None:
         """Apply the efforts, which last one iteration."""
         for joint, target in self.efforts:

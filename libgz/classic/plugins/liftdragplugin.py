@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import ParameterError
+from libgz.base.law import acos, copysign, ends, largest, law, least, rarely, where
 from libgz.classic.event import Events
-from libgz.classic.math import Vector3d, clamp
+from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint, named_link
 
@@ -74,26 +75,30 @@ class LiftDragPlugin(ModelPlugin):
         self.control_to_cl = number("control_joint_rad_to_cl", 4.0)
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
+    @law
     def OnUpdate(self) -> None:
         """Apply lift and drag."""
         velocity = self.link.WorldLinearVel(self.cp)
-        if velocity.Length() <= MIN_SPEED:
+        if ends(velocity.Length() <= MIN_SPEED):
             return
-        pose = self.link.WorldPose()
-        forward, upward = pose.Rot().RotateVector(self.forward), pose.Rot().RotateVector(self.upward)
+        turn = self.link.WorldPose().Rot()
+        forward, upward = turn.RotateVector(self.forward), turn.RotateVector(self.upward)
         if self.radial:
             across = forward.Cross(forward.Cross(velocity))
-            upward = across.Normalize() if across.Length() > 0.0 else upward
+            usual = across.Length() > 0.0
+            across.Normalize()
+            upward = Vector3d(*(where(usual, a, b) for a, b in zip(across, upward, strict=True)))
         self.link.AddForceAtRelativePosition(self.force(velocity, forward, upward), self.cp)
 
+    @law
     def force(self, velocity: Vector3d, forward: Vector3d, upward: Vector3d) -> Vector3d:
         """The sum of lift and drag [N] at a velocity [m/s]; all vectors in the world frame."""
         span = forward.Cross(upward).Normalize()
-        sweep = clamp(span.Dot(velocity) / velocity.Length(), -1.0, 1.0)
+        sweep = _within_one(span.Dot(velocity) / velocity.Length())
         cos_sweep2 = 1.0 - sweep * sweep
         flow = velocity * (1.0 - sweep)
         speed = flow.Length()
-        if speed == 0.0:
+        if rarely(speed == 0.0):
             return Vector3d()
         lift_direction = span.Cross(flow).Normalize()
         alpha = self.attack(lift_direction, forward, upward)
@@ -104,21 +109,28 @@ class LiftDragPlugin(ModelPlugin):
         pressure = 0.5 * self.density * speed * speed * self.area
         return lift_direction * (cl * pressure) - flow * (abs(cd) * cos_sweep2 * pressure / speed)
 
+    @law
     def attack(self, lift_direction: Vector3d, forward: Vector3d, upward: Vector3d) -> float:
         """The angle of attack [rad], within +-pi / 2; positive for flow from below."""
-        angle = math.acos(clamp(upward.Dot(lift_direction), -1.0, 1.0))
-        alpha = self.alpha0 + math.copysign(angle, forward.Dot(lift_direction))
-        while abs(alpha) > HALF:
-            alpha -= math.copysign(math.pi, alpha)
-        return alpha
+        angle = acos(_within_one(upward.Dot(lift_direction)))
+        alpha = self.alpha0 + copysign(angle, forward.Dot(lift_direction))
+        alpha = where(abs(alpha) > HALF, alpha - copysign(math.pi, alpha), alpha)
+        while rarely(abs(alpha) > HALF):  # a large angle at zero incidence
+            alpha -= copysign(math.pi, alpha)
+        return alpha  # type: ignore[no-any-return]
 
+    @law
     def coefficients(self, alpha: float) -> tuple[float, float]:
         """(cl, cd) at an angle of attack [rad], without sweep."""
-        if abs(alpha) <= self.alpha_stall:
-            return self.cla * alpha, self.cda * alpha
-        side, beyond = math.copysign(1.0, alpha), abs(alpha) - self.alpha_stall
-        cl = max(0.0, self.cla * self.alpha_stall + self.cla_stall * beyond)
-        return side * cl, side * (self.cda * self.alpha_stall + self.cda_stall * beyond)
+        side, beyond = copysign(1.0, alpha), abs(alpha) - self.alpha_stall
+        cl = side * largest(0.0, self.cla * self.alpha_stall + self.cla_stall * beyond)
+        cd = side * (self.cda * self.alpha_stall + self.cda_stall * beyond)
+        flies = abs(alpha) <= self.alpha_stall
+        return where(flies, self.cla * alpha, cl), where(flies, self.cda * alpha, cd)
+
+
+def _within_one(value: float) -> float:
+    return largest(least(value, 1.0), -1.0)  # type: ignore[no-any-return]
 
 
 GZ_REGISTER_MODEL_PLUGIN(LiftDragPlugin)

@@ -8,6 +8,7 @@ python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers
 python benchmarks/view.py attack            the same with 30 robots while others attack the viewer's port
 python benchmarks/view.py page              how long a page takes in headless Chromium until it shows the robot,
                                             a live one and a replay (Debian's chromium; pip install playwright)
+python benchmarks/view.py many [MODELS]     the same for a world of 500 SDF models, until its first complete frame
 """
 
 import asyncio
@@ -234,6 +235,49 @@ def pages():
             server.wait(20.0)
 
 
+def many(models):
+    """Measure how long a page takes to show a whole SDF world of many models, in one browser."""
+    from playwright.sync_api import sync_playwright
+
+    shapes = "<box><size>0.5 0.5 0.5</size></box>", "<sphere><radius>0.3</radius></sphere>"
+    shapes += ("<cylinder><radius>0.3</radius><length>0.6</length></cylinder>",)
+    text = ""
+    for number in range(models):
+        shape = f"<geometry>{shapes[number % len(shapes)]}</geometry>"
+        look = f"<material><diffuse>{number % 7 / 7} {number % 5 / 5} 0.5 1</diffuse></material>"
+        parts = f"<collision name='c'>{shape}</collision><visual name='v'>{shape}{look}</visual>"
+        place = f"<pose>{number % 25} {number // 25} 0.3 0 0 0</pose>"
+        text += f"<model name='m{number}'>{place}<link name='l'>{parts}</link></model>"
+    includes = "".join(f"<include><uri>model://{name}</uri></include>" for name in ("sun", "ground_plane"))
+    with tempfile.NamedTemporaryFile("w", suffix=".world") as file, sync_playwright() as playwright:
+        file.write(f"<sdf version='1.6'><world name='many'>{includes}{text}</world></sdf>")
+        file.flush()
+        words = ["--view", "--view-port", "18900", "-u", file.name]
+        server = subprocess.Popen(
+            [sys.executable, "-m", "libgz.apps.gazebo", *words], stdout=subprocess.PIPE, text=True
+        )
+        try:
+            url = next(line.split()[1] for line in server.stdout if line.startswith("open "))
+            chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+            context, found = chromium.new_context(viewport={"width": 1280, "height": 800}), []
+            for _ in range(LOADS):
+                page = context.new_page()
+                begin = time.monotonic()
+                page.goto(url, wait_until="commit")
+                while not page.evaluate("Boolean(window.libgz?.workplace.stage.ready)"):
+                    time.sleep(0.02)
+                found.append(time.monotonic() - begin)
+                page.close()
+            chromium.close()
+            first, *others = found
+            print(
+                f"{models} models: whole after {first:.1f} s in a new browser, then {statistics.median(others):.1f} s"
+            )
+        finally:
+            server.terminate()
+            server.wait(20.0)
+
+
 # Attacks -------------------------------------------------------------------------------------------------------------
 
 
@@ -280,6 +324,9 @@ async def _attacked(server, viewer, page, observer):
 if __name__ == "__main__":
     if sys.argv[1:] == ["attack"]:
         attacks()
+        raise SystemExit
+    if sys.argv[1:2] == ["many"]:
+        many(int(sys.argv[2]) if len(sys.argv) > 2 else 500)
         raise SystemExit
     if sys.argv[1:] == ["page"]:
         pages()

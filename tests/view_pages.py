@@ -74,11 +74,17 @@ def opened(chromium, url, size=(1000, 640)):
     page = chromium.new_page(viewport={"width": size[0], "height": size[1]})
     page.errors, page.fetched = [], []
     page.on("pageerror", lambda error: page.errors.append(str(error)))
+    page.on("console", lambda line: page.errors.append(line.text) if is_error(line) else None)
     page.on("request", lambda request: page.fetched.append(request.url))
     page.set_default_timeout(1000.0 * PATIENCE)
     page.goto(url)
     until(page, "window.libgz?.workplace.stage.ready")
     return page
+
+
+def is_error(line):
+    """Whether a line of a browser's console is an error of the page; that a server has ended is none."""
+    return line.type == "error" and "WebSocket connection to" not in line.text
 
 
 def until(page, condition, argument=None):

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from view_pages import PATIENCE, browser, needs_chromium, wait_for
+from view_pages import PATIENCE, browser, is_error, needs_chromium, wait_for
 from view_sockets import scene_of, state_of
 
 import libgz
@@ -126,6 +126,7 @@ def test_the_page_in_a_frame_shows_and_steps_the_world(view, monkeypatch):
         page = chromium.new_page(viewport={"width": 900, "height": 560})
         errors = []
         page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("console", lambda line: errors.append(line.text) if is_error(line) else None)
         page.set_default_timeout(1000.0 * PATIENCE)
         page.goto("about:blank")
         page.evaluate(HOST, SCRIPT)

@@ -140,7 +140,8 @@ def test_the_viewer_and_the_server_come_and_go(chromium):
             server.wait(10.0)
             wait_for(lambda: "has ended" in status(page)[1], "the page says that the server ended")
             with served("-s", server_id, "-f", "-d", 0, WORLD, viewer=False):
-                wait_for(lambda: status(page)[0] is not None, "the page reconnects")
+                wait_for(lambda: "has ended" not in status(page)[1], "the page reconnects")
+                wait_for(lambda: status(page)[0] is not None, "the time in the page")
                 page.close()
 
 

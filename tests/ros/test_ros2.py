@@ -42,7 +42,7 @@ class Node:
 
 
 @pytest.fixture
-def environment():
+def environment(tmp_path):
     domain = str(os.getpid() % 100 + 1)
     return {
         **os.environ,
@@ -50,6 +50,7 @@ def environment():
         "LIBGZ_ROS2_PYTHON": PYTHON,
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": domain,
+        "TMP": str(tmp_path),  # of the interfaces of legacy worlds, apart from those of other servers
     }
 
 
@@ -236,7 +237,7 @@ def test_a_diff_drive_controller_drives(serve, tmp_path):
 
 @pytest.mark.trial
 def test_a_legacy_world_is_served(serve):
-    node = serve(HERE / "legacy.world", command="gazebo")
+    node = serve(HERE / "legacy.world", "-s", str(os.getpid()), command="gazebo")  # beside other servers
     names = node.call(service="/get_model_list", kind="gazebo_msgs/srv/GetModelList", values={})["model_names"]
     assert names
     assert node.first(topic="/clock", kind="rosgraph_msgs/msg/Clock", best_effort=True) is not None

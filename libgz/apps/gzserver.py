@@ -29,6 +29,7 @@ from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import get_master_uri, serve
+from libgz.classic_cxx.registration import start_ignition
 from libgz.front import World
 from libgz.rendering.choice import CHOICES
 from libgz.sdf.paths import find_world
@@ -84,6 +85,8 @@ def make_parser() -> Parser:
     add_rewind_option(parser)
     add_mcap_option(parser)
     add_ros_options(parser)
+    about = "obey joint commands of ignition-transport; without it, if a C++ plugin uses ignition-transport"
+    add("--ignition", action="store_true", help=about)
     add_view_options(parser, optional=True)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
@@ -144,6 +147,8 @@ class Server:
                 sys.stdout.write(f"GAZEBO_MASTER_URI={link.address.uri}\n")
                 sys.stdout.flush()
             open_log("server", link.address.port)
+            if self.options.ignition:
+                start_ignition()
             plugins.load(self.words)
             log.info("Waiting for master.")
             log_link(link)

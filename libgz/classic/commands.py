@@ -433,7 +433,7 @@ class Commands:
             raise NotFoundError(f"there is no joint {message.name!r}")
         controller, name = model.GetJointController(), found.GetScopedName()
         if message.reset:
-            controller.Reset()
+            controller.drop_targets(name)
         if message.HasField("force"):
             controller.SetForce(name, message.force)
         if message.HasField("position"):

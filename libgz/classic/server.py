@@ -112,6 +112,7 @@ class WorldServer:
             self.core.events["WorldCreated"](self.world.Name())
             added, self._new = self._new, []
             self._add_sensors(added)
+            self._subscribe(added)
             self.plugins.load_all_of_world()
             self.plugins.load_all_of_models(self._models(added))
             self._open_topics(added, announce=False)
@@ -127,8 +128,15 @@ class WorldServer:
         while self._new and self._started:
             added, self._new = self._new, []
             self._add_sensors(added)
+            self._subscribe(added)
             self.plugins.load_all_of_models(self._models(added))
             self._open_topics(added, announce=True)
+
+    def _subscribe(self, added: list[CoreModel]) -> None:
+        """Subscribe to the topics by which new models are commanded, before their plugins may publish on them."""
+        if self.topics is not None:
+            for model in self._models(added):
+                self.topics.subscribe(model)
 
     def _open_topics(self, added: list[CoreModel], announce: bool) -> None:
         """Open the topics of new models and lights."""

@@ -39,6 +39,13 @@ __all__ = ["WorldTopics"]
 STATISTICS_PERIOD, POSES_PERIOD = 1.0 / 5.0, 1.0 / 60.0  # [s] of real time, Gazebo's
 
 
+def _with_nested(model: Model) -> Iterator[Model]:
+    """A model, and the models in it."""
+    yield model
+    for part in model.NestedModels():
+        yield from _with_nested(part)
+
+
 class _Periodic:
     """A topic that is published periodically while it has subscribers.
 
@@ -234,10 +241,13 @@ class WorldTopics:
         elif self._models.HasConnections():
             self._models.Publish(model_message(entity))
 
+    def subscribe(self, model: Model) -> None:
+        """Subscribe to the topics by which a model is commanded."""
+        self._parts[model] = self._subscribe_parts(model)
+
     def added(self, entity: Model | Light, announce: bool = True) -> None:
-        """Subscribe to the topics of an entity; publish it if it was inserted."""
+        """Advertise the topics of an entity; publish it if it was inserted."""
         if isinstance(entity, Model):
-            self._parts[entity] = self._subscribe_parts(entity)
             measured = [link for link in entity.GetLinks() if _has_imu(link)]
             if measured:
                 self._links[entity] = [
@@ -255,10 +265,11 @@ class WorldTopics:
                 self._joints.Publish(joint_message(joint))
 
     def _subscribe_parts(self, model: Model) -> list[Subscriber]:
-        """Subscribe to ~/MODEL/joint_cmd, and to ~/MODEL/LINK/wrench of each link that moves."""
+        """Subscribe to ~/MODEL/joint_cmd of it and the models in it, and to ~/MODEL/LINK/wrench of links that move."""
         commands, handlers = self._commands, {}
-        if model.GetJoints():
-            handlers[f"~/{model.GetScopedName()}/joint_cmd"] = commands.joint
+        for part in _with_nested(model):
+            if part.GetJoints():
+                handlers[f"~/{part.GetScopedName()}/joint_cmd"] = commands.joint
         for link in model.GetLinks() if not model.IsStatic() else ():
             name = link.GetScopedName()
             handlers[f"~/{name}/wrench"] = functools.partial(commands.wrench, name)

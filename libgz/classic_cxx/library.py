@@ -27,6 +27,7 @@ from pathlib import Path
 import libgz.cxx
 from libgz.base.errors import LibraryError
 from libgz.base.files import write_whole
+from libgz.classic.api import TABLE as CLASSIC
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
 from libgz.classic_cxx.generate import bodies, headers
@@ -35,7 +36,7 @@ from libgz.classic_cxx.messages import proto_files
 from libgz.classic_cxx.names import BASE_PLUGINS
 from libgz.cxx.build import compiler
 
-__all__ = ["Library", "built", "default_prefix", "install", "source_key", "uninstall"]
+__all__ = ["Library", "built", "default_prefix", "ignition_part", "install", "source_key", "sources", "uninstall"]
 
 Progress = Callable[[str], None]
 
@@ -45,6 +46,7 @@ VERSION = (11, 15, 1)  # of Gazebo, whose names these are
 STANDARD = "c++17"
 EXACT = "-ffp-contract=off"  # products and sums are rounded one by one, as in Python, whatever the processor can do
 SONAME, MESSAGES = "libgazebo.so.11", "libgazebo_msgs.so.11"
+IGNITION = "libgazebo_ignition.so"  # is built where ignition-transport is installed
 # Names under which Makefiles link classic's parts.
 PARTS = ("client", "common", "gui", "ode", "physics", "rendering", "sensors", "transport", "util")
 BOOST = ("thread", "system", "filesystem", "program_options", "regex", "iostreams", "date_time")
@@ -103,12 +105,19 @@ class Library:
 # Keys ----------------------------------------------------------------------------------------------------------------
 
 
+def sources() -> list[Path]:
+    """The files of which the library is made; declarations of messages and records come from objects, which are there.
+
+    All that are in this package, so that none is forgotten.
+    """
+    return [*sorted([*FOLDER.glob("*.py"), *FOLDER.glob("*.tsv"), *NATIVE.rglob("*.*")]), CLASSIC, FRAME]
+
+
 @functools.cache
 def source_key() -> str:
     """A key of the library's sources, and of the interpreter: a plugin needs a library with the same one."""
     digest = hashlib.sha256(f"{sys.implementation.cache_tag} {platform.machine()}".encode())
-    made_of = [*FOLDER.glob("*.py"), *FOLDER.glob("*.tsv"), *NATIVE.rglob("*.*")]  # all, so that none is forgotten
-    for path in (*sorted(made_of), FRAME):
+    for path in sources():
         digest.update(path.read_bytes())
     digest.update(repr(declarations()).encode())
     digest.update(shared().encode())
@@ -246,11 +255,25 @@ def built(progress: Progress = lambda _line: None) -> Library:
                     made = Path(place) / key
                     _build(made, key, folder / "lib", progress)
                     made.rename(folder)
+                if _package_flags("--libs", TRANSPORT) and not (folder / "lib" / IGNITION).exists():
+                    _build_ignition(Library(folder, key), progress)
     except LibraryError:  # which is an OSError, too
         raise
     except OSError as error:
         raise LibraryError(f"cannot build in {cache_folder()}: {error.strerror}") from None
     return Library(folder, key)
+
+
+def ignition_part() -> Path:
+    """The shared object that speaks with ignition-transport; the library is built first, if it is not in the cache.
+
+    Raises:
+        LibraryError: a package is missing, or building fails.
+    """
+    part = built().lib / IGNITION
+    if not part.is_file():
+        raise LibraryError("ignition-transport is not installed: apt-get install libignition-transport-dev")
+    return part
 
 
 def config_header(key: str, folder: Path) -> str:
@@ -318,6 +341,17 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
     shutil.rmtree(sources)
     for path in messages.glob("*.pb.cc"):
         path.unlink()
+
+
+def _build_ignition(library: Library, progress: Progress) -> None:
+    """Build the part for ignition-transport, which may have been installed after the library was built."""
+    progress("compiling for ignition-transport")
+    with tempfile.TemporaryDirectory(dir=library.lib) as folder:
+        made = Path(folder) / IGNITION
+        source = str(NATIVE / "ignition.cc")
+        flags = [*library.compiler_flags(), "-g0", "-O1", "-w", "-shared", "-Wl,-z,now", "-Wl,-rpath,$ORIGIN"]
+        _run([*compiler(), *flags, "-o", str(made), source, *library.linker_flags()])
+        made.rename(library.lib / IGNITION)
 
 
 def _unity(messages: Path) -> str:

@@ -20,7 +20,7 @@ from libgz.base.trust import check_trusted
 from libgz.classic.plugin import GUIPlugin, ModelPlugin, SensorPlugin, SystemPlugin, VisualPlugin, WorldPlugin
 from libgz.classic.plugin_base import PluginT
 from libgz.classic_cxx import rows
-from libgz.classic_cxx.library import MESSAGES, SONAME, cache_folder, source_key
+from libgz.classic_cxx.library import IGNITION, MESSAGES, SONAME, cache_folder, source_key
 from libgz.cxx.host import frames_address, install, loading, track
 from libgz.cxx.shared_object import SharedObject
 from libgz.simulation.plugins import Plugin
@@ -40,6 +40,7 @@ KINDS: dict[str, type[PluginT]] = {
 MARK = re.compile(rb"libgz classic plugin: (\w{1,20}); ([0-9a-f]{1,40}-[0-9a-f]{1,40}); ([^;\0]{1,4096});")
 MESSAGES_OF_ITS_OWN = b"AddDescriptors"  # what registers them in protobuf
 ROSCPP = b"libroscpp.so"
+TRANSPORT = b"libignition-transport"
 NODE = "gazebo_plugins"  # the node of plugins for ROS 1
 PATIENCE = 1.0  # [s] for ROS's master
 INIT, RESET, DELETE = range(3)  # as in bridge.cc
@@ -184,6 +185,21 @@ def _start_ros(functions: Any, shared: SharedObject, path: Path) -> None:
         )
 
 
+def _start_ignition(functions: Any, path: Path) -> None:
+    """Obey joint commands of ignition-transport, as plugins of Gazebo 11 expect that use it."""
+    library = Path(functions._name).with_name(IGNITION)
+    if not library.is_file():
+        log.warning(
+            "plugin %s uses ignition-transport, whose commands libgz obeys only after: "
+            "apt-get install libignition-transport-dev; libgz config --install-classic",
+            path,
+        )
+        return
+    from libgz.classic_cxx.ignition import IgnitionTransport
+
+    IgnitionTransport.start(library)
+
+
 def load(path: Path) -> Plugin:
     """Load a plugin. A file that was built again since is loaded again.
 
@@ -227,6 +243,8 @@ def load(path: Path) -> Plugin:
         _kept[path] = shared
     if ROSCPP in data:
         _start_ros(functions, shared, path)
+    if TRANSPORT in data:
+        _start_ignition(functions, path)
     values = {"shared": shared, "maker": maker, "functions": functions, "path": path, "__module__": "C++"}
     plugin = Plugin(path, edited=edited)
     plugin.registered = [(kind, type(path.stem, (_adapter(kind),), values))]

@@ -7,7 +7,7 @@ from pathlib import Path
 from libgz.classic.loading import register_compiled
 from libgz.simulation.plugins import Plugin
 
-__all__ = ["register"]
+__all__ = ["register", "start_ignition"]
 
 
 def _is_plugin(path: Path) -> bool:
@@ -26,3 +26,15 @@ def _load(path: Path) -> Plugin:
 def register() -> None:
     """From now on, names of plugins may mean shared objects. Can be called twice."""
     register_compiled(_is_plugin, _load)
+
+
+def start_ignition() -> None:
+    """Obey joint commands of ignition-transport from now on; the library is built if it is not there.
+
+    Raises:
+        LibraryError: a package is missing, or building fails.
+    """
+    from libgz.classic_cxx.ignition import IgnitionTransport
+    from libgz.classic_cxx.library import ignition_part
+
+    IgnitionTransport.start(ignition_part())

@@ -1,6 +1,7 @@
 """The table of signatures, what is made of it, and the installation."""
 
 import ctypes
+import json
 import math
 import os
 import shutil
@@ -115,6 +116,30 @@ def test_generated_text_has_each_class_once():
         "const std::map<std::string, double> &",
         "int = 0",
     ]
+
+
+READS = """
+import json
+import sys
+from pathlib import Path
+read = set()
+sys.addaudithook(lambda event, values: read.add(values[0]) if event == "open" else None)
+from libgz.classic_cxx.generate import bodies, headers
+from libgz.classic_cxx.messages import proto_files
+headers(), bodies(), proto_files()
+from libgz.classic_cxx.library import sources
+root = Path(sys.modules["libgz"].__file__).resolve().parent
+names = {Path(name).resolve() for name in read if isinstance(name, str)}
+tables = {path for path in names if path.is_relative_to(root) and path.suffix not in (".py", ".pyc", ".so")}
+print(json.dumps(sorted(str(path) for path in tables - {path.resolve() for path in sources()})))
+"""
+
+
+def test_the_key_depends_on_each_table_that_the_library_is_made_of():
+    """It has the declarations of messages as objects."""
+    done = subprocess.run([sys.executable, "-P", "-c", READS], capture_output=True, text=True, check=False)
+    tables = [Path(path).name for path in json.loads(done.stdout)]
+    assert tables == ["messages.txt"], done.stderr
 
 
 def test_messages_have_the_files_of_classic():

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
@@ -37,6 +38,7 @@ class Activity:
         animations: the running animations.
         joint_update: the event of Joint.ConnectJointUpdate.
         edited: links and collisions with values of their own that the engine does not have.
+        waiting: what is called at the beginning of the next update; any thread may append.
     """
 
     def __init__(self, world: World) -> None:
@@ -48,6 +50,7 @@ class Activity:
         self._all_batteries: list[Battery] | None = None  # None after models were added or removed
         self._attached: list[tuple[Model, Model, GzPose]] = []
         self.edited: dict[Link | Collision, None] = {}
+        self.waiting: deque[Callable[[], None]] = deque()
 
     # Controllers -------------------------------------------------------------------------------------------------
 
@@ -195,7 +198,9 @@ class Activity:
     @property
     def idle(self) -> bool:
         """Whether `update` has nothing to do."""
-        return not (self._attached or self.joint_update or self.animations.running or self._batteries_of_all())
+        return not (
+            self.waiting or self._attached or self.joint_update or self.animations.running or self._batteries_of_all()
+        )
 
     def plan(self, plan: Plan) -> None:
         """Add the joint controllers."""
@@ -204,6 +209,8 @@ class Activity:
 
     def update(self) -> None:
         """Act for one iteration, before physics."""
+        for _ in range(len(self.waiting)):
+            self.waiting.popleft()()
         for battery in self._batteries_of_all():
             battery.Update()
         if self.joint_update:

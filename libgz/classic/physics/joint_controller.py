@@ -109,7 +109,7 @@ class JointController:
             return
         for rows in (self._joints, self._position_pids, self._velocity_pids):
             rows.pop(name, None)
-        self._drop_targets(name)
+        self.drop_targets(name)
 
     def renamed(self) -> None:
         """Know the joints by the names that they have now."""
@@ -121,7 +121,8 @@ class JointController:
             table.update(rows)
         self._changed()
 
-    def _drop_targets(self, name: str) -> None:
+    def drop_targets(self, name: str) -> None:
+        """Apply no force to a joint any more, by its scoped name, and let it go where it will."""
         for targets in self._tables():
             targets.pop(name, None)
         self._changed()
@@ -274,7 +275,7 @@ class JointController:
     @unrecorded
     def _give_up(self, name: str, error: GazeboError) -> None:
         log.error("joint %s is not controlled any more: %s", name, error)
-        self._drop_targets(name)
+        self.drop_targets(name)
 
 
 def _values(targets: dict[str, c_double]) -> dict[str, float]:

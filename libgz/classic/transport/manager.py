@@ -27,6 +27,7 @@ class Remote(Protocol):
     """A connection to other processes."""
 
     client: bool  # whether there is a server to wait for
+    watch_only: bool  # whether other processes may only receive
 
     def refresh(self, topic: Topic) -> None:
         """Announce the publishers and subscribers that this process now has."""
@@ -71,6 +72,7 @@ class TopicManager:
         self.locks: set[WorldLock] = set()  # of the worlds that are to deliver messages of other processes at once
         self.remote: Remote | None = None
         self.thread = DeliveryThread(self)
+        self._watchers: list[Callable[[Topic], None]] = []
         self._namespaces: list[str] = []
         self._busy = False
         self._paused = False
@@ -185,6 +187,8 @@ class TopicManager:
             self.topics.setdefault(topic.name, topic)
         else:
             self._forget(topic)
+        for watcher in self._watchers:
+            watcher(topic)
         if self.remote is not None:
             self.remote.refresh(topic)
 
@@ -194,7 +198,7 @@ class TopicManager:
 
     def refresh_later(self, topic: Topic) -> None:
         """Announce a change with the next delivery: safe while objects are collected."""
-        if self.remote is not None:
+        if self.remote is not None or self._watchers:
             self.queue.append(functools.partial(self.refresh, topic))
         elif not topic.used:
             self._forget(topic)
@@ -206,12 +210,22 @@ class TopicManager:
             if publisher.latest is not None:
                 self.queue.append(functools.partial(_take, to, publisher.latest[1]))
 
-    def receive(self, topic: Topic, message: Incoming) -> None:
-        """Queue a message from another process; any thread may call this."""
+    def receive(self, topic: Topic, message: Incoming, queue: deque[Callable[[], None]] | None = None) -> None:
+        """Queue a message from another process, by default for `ProcessNodes`; any thread may call this."""
         if self.received.add(topic, message):
-            self.queue.append(functools.partial(_receive, topic, self.received))
+            (self.queue if queue is None else queue).append(functools.partial(_receive, topic, self.received))
             for lock in list(self.locks):
                 lock.wanted.value = 1
+
+    def watch(self, watcher: Callable[[Topic], None]) -> None:
+        """Call a function with each topic that there is, and with each whose publishers or subscribers change."""
+        self._watchers = [*self._watchers, watcher]
+        for topic in list(self.topics.values()):
+            watcher(topic)
+
+    def unwatch(self, watcher: Callable[[Topic], None]) -> None:
+        """Call a function no more."""
+        self._watchers = [one for one in self._watchers if one != watcher]
 
     def link(self, remote: Remote) -> None:
         """Connect the topics to other processes."""

@@ -55,7 +55,7 @@ class Network:
     """
 
     def __init__(self, address: Address, serve: bool, timeout: float = 10.0, watch_only: bool = False) -> None:
-        self.client, self._watch_only = not serve, watch_only
+        self.client, self.watch_only = not serve, watch_only
         self._manager = TopicManager.Instance()
         self._lock = threading.RLock()  # of the tables of receivers; sending may find that one is closed
         self._receivers: dict[str, list[Connection]] = {}
@@ -224,7 +224,7 @@ class Network:
 
     def _connect_sources(self, topic: Topic) -> None:
         """Connect to the publishers of a topic that are not connected, and close connections without subscribers."""
-        if self._watch_only and not _asks(topic.name):
+        if self.watch_only and not _asks(topic.name):
             if any(key[0] == topic.name for key in self._publishers):
                 self._loop.warn("this server can only be watched: what clients publish on %s is ignored", topic.name)
             return
@@ -288,7 +288,7 @@ class Network:
         self._loop.call(replace)
 
     def _take(self, topic: Topic, type_name: str, subscriber: weakref.ref[LocalSubscriber] | None, data: bytes) -> None:
-        if self._watch_only:
+        if self.watch_only:
             request: Any = message_type("Request").FromString(data)
             if not request.request.endswith(READING):
                 self._loop.warn("this server can only be watched: request %.40r is ignored", request.request)

@@ -53,7 +53,7 @@ class SharedObject:
         _check_processor(data, path)
         try:
             _make_its_own(data)
-        except struct.error:
+        except (struct.error, ValueError, OverflowError):  # its tables lie beyond its end, or have an odd size
             raise PluginError(f"error loading plugin: {path}: the file is truncated; build it again") from None
         _remove_stale()
         folder = Path(tempfile.mkdtemp(prefix=f"{FOLDER}{os.getpid()}-"))
@@ -102,11 +102,19 @@ def _check_processor(data: bytes | bytearray, path: Path) -> None:
 
 
 def _remove_stale() -> None:
-    """Remove what processes that crashed have left; a file that is in use stays in memory."""
+    """Remove what this user's processes that crashed have left; a file that is in use stays in memory."""
     for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
         process = folder.name.removeprefix(FOLDER).partition("-")[0]
-        if process.isdigit() and not Path("/proc", process).exists():
+        if process.isdigit() and not Path("/proc", process).exists() and _is_own(folder):
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def _is_own(folder: Path) -> bool:
+    """Whether a folder is this user's: in those of others, depth and size are whatever they want."""
+    try:
+        return folder.lstat().st_uid == os.geteuid()
+    except OSError:  # its process has just removed it
+        return False
 
 
 def _remove(folder: Path, process: int) -> None:

@@ -116,6 +116,8 @@ class Stepping:
                 return
             self.world.agenda.stepping = True
             self._run_own_rows(max(number, 1), rows.begin, refused)
+            if not rows.valid:  # a callback has changed what the rows after it depend on
+                self._build_rows()
             number, refused = rows.begin, -1
         if number < rows.tail:
             self.world.agenda.stepping = True

@@ -6,7 +6,7 @@ import pytest
 from plugin_worlds import GROUND, command, plugin, wheel
 
 import libgz
-from libgz.base.law import law
+from libgz.base.law import law, rarely, unrecorded
 from libgz.base.records import Kind
 from libgz.classic import transport
 from libgz.classic.math import PID, Quaterniond, Vector3d
@@ -316,3 +316,29 @@ def test_a_law_that_cannot_be_recorded_is_reported_with_its_line(caplog):
         assert "the law OnUpdate decides by a number" in caplog.text
         assert not connection.connected
         assert world.GetSimTime() == pytest.approx(0.003)
+
+
+class Pushing:
+    """A callback that gives a controller its first target, in a step that native code leaves to Python."""
+
+    @law
+    def OnUpdate(self):
+        if rarely(self.world.clock.sim_time > 0.005):
+            self.push()
+
+    @unrecorded
+    def push(self):
+        attach(self.world).world.ModelByName("glider").GetJointController().SetForce("wheel", 0.3)
+
+
+def test_a_first_target_that_a_law_sets_acts_in_the_same_iteration():
+    with pair(glider("")) as worlds:
+        for world in worlds:
+            attach(world).world.ModelByName("glider").GetJointController()
+            other = Pushing()
+            other.world = world
+            connection = world.events["WorldUpdateBegin"].Connect(other.OnUpdate)
+            world.step(7)
+            del connection
+        native, plain = (attach(world).world.ModelByName("glider").GetJoint("wheel") for world in worlds)
+        assert native.GetVelocity(0) == plain.GetVelocity(0) != 0.0

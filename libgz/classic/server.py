@@ -236,6 +236,10 @@ class WorldServer:
         if self.sensors is not None:
             self.sensors.skipped()
 
+    def prepare(self) -> None:
+        """Obey commands that came meanwhile."""
+        self.activity.prepare()
+
     def plan_update(self, plan: Plan) -> None:
         """Add joint controllers."""
         self.activity.plan(plan)
@@ -246,7 +250,7 @@ class WorldServer:
             self.sensors.plan_end(plan)
 
     def update(self) -> None:
-        """Update joint controllers, batteries, animations and attached models."""
+        """Update batteries, animations and attached models."""
         self.activity.update()
 
     def step(self, paused: bool) -> None:

@@ -1,7 +1,7 @@
 """IgnitionTransport: joint commands by the library with which Gazebo 11's tools and plugins send them.
 
 Its native part is a shared object of its own, which is built with the library where ignition-transport is installed.
-What comes by it is delivered at the beginning of an iteration, in the world's thread.
+What comes by it is delivered in an iteration ahead of its joint controllers, in the world's thread.
 """
 
 from __future__ import annotations
@@ -124,10 +124,10 @@ class IgnitionTransport:
             return
         name, text = model.decode(errors="surrogateescape"), ctypes.string_at(data, size)
         for world in worlds():
-            topic = f"/gazebo/{world.core.topic_space}/{name}/joint_cmd"
-            if topic in self._opened:
+            topic = self._manager.topics.get(f"/gazebo/{world.core.topic_space}/{name}/joint_cmd")
+            if topic is not None:
                 message = Incoming(next(sequence), "gazebo.msgs.JointCmd", text, None)
-                self._manager.receive(self._manager.topic(topic), message, world.server.activity.waiting)
+                self._manager.receive(topic, message, world.server.activity.waiting)
 
     def _on_request(self, model: bytes, joint: bytes, reply: int) -> int:
         """Answer what is set for a joint; threads of ignition-transport call this."""

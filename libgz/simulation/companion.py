@@ -25,13 +25,16 @@ class Companion(Protocol):
         """An entity was taken off the world's lists; its bodies still exist."""
 
     def idle_until(self) -> float:
-        """The sim time [s] up to which steps need nothing of it: `update` and `step` are not called before; -inf: none.
+        """The sim time [s] up to which steps need nothing of it: `prepare`, `update` and `step` are not called before.
 
-        Asked before and in steps; what happens meanwhile may make it earlier.
+        -inf: the next one needs it. Asked before and in steps; what happens meanwhile may make it earlier.
         """
 
     def skipped(self) -> None:
         """Steps have been made without it."""
+
+    def prepare(self) -> None:
+        """Entities have been updated, and what `plan_update` added comes next."""
 
     def plan_update(self, plan: Plan) -> None:
         """Add what it does in each step ahead of `update`. Where that changes, the rows of the world have to."""
@@ -86,6 +89,9 @@ class Stateless:
         return -math.inf
 
     def skipped(self) -> None:
+        """Nothing to do."""
+
+    def prepare(self) -> None:
         """Nothing to do."""
 
     def plan_update(self, plan: Plan) -> None:

@@ -246,6 +246,8 @@ class Stepping:
         """The part of a step after the updates of the entities."""
         engine, clock = self.world.engine, self.world.clock
         clock.sim_time += 0.0 if self.world.era.counts_at_start else engine.step_time
+        for companion in self.world.companions:
+            companion.prepare()
         rows = self.world.rows
         if not rows.valid:
             self._build_rows()

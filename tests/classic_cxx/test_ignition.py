@@ -113,7 +113,7 @@ def test_models_are_commanded_and_asked_while_they_are_there(ignition, caplog):
         controller = arm.GetJointController()
         assert controller.GetForces() == {}
         assert world.models[0].sdf_joints["hinge"].position() == 0.0
-        world.step(2)  # commands are obeyed from the next iteration on
+        world.step()  # commands are obeyed in the next iteration
         assert controller.GetForces() == {"arm::hinge": 0.25}
         assert world.models[0].sdf_joints["hinge"].position() > 0.0
         send(ignition, b"arm", name="arm::hinge", position=msgs.PID(target=0.5, p_gain=7.0))

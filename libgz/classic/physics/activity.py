@@ -38,7 +38,7 @@ class Activity:
         animations: the running animations.
         joint_update: the event of Joint.ConnectJointUpdate.
         edited: links and collisions with values of their own that the engine does not have.
-        waiting: what is called at the beginning of the next update; any thread may append.
+        waiting: what is called before the joint controllers of the next iteration; any thread may append.
     """
 
     def __init__(self, world: World) -> None:
@@ -197,7 +197,7 @@ class Activity:
 
     @property
     def idle(self) -> bool:
-        """Whether `update` has nothing to do."""
+        """Whether `prepare` and `update` have nothing to do."""
         return not (
             self.waiting or self._attached or self.joint_update or self.animations.running or self._batteries_of_all()
         )
@@ -207,10 +207,13 @@ class Activity:
         for controller in self._controllers.values():
             plan.call(controller.Update)
 
-    def update(self) -> None:
-        """Act for one iteration, before physics."""
+    def prepare(self) -> None:
+        """Call what waits, ahead of the joint controllers."""
         for _ in range(len(self.waiting)):
             self.waiting.popleft()()
+
+    def update(self) -> None:
+        """Act for one iteration, after the joint controllers and before physics."""
         for battery in self._batteries_of_all():
             battery.Update()
         if self.joint_update:

@@ -24,7 +24,7 @@ typedef struct {
     pthread_cond_t added, done;
     job_list todo, over;
     int64_t given; /* jobs that were added and not given back yet */
-    int64_t waiting; /* jobs for which no thread was woken */
+    int64_t added_now; /* jobs since the last one was given back */
     int64_t ended;
 } crew;
 
@@ -85,20 +85,18 @@ void gz_crew_add(crew *c, job *j)
     pthread_mutex_lock(&c->lock);
     put(&c->todo, j);
     c->given++;
-    wakes = ++c->waiting >= WAKING;
-    if (wakes)
-        c->waiting = 0;
+    wakes = ++c->added_now % WAKING == 0;
     pthread_mutex_unlock(&c->lock);
     if (wakes)
         pthread_cond_signal(&c->added);
 }
 
-/* Wake threads for the jobs that were added since one was woken. */
+/* Wake all threads once no more jobs come at present, if one is left to do: those that work already cost nothing. */
 static void wake(crew *c)
 {
-    if (c->waiting && c->todo.first)
+    if (c->added_now && c->todo.first)
         pthread_cond_broadcast(&c->added);
-    c->waiting = 0;
+    c->added_now = 0;
 }
 
 /* A job that is done, of those that were added and not given back yet; NULL without any. */

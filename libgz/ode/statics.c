@@ -39,12 +39,13 @@ static int is_far(const double *box, bounds *movable, int64_t count, const doubl
     return count <= MOST_MOVABLE;
 }
 
+/* A number that is NaN changes nothing. */
 static void widen(double *around, const double *box)
 {
     int k;
     for (k = 0; k < 6; k += 2) {
-        around[k] = smaller(around[k], box[k]);
-        around[k + 1] = larger(around[k + 1], box[k + 1]);
+        around[k] = smaller(box[k], around[k]);
+        around[k + 1] = larger(box[k + 1], around[k + 1]);
     }
 }
 

@@ -396,6 +396,19 @@ GROWING = [
     "1+" * 40000 + "1",
     "1 if 1 else " * 8000 + "1",
     "not " * 20000 + "1",
+    "('a' * 100000).rfind('ab' + 'a' * 50000)",  # each of these takes minutes if its bound is lost, or seconds
+    "('a' * 100000).strip('b' * 50000 + 'a')",
+    "('a' * 100000).replace('a' * 50000 + 'b', '')",
+    "'a' * 50000 + 'b' in 'a' * 100000",
+    "('%' + '0' * 300000) % 1",
+    "[float(text) for text in ['1' * 300000] * 100]",
+    "[text.format() for text in ['1' * 300000] * 100]",
+    "{i * (2**61 - 1): 0 for i in range(1000)}",
+    "{(a, b, c, d, e, f, g) for a in x for b in x for c in x for d in x for e in x for f in x for g in x}".replace(
+        "x", "[-1, -2]"
+    ),
+    "python.set().union([i * (2**61 - 1) for i in range(1000)])",
+    "{i - i / 1000003 * 1j for i in range(0, 1000003 * 1000, 1000003)}",
 ]
 
 
@@ -418,6 +431,16 @@ def test_expressions_do_not_grow(expression, folder, monkeypatch):
     assert message.startswith("robot.xacro:2: <l>: ")
     with pytest.raises((LimitError, ExpansionError)):
         Evaluator(Budget()).evaluate(expression.replace("&lt;", "<"), BUILTINS)
+
+
+def test_arguments_may_have_any_name():
+    assert Evaluator(Budget()).evaluate("'{on} {text}'.format(on=1, text=2)", BUILTINS) == "1 2"
+    assert Evaluator(Budget()).evaluate("dict(on=1, function=2)", BUILTINS) == {"on": 1, "function": 2}
+
+
+def test_keys_of_a_grid_are_few_of_one_hash():
+    grid = "len({(x, y, z, -x) for x in range(-5, 5) for y in range(-5, 5) for z in range(-5, 5)})"
+    assert Evaluator(Budget()).evaluate(grid, BUILTINS) == 1000
 
 
 def doubling(pattern, first="x", count=60):

@@ -88,7 +88,7 @@ class Evaluator:
         finally:
             self._depth = depth
 
-    def call(self, function: Any, *args: Any, **named: Any) -> Any:
+    def call(self, function: Any, /, *args: Any, **named: Any) -> Any:
         """Call a function of an expression."""
         if isinstance(function, Function):
             self.budget.spend(1)

@@ -53,7 +53,7 @@ class Namespace:
 # Builtins ------------------------------------------------------------------------------------------------------------
 
 
-def _dict(on: Caller, *args: Any, **named: Any) -> dict[Any, Any]:
+def _dict(on: Caller, /, *args: Any, **named: Any) -> dict[Any, Any]:
     made: dict[Any, Any] = {}
     for given in args:
         _update(on, made, given)
@@ -108,9 +108,13 @@ def _round(_: Caller, number: Any, digits: Any = None) -> Any:
     return small(round(number, digits))
 
 
-def _int(_: Caller, *args: Any, **named: Any) -> int:
-    made: int = small(int(*args, **named))
-    return made
+def _number(kind: Callable[..., Any]) -> Callable[..., Any]:
+    def run(on: Caller, *args: Any, **named: Any) -> Any:
+        if args and isinstance(args[0], str):
+            on.budget.length(len(args[0]))
+        return small(kind(*args, **named))
+
+    return run
 
 
 def _type(on: Caller, value: Any) -> Any:
@@ -157,11 +161,11 @@ def _repr(on: Caller, value: Any) -> str:
 
 _TYPES: dict[str, tuple[type, Callable[..., Any]]] = {
     "bool": (bool, lambda _, value=False: bool(value)),
-    "complex": (complex, lambda _, *args: complex(*args)),
+    "complex": (complex, _number(complex)),
     "dict": (dict, _dict),
-    "float": (float, lambda _, value=0.0: float(value)),
+    "float": (float, _number(float)),
     "frozenset": (frozenset, _set(frozenset)),
-    "int": (int, _int),
+    "int": (int, _number(int)),
     "list": (list, _of_items(list)),
     "range": (range, _range),
     "set": (set, _set(set)),
@@ -267,7 +271,7 @@ def _of_text(function: Callable[..., Any]) -> Callable[..., Any]:
     """A method whose result is not much longer than the text."""
 
     def run(on: Caller, text: str, *args: Any, **named: Any) -> Any:
-        on.budget.length(len(text))
+        on.budget.search(text, *args, *named.values())
         made = function(text, *args, **named)
         if isinstance(made, list):
             on.budget.items(len(made))
@@ -284,6 +288,7 @@ def _join(on: Caller, text: str, values: Any) -> str:
 
 
 def _replace(on: Caller, text: str, old: str, new: str, count: int = -1) -> str:
+    on.budget.search(text, old)
     times = text.count(old) if count < 0 else min(text.count(old), count)
     on.budget.length(len(text) + times * max(len(new) - len(old), 0))
     return text.replace(old, new, count)
@@ -339,6 +344,16 @@ def _walked(function: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
+def _of_sets(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A method of a set and others, or lists of items."""
+
+    def run(on: Caller, values: Any, *others: Any) -> Any:
+        on.budget.measure(values)
+        return function(values, *({key_of(on.budget, item) for item in items_of(on.budget, one)} for one in others))
+
+    return run
+
+
 def _keyed(function: Callable[..., Any]) -> Callable[..., Any]:
     def run(on: Caller, values: Any, key: Any, *rest: Any) -> Any:
         return function(values, key_of(on.budget, key), *rest)
@@ -365,7 +380,7 @@ def _set_add(on: Caller, values: set[Any], item: Any) -> None:
 
 _SEQUENCE = {name: _walked(getattr(tuple, name)) for name in ("count", "index")}
 _SETS = {
-    name: _walked(getattr(frozenset, name))
+    name: _of_sets(getattr(frozenset, name))
     for name in (
         *("copy", "difference", "intersection", "isdisjoint", "issubset", "issuperset"),
         *("symmetric_difference", "union"),
@@ -376,7 +391,7 @@ METHODS: dict[type, dict[str, Callable[..., Any]]] = {
         **{name: _of_text(getattr(str, name)) for name in _OF_TEXT},
         "center": _padded(str.center),
         "expandtabs": _expandtabs,
-        "format": lambda on, text, *args, **named: format_text(on.budget, text, args, named),
+        "format": lambda on, text, /, *args, **named: format_text(on.budget, text, args, named),
         "join": _join,
         "ljust": _padded(str.ljust),
         "replace": _replace,
@@ -406,7 +421,7 @@ METHODS: dict[type, dict[str, Callable[..., Any]]] = {
         "values": lambda on, values: list(items_of(on.budget, values) and values.values()),
     },
     set: {
-        **{name: _walked(getattr(set, name)) for name in _SETS},
+        **{name: _of_sets(getattr(set, name)) for name in _SETS},
         "add": _set_add,
         "discard": _keyed(set.discard),
         "remove": _keyed(set.remove),
@@ -421,4 +436,4 @@ def method_of(value: Any, name: str) -> Function | None:
     run = METHODS.get(type(value), {}).get(name)
     if run is None:
         return None
-    return Function(name, lambda on, *args, **named: run(on, value, *args, **named))
+    return Function(name, lambda on, /, *args, **named: run(on, value, *args, **named))

@@ -15,6 +15,7 @@ __all__ = [
     "LARGEST_YAML",
     "LONGEST_EXPRESSION",
     "LONGEST_TEXT",
+    "MOST_ALIKE",
     "MOST_ATTRIBUTES",
     "MOST_BITS",
     "MOST_BYTES",
@@ -42,10 +43,12 @@ LONGEST_TEXT = 1_000_000  # characters of a value
 MOST_ITEMS = 100_000  # of a value, those of the values in it included
 DEEPEST_VALUE = 40  # lists in lists
 MOST_BITS = 1024  # of an integer, as many as the largest float has
+MOST_ALIKE = 100  # keys of one hash: each of them is compared with those before it
 MOST_FILES = 1000  # included or read
 MOST_BYTES = 16 * 1024 * 1024  # of them together
 LARGEST_YAML = 512 * 1024  # bytes
 WORK_OF_TEXT = 16  # characters that cost one step
+WORK_OF_SEARCH = 256  # comparisons of characters that cost one step
 
 
 class ExpansionError(GazeboError):
@@ -72,6 +75,7 @@ class Budget:
 
     def __init__(self) -> None:
         self.work = self.elements = self.files = self.bytes = 0
+        self._alike: dict[int, set[str]] = {}  # hash -> the keys of it, as they are printed
 
     def spend(self, steps: int) -> None:
         """Count work.
@@ -118,6 +122,27 @@ class Budget:
         if characters > LONGEST_TEXT:
             raise LimitError(f"a text has more than {LONGEST_TEXT} characters")
         self.spend(1 + characters // WORK_OF_TEXT)
+
+    def search(self, text: str, *parts: object) -> None:
+        """Count a search for texts in a text: the slowest one compares each of its characters with each of theirs.
+
+        Raises:
+            LimitError: it would take too long.
+        """
+        longest = max((len(part) for part in parts if isinstance(part, str)), default=0)
+        self.length(len(text))
+        self.spend(len(text) * longest // WORK_OF_SEARCH)
+
+    def key(self, value: object) -> None:
+        """Count a key of a dictionary or set whose hash can be chosen.
+
+        Raises:
+            LimitError: too many different keys have this hash.
+        """
+        alike = self._alike.setdefault(hash(value), set())
+        alike.add(repr(value))
+        if len(alike) > MOST_ALIKE:
+            raise LimitError(f"more than {MOST_ALIKE} keys have the same hash")
 
     def items(self, count: int) -> None:
         """Count the items of a list before it is made.

@@ -19,7 +19,8 @@ NUMBERS = (int, float, complex)
 SEQUENCES = (str, list, tuple)
 CONTAINERS = (str, list, tuple, Mapping, Set, range)
 
-_PERCENT = re.compile(r"%(?:\(\w*\))?[#0\- +]*(\d*)(?:\.(\d*))?[hlL]?[a-zA-Z%]")
+DISTINCT = 2**60  # smaller integers have hashes of their own
+_PERCENT = re.compile(r"%(?:\(\w*\))?[#0\- +]*([1-9]\d*)?(?:\.(\d*))?[hlL]?[a-zA-Z%]")
 _SPEC = re.compile(r"(?:[^{}]?[<>=^])?[-+ ]?z?#?0?(\d*)[,_]?(?:\.(\d+))?[a-zA-Z%]?")
 
 
@@ -50,6 +51,8 @@ def key_of(budget: Budget, value: Any) -> Any:
     if isinstance(value, tuple | frozenset):
         budget.measure(value)
     hash(value)
+    if isinstance(value, tuple | frozenset | complex) or (isinstance(value, int) and abs(value) >= DISTINCT):
+        budget.key(value)
     return value
 
 
@@ -90,9 +93,10 @@ def _remainder(budget: Budget, a: Any, b: Any) -> Any:
 
 def _percent(budget: Budget, text: str, values: Any) -> str:
     """`text % values`, where widths are numbers of a reasonable size."""
+    budget.length(len(text))
     if "%" in _PERCENT.sub("", text):
         raise ExpansionError(f"the format {text[:80]!r} is not supported")
-    fields = [(match[1], match[2] or "") for match in _PERCENT.finditer(text)]
+    fields = [(match[1] or "", match[2] or "") for match in _PERCENT.finditer(text)]
     size = sum(_width(width) + _width(precision) for width, precision in fields)
     budget.length(len(text) + size + budget.measure(values) * (len(fields) if isinstance(values, Mapping) else 1))
     made = text % (values if isinstance(values, tuple | Mapping) else (values,))
@@ -102,6 +106,7 @@ def _percent(budget: Budget, text: str, values: Any) -> str:
 
 def format_text(budget: Budget, text: str, values: tuple[Any, ...], named: dict[str, Any]) -> str:
     """`text.format(...)`, whose fields are numbers or names alone."""
+    budget.length(len(text))
     made, used, counter = [], 0, 0
     for literal, field, spec, conversion in string.Formatter().parse(text):
         made.append(literal)
@@ -149,6 +154,8 @@ def _contains(budget: Budget, a: Any, b: Any) -> bool:
         budget.spend(len(b))
     elif isinstance(b, CONTAINERS):
         budget.measure(a, b)
+        if isinstance(b, str):
+            budget.search(b, a)
     else:
         raise ExpansionError(f"{type(b).__name__!r} contains nothing")
     return a in b

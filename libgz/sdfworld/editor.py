@@ -198,6 +198,8 @@ class SdfEditor:
             return entity
         if key.removeprefix("@") == "name" and not part:
             self._check_name(entity, text)
+        if key == "pose" and place.include is not None:  # in the frame around it, whatever the include's own is
+            return self._rebuild(entity, place.source, place.text.changed(place.text.pose(place.element, text)))
         return self._rebuild(entity, place.source, self._edited(place, key, text))
 
     def embed(self, entity: Entity) -> Entity:
@@ -337,11 +339,14 @@ class SdfEditor:
         top, world = _top(entity), self._world
         family = [one for one in world.entities if _top(one) is top]
         nested = family.index(entity)
-        home, motion = top.initPose, ModelMotion(top) if isinstance(top, SdfModel) else None
+        pose, home, motion = top.GetPose(), top.initPose, ModelMotion(top) if isinstance(top, SdfModel) else None
         source = self._take(source, text)
         with world.hold():
             new = self._era.build_again(top, source)
-            if motion is not None and motion.begun and isinstance(new, SdfModel):
+            if motion is None:  # a light, whose element says where it began
+                if pose != home:
+                    world.SetModelPose(new, pose)
+            elif motion.begun and isinstance(new, SdfModel):
                 motion.carry(new)
             new.initPose = home
         again = [one for one in world.entities if _top(one) is new]

@@ -319,6 +319,19 @@ def test_an_include_sets_name_pose_and_static(including, tmp_path):
         assert (ask.world.get_state(), ask.world.era.text) == before
 
 
+def test_the_pose_of_an_include_is_edited_as_it_is_shown(including, monkeypatch):
+    frame = '<frame name="f"><pose>0 4 0 0 0 0</pose></frame>'
+    own = '<pose relative_to="f" degrees="true">0 5 0 0 0 90</pose>'
+    text = INCLUDING.replace("<pose>0 9 0 0 0 0</pose>", own).replace('name="pile">', f'name="pile">{frame}')
+    monkeypatch.setitem(globals(), "INCLUDING", text)
+    with including("1.9") as ask:
+        shown = ask.value("pose", name="pile::inner")["value"]
+        assert shown == pytest.approx([0, 9, 0, 0, 0, math.pi / 2], abs=1e-12)
+        edited = [0, 3, 0, 0, 0, 0.5]
+        assert ask("edit", name="pile::inner", key="pose", value=edited)["value"] == edited
+        assert ask.world.model("pile::inner").GetPose().pos.y == 3
+
+
 def test_what_an_include_cannot_set_says_where_it_is(including):
     with including() as ask:
         for content, key, value in (
@@ -553,6 +566,14 @@ def test_an_edited_model_moves_on_as_it_did(ask, box):
         for one, other in zip(motion(ask.world.model(name)), before, strict=True):
             assert one == pytest.approx(other, abs=1e-12)
     ask.step(5)
+
+
+def test_an_edited_light_stays_where_it_was_moved_to(ask):
+    if ask.world.sdf is None:
+        pytest.skip("lights of worldfiles are models")
+    ask("move", name="lamp", pose=[1, 2, 5, 1, 0, 0, 0])
+    ask("edit", name="lamp", key="diffuse", value=[0.2, 0.3, 0.4, 1])
+    assert [*ask.world.model("lamp").GetPose().pos] == [1, 2, 5]
 
 
 def motion(model):

@@ -13,7 +13,7 @@ import numpy as np
 
 from libgz.base.digest import blake2b
 from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, advise, nearest
-from libgz.base.files import is_file, read_limited, write_whole
+from libgz.base.files import LARGEST_FILE, is_file, read_limited, write_whole
 from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
@@ -377,11 +377,13 @@ class SdfWorld(Era):
 
         Raises:
             StateError: there is no file.
-            WorldFileError: it has errors.
+            WorldFileError: it has errors, or is larger than a file that can be loaded.
         """
         if self.file is None:
             super().set_text(text)
             return
+        if len(text) > LARGEST_FILE:
+            raise WorldFileError(f"{self.file.label} would be larger than {LARGEST_FILE >> 20} MiB")
         file, diagnostics = self.file.read_again(text), Diagnostics()
         file.diagnostics.raise_errors()
         digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()

@@ -391,6 +391,16 @@ def test_what_an_old_file_cannot_say_is_not_copied_into_it(including):
         assert (ask.world.get_state(), ask.world.era.text) == before
 
 
+def test_no_copy_makes_a_file_too_large_to_be_loaded(including, monkeypatch):
+    with including() as ask:
+        monkeypatch.setattr("libgz.sdfworld.world.LARGEST_FILE", len(ask.world.era.text) + 100)
+        before = ask.world.get_state(), ask.world.era.text
+        with pytest.raises(GazeboError, match=r"my\.world would be larger than"):
+            ask("embed", name="pebble")
+        assert (ask.world.get_state(), ask.world.era.text) == before
+        assert ask("history")["undo"] == []
+
+
 def test_the_file_of_a_model_is_edited_too(including, tmp_path):
     with including():
         pass

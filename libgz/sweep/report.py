@@ -48,21 +48,26 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
     ]  # what is sampled at random is spread, if it can be
     varied = sorted(chosen or varied[:1], key=lambda name: (not _numeric(good, name), -counts[name]))
     for measure in about["measures"]:
-        panels = _panels(good, varied[2] if len(varied) > 2 else None)
-        figure = Figure((1.5 + 5.0 * len(panels), 4.5), layout="constrained")
-        for axes, (title, some) in zip(_row(figure, len(panels)), panels, strict=True):
-            _plot(axes, some, measure, varied)
-            axes.set_title(title)
-        failed = len(rows) - len(good)
-        figure.suptitle(f"{measure}: {len(good)} runs" + (f", {failed} more failed" if failed else ""))
         path = folder / f"{_UNSAFE.sub('-', measure)}.png"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with rc_context({"text.parse_math": False}):  # names of the study are text, not formulas
+        with rc_context({"text.parse_math": False}):  # names of the study are text, not formulas
+            figure = _figure(good, measure, varied, len(rows) - len(good))
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
                 figure.savefig(path, dpi=120)
-        except OSError as error:
-            raise GazeboError(f"cannot write {path}: {error.strerror}") from None
+            except OSError as error:
+                raise GazeboError(f"cannot write {path}: {error.strerror}") from None
         yield path
+
+
+def _figure(rows: Sequence[Row], measure: str, varied: Sequence[str], failed: int) -> Figure:
+    """The figure of a measure of runs that succeeded, besides `failed` others."""
+    panels = _panels(rows, varied[2] if len(varied) > 2 else None)
+    figure = Figure((1.5 + 5.0 * len(panels), 4.5), layout="constrained")
+    for axes, (title, some) in zip(_row(figure, len(panels)), panels, strict=True):
+        _plot(axes, some, measure, varied)
+        axes.set_title(title)
+    figure.suptitle(f"{measure}: {len(rows)} runs" + (f", {failed} more failed" if failed else ""))
+    return figure
 
 
 def _panels(rows: Sequence[Row], name: str | None) -> list[tuple[str, list[Row]]]:

@@ -5,6 +5,7 @@ import tomllib
 import pytest
 
 from libgz.base.errors import GazeboError, ParameterError
+from libgz.sweep.report import plot_measures
 from libgz.sweep.results import open_results, read_results
 from libgz.sweep.run import check
 from libgz.sweep.study import Study
@@ -157,3 +158,10 @@ def test_damaged_results_are_named(folder, name, content):
     for use in (lambda: read_results(folder / "results"), lambda: results_of(folder)):
         with pytest.raises(ParameterError, match=f"{name} is damaged"):
             use()
+
+
+def test_names_in_figures_are_no_formulas(tmp_path):
+    rows = [{"state": "ok", "controller": "none", "p$^^$": i, "q$^^$": i % 2, "m$^^$": i} for i in range(4)]
+    about = {"parameters": ["p$^^$", "q$^^$"], "random": [], "measures": ["m$^^$"]}
+    (path,) = plot_measures(about, rows, tmp_path)
+    assert path.is_file()

@@ -179,7 +179,7 @@ def _dead(server: Path) -> bool:
     except BlockingIOError:
         return False
     except OSError:
-        return not server.is_dir()  # it is about to begin, or to end
+        return server.is_file()  # a directory is about to begin, or to end
     return True
 
 

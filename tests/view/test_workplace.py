@@ -469,6 +469,13 @@ def test_attributes_are_edited_within_their_types_and_limits(opened):
 # Plots and console ---------------------------------------------------------------------------------------------------
 
 
+def test_ids_of_interfaces_have_any_letters(opened):
+    page = opened()
+    page.evaluate("world.entities.get(3).interfaces.push({type: 'gps', id: 'a#b'}); world.select({entity: 3})")
+    page.locator("#inspector").get_by_text("gps.a#b", exact=True).click()
+    until(page, "world.wants.fields.includes('gps.a#b.fix[1]')")
+
+
 def test_values_are_dragged_into_plots(opened):
     page = opened(accept_downloads=True)
     page.evaluate("world.select({entity: 3})")

@@ -21,8 +21,7 @@ import { entityMenu, imageOf } from 'libgz/tree.js';
  *
  * @typedef {object} Field numbers of an interface
  * @property {string} of the interface
- * @property {string} key with `#` for the place in an array
- * @property {string} label likewise
+ * @property {string} label with `#` for the place in an array
  * @property {string} unit
  * @property {boolean} [whole] whether they are integers
  * @property {number} [count] of an array
@@ -547,11 +546,11 @@ export class Inspector {
   }
 
   /** @param {Field} field @returns {HTMLElement[]} */
-  #fieldRows({ key, label, unit, whole, count }) {
+  #fieldRows({ of, label, unit, whole, count }) {
     const digits = whole ? 0 : 3;
     const series = (/** @type {number} */ place) => {
-      const at = (/** @type {string} */ text) => text.replace('#', String(place));
-      return { key: keyOf('field', at(key)), label: at(label), unit };
+      const name = label.replace('#', String(place));
+      return { key: keyOf('field', `${of}.${name}`), label: name, unit };
     };
     if (count === undefined) return [this.#value(series(0), digits)];
     const places = Array.from({ length: count }, (_, place) => place);

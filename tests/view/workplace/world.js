@@ -182,6 +182,7 @@ class World extends EventTarget {
         { of: 'position.robot1', key: 'position.robot1.stall', label: 'stall', unit: '', whole: true },
         { of: 'position.robot1', key: 'position.robot1.levels[#]', label: 'levels[#]', unit: 'V', count: 10 },
         { of: 'position.robot1', key: 'position.robot1.ranges[#]/far', label: 'ranges[#]/far', unit: 'm', count: 400 },
+        { of: 'gps.a#b', key: 'gps.a#b.fix[#]', label: 'fix[#]', unit: 'm', count: 2 },
       ] : []),
       attributes: () => [
         ...(content.name === 'rover' && !asked.some(([asked]) => asked === 'embed')

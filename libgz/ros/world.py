@@ -77,8 +77,7 @@ class RosWorld(Stateless):
             links = session.publish(f"{prefix}link_states", "gazebo_msgs/LinkStates", depth)
             self._states = [States(self._core, models, era.models), States(self._core, links, era.links)]
             if session.parameter("~enable_performance_metrics", True) is not False:
-                metrics = session.publish(f"{prefix}performance_metrics", "gazebo_msgs/PerformanceMetrics", 10)
-                self._metrics = Metrics(metrics, era.sensors)
+                self._metrics = Metrics(session, f"{prefix}performance_metrics", era.sensors)
             self._services = era.serve(session)
 
     def model_added(self, model: Entity) -> None:
@@ -98,7 +97,7 @@ class RosWorld(Stateless):
         """-inf while somebody listens or something waits; else without end: what comes interrupts the steps."""
         states = any(states.publication.listened for states in self._states)
         jobs = self._services is not None and self._services.jobs
-        metrics = self._metrics is not None and self._metrics.publication.listened
+        metrics = self._metrics is not None and self._metrics.listened
         busy = self._session.pending or self._clock.listened or states or metrics or jobs or self._devices.busy
         return -math.inf if busy else math.inf
 
@@ -112,7 +111,7 @@ class RosWorld(Stateless):
         if wanted and self._states_ticks.due(now):
             for states in wanted:
                 states.send()
-        if self._metrics is not None and self._metrics.publication.listened:
+        if self._metrics is not None and self._metrics.listened:
             self._metrics.update(now)
         if self._services is not None and self._services.jobs:
             self._services.apply(now)

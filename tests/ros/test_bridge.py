@@ -22,7 +22,7 @@ from ros_types import JAZZY
 from libgz import World
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.classic.server import attach
-from libgz.ros import bridged, session
+from libgz.ros import bridged, metrics, session
 from libgz.ros.control.drive import DiffDrive
 from libgz.ros.control.hardware import VELOCITY
 from libgz.ros.environment import find_python
@@ -496,6 +496,36 @@ def test_metrics_say_how_fast_sensors_are(start):
         return {one.name: one.sim_update_rate for one in metrics.sensors}.get("default::robot::base::scan")
 
     assert wait_for(rates) == pytest.approx(10.0, rel=0.02)
+
+
+def test_metrics_forget_what_was_while_nobody_listens_and_what_is_gone(monkeypatch):
+    sent, session, sensor, time_now = [], MagicMock(), MagicMock(), [1000.0]
+    monkeypatch.setattr(metrics.time, "monotonic", lambda: time_now[0])
+    topic = session.publish.return_value
+    topic.kind, topic.publish, topic.listened = message_type("gazebo_msgs/PerformanceMetrics"), sent.append, True
+    sensor.ScopedName.return_value, sensor.Camera.return_value = "scan", None
+    sensors = [sensor]
+    made = metrics.Metrics(session, "performance_metrics", lambda: sensors)
+
+    def run(begin, count=10):
+        for number in range(count):
+            time_now[0] += 0.2
+            sensor.schedule.measured = begin + 0.1 * number
+            made.update(begin + 0.1 * number)
+        return sent[-1]
+
+    assert run(0.0).sensors[0].sim_update_rate == pytest.approx(10.0)
+    topic.listened = False
+    session.publish.call_args.kwargs["changed"]()
+    time_now[0] += 3600.0
+    topic.listened, sent[:] = True, []
+    last = run(3600.0)
+    assert {round(one.real_time_factor, 6) for one in sent} == {0.5}
+    assert {round(rate.real_update_rate, 6) for one in sent for rate in one.sensors} == {5.0}
+    assert last.sensors[0].name == "scan"
+    sensors.clear()
+    assert not run(3602.0).sensors
+    assert not made._seen
 
 
 def test_a_pipe_is_no_file_of_parameters(tmp_path):

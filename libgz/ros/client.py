@@ -87,7 +87,7 @@ class RosClient:
                 good = _read(sock, 1)
                 data = _read_block(sock, MOST_ANSWER)
         except (OSError, ValueError) as error:
-            raise RosCallError(f"service {full} at {uri}: {error or type(error).__name__}") from error
+            raise RosCallError(f"service {full} at {shown(uri)}: {error or type(error).__name__}") from error
         if good != b"\1":
             raise RosCallError(f"service {full}: {data.decode('utf-8', 'replace')}")
         return codec(service.response).unpack(data)

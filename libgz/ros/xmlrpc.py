@@ -30,6 +30,7 @@ MOST_ANSWER = 1 << 24  # bytes; a robot description is the longest
 MOST_REQUEST = 1 << 20
 MOST_THREADS = 32
 PATIENCE = 5.0  # [s]
+MOST_DEPTH = 300  # elements in elements: three for each list or table in another
 LONGEST_SHOWN = 300  # characters of a text of others in a message
 QUICK = 0.3  # [s] that a request takes at most; a slower one lets others that wait come first
 WAITING = 2.0  # [s] that a request waits for one of the threads
@@ -101,9 +102,7 @@ def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:
     if len(data) > most:
         raise ValueError(f"more than {most} bytes")
     try:
-        probe = expat.ParserCreate()  # "<!" is other bytes in UTF-16
-        probe.StartDoctypeDeclHandler = _refuse_doctype
-        probe.Parse(data, True)
+        _probe(data)
         values, method = xmlrpc.client.loads(data)
     except xmlrpc.client.Error:
         raise
@@ -112,8 +111,30 @@ def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:
     return values, method
 
 
-def _refuse_doctype(*_: object) -> None:
-    raise ValueError("a document type")
+def _probe(data: bytes) -> None:
+    """Look through a document for what Python's reader takes, but nobody should.
+
+    Raises:
+        ValueError: it has a document type, or too many elements in elements.
+    """
+    depth = 0
+
+    def refuse(*_: object) -> None:
+        raise ValueError("a document type")
+
+    def enter(*_: object) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MOST_DEPTH:
+            raise ValueError(f"more than {MOST_DEPTH} elements in each other")
+
+    def leave(_: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    probe = expat.ParserCreate()  # "<!" is other bytes in UTF-16
+    probe.StartDoctypeDeclHandler, probe.StartElementHandler, probe.EndElementHandler = refuse, enter, leave
+    probe.Parse(data, True)
 
 
 class Server:

@@ -252,6 +252,15 @@ def test_large_arrays_arrive_as_they_were_when_they_were_published(node, master)
         assert set(found.tolist()) == {shade}
 
 
+def test_a_message_may_be_filled_again_when_it_is_published(node, master):
+    topic, message = node.publish("talk", STRING.name, 10, latch=True), STRING(data="published")
+    wait_for(lambda: "/talk" in master.publishers)
+    topic.publish(message)
+    message.data = "filled again"
+    sock, _ = open_topic(master, "/talk")  # which gets what was kept
+    assert codec(STRING).unpack(read_block(sock)).data == "published"
+
+
 def test_a_repeated_refusal_does_not_fill_the_log(node, master, caplog):
     node.publish("talk", STRING.name)
     for _ in range(150):
@@ -335,6 +344,9 @@ def peer_of_xmlrpc(answer):
                 sock, _ = listener.accept()
                 with sock, contextlib.suppress(OSError):
                     answer(sock.recv(1 << 16), sock)
+                    sock.shutdown(socket.SHUT_WR)
+                    while sock.recv(1 << 16):  # with a request half read, closing would take the answer back
+                        pass
 
     with socket.create_server(("127.0.0.1", 0)) as listener:
         thread = threading.Thread(target=serve, daemon=True)
@@ -361,6 +373,27 @@ ANSWERS = [
     f"<array><data><value><i4>0</i4></value><value>{DEEP}</value><value>x</value></data></array>",
     "x" * 1_000_000,
 ]
+
+
+@pytest.mark.parametrize("deep", ["uri", "host"])
+def test_addresses_that_are_nested_deeply_are_refused(node, master, caplog, deep):
+    """Python's text of a list this deep is an error that is none of a wire."""
+    place = {"uri": DEEP, "host": f"<array><data><value>TCPROS</value><value>{DEEP}</value><value><i4>1</i4></value>"
+             "</data></array>"}[deep]  # fmt: skip
+    value = f"<array><data><value><i4>1</i4></value><value>x</value><value>{place}</value></data></array>"
+    body = f"<methodResponse><params><param><value>{value}</value></param></params></methodResponse>".encode()
+    head = f"HTTP/1.0 200 OK\r\nContent-Length: {len(body)}\r\n\r\n".encode()
+    with peer_of_xmlrpc(lambda _, sock: sock.sendall(head + body)) as uri:
+        if deep == "uri":
+            with pytest.raises(GazeboError, match="elements in each other"):
+                RosClient(node.node.names._replace(master=uri)).call("x", "std_srvs/Empty")
+            return
+        subscription = node.subscribe("talk", STRING.name, lambda _: None)
+        wait_for(lambda: "/talk" in master.subscribers)
+        ask(node.node.uri, "publisherUpdate", "/master", "/talk", [uri])
+        wait_for(lambda: "elements in each other" in caplog.text)
+        wait_for(lambda: not node.node._subscribers["/talk"].publishers)
+        del subscription
 
 
 @pytest.mark.parametrize("value", ANSWERS, ids=["deep", "deep text", "long"])

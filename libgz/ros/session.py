@@ -94,7 +94,10 @@ class Publication:
         return bool(self._publisher.subscribed)
 
     def publish(self, message: Any) -> None:
-        """Send a message. Its bytes leave now, or in another thread where a subscriber is slow."""
+        """Send a message: it is packed now, so it may be filled again afterwards.
+
+        Its bytes leave now, or in another thread where a subscriber is slow.
+        """
         if self._stamped:
             message.header.seq = self._number
         self._number += 1
@@ -216,7 +219,6 @@ class Session(Closing):
         self.watchers: WeakKeyDictionary[Publisher | Channel, WeakSet[Publication]] = WeakKeyDictionary()
         self._transforms: Publication | None = None
         one = message_type("geometry_msgs/TransformStamped", self.version)()
-        # Filled again and again.
         self._transform: Any = message_type("tf2_msgs/TFMessage", self.version)(transforms=[one])
         self._refusals = Tally(100)
         self.node.start()

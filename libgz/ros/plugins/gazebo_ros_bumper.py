@@ -30,7 +30,7 @@ class GazeboRosBumper(RosSensor, SensorPlugin):
         self.frame_name = self.frame(self.given.frameName)
         self.publication = self.advertise(self.given.bumperTopicName, "gazebo_msgs/ContactsState")
         self.message = message_type("gazebo_msgs/ContactsState")()
-        self.states: list[Any] = []  # filled again and again
+        self.states: list[Any] = []  # as many as there ever were contacts
         self.begin()
 
     def send(self) -> None:

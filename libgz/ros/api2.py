@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.base.errors import NotFoundError
 from libgz.classic.physics.base import Entity
@@ -12,9 +12,6 @@ from libgz.ros.services import RefusedError, pose_of, vector
 from libgz.ros.session import Later, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["SERVICES2", "STATES", "StateApi", "WorldApi2"]
 

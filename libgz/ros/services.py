@@ -71,14 +71,15 @@ class Services:
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
         self._refusals = Tally(100)
         self._kept: list[Service | Subscription] = []
-        node = session.node
-        two = isinstance(node, BridgedNode)
+        bridged = session.node if isinstance(session.node, BridgedNode) else None
         for name, kind in self.services.items():
-            own = name if two else f"~{name}"
-            if not (isinstance(node, BridgedNode) and node.served(session.resolve(own, space))):
-                self._kept.append(session.serve(own, kind, self.handler(name), space, **more))
-        for name, kind in self.topics.items() if not two else ():
-            self._kept.append(session.subscribe(f"~{name}", kind, partial(self.set_by_topic, name), 10))
+            if bridged is None:
+                self._kept.append(session.serve(f"~{name}", kind, self.handler(name)))
+            elif not bridged.served(session.resolve(name, space)):
+                self._kept.append(session.serve(name, kind, self.handler(name), space, **more))
+        if bridged is None:
+            for name, kind in self.topics.items():
+                self._kept.append(session.subscribe(f"~{name}", kind, partial(self.set_by_topic, name), 10))
 
     def end(self) -> None:
         """Serve and subscribe no longer: the world ends."""

@@ -86,11 +86,13 @@ def work(path: str, how: str) -> None:
 def reading(topics: dict[str, str]) -> Iterator[None]:
     """A node that subscribes to topics."""
     node = subprocess.Popen([PYTHON, "-c", NODE, json.dumps(topics)], stdout=subprocess.PIPE, text=True, cwd="/")
-    if next(iter(node.stdout or ()), "") != "ready\n":
-        raise SystemExit("the node did not start")
-    yield
-    node.kill()
-    node.wait(20)
+    try:
+        if next(iter(node.stdout or ()), "") != "ready\n":
+            raise SystemExit("the node did not start")
+        yield
+    finally:
+        node.kill()
+        node.wait(20)
 
 
 class Server(Worker):

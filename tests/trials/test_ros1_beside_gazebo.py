@@ -42,7 +42,6 @@ ENVIRONMENT = {
     "ROS_IP": "127.0.0.1",
     "ROS_MASTER_URI": URI,
 }
-EMPTY = ("std_srvs/Empty", "d41d8cd98f00b204e9800998ecf8427e")
 
 
 def wait_until(condition, patience=60.0):
@@ -56,13 +55,15 @@ def wait_until(condition, patience=60.0):
 @contextlib.contextmanager
 def running(*command):
     process = subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    yield process
-    process.send_signal(signal.SIGINT)
     try:
-        process.wait(30)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
 
 
 def known(which):
@@ -120,8 +121,10 @@ def test_gazebo_says_it_again():
         for name, scene in SCENES.items():
             world = Path(ROOT) / "tmp" / f"libgz-{name}.world"
             world.write_text(scene.text)
-            found[name] = said(scene, world)
-            world.unlink()
+            try:
+                found[name] = said(scene, world)
+            finally:
+                world.unlink()
     if os.environ.get("LIBGZ_RECORD"):
         lines = [f"{json.dumps(name)}: {json.dumps(said)}" for name, said in found.items()]
         DATA.write_text("{\n" + ",\n".join(lines) + "\n}\n")

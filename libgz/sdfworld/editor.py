@@ -192,14 +192,14 @@ class SdfEditor:
         if key == "pose" and not part and entity.parent is None:
             numbers = numbers_of(value, 6, 6)
             pose = GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:]))
-            self._take(place.source, place.text.changed(place.text.pose(place.element, text)))
+            self._take(place.source, place.text.changed(*place.text.pose(place.element, text)))
             self._world.SetModelPose(entity, pose)
             entity.initPose = pose
             return entity
         if key.removeprefix("@") == "name" and not part:
             self._check_name(entity, text)
         if key == "pose" and place.include is not None:  # in the frame around it, whatever the include's own is
-            return self._rebuild(entity, place.source, place.text.changed(place.text.pose(place.element, text)))
+            return self._rebuild(entity, place.source, place.text.changed(*place.text.pose(place.element, text)))
         return self._rebuild(entity, place.source, self._edited(place, key, text))
 
     def embed(self, entity: Entity) -> Entity:

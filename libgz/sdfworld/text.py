@@ -86,7 +86,7 @@ class SdfText:
         named = [one for one in there if _name_of(one) == built.Get(str, "name")]
         return named[0] if named else there[0] if len(there) == 1 else None
 
-    # Each of these returns a change, for `changed`.
+    # Each of these returns a change, or several, for `changed`.
 
     def value(self, start: etree._Element, steps: Sequence[str], text: str) -> Edit:
         """The change of a value of an element below `start`; what is missing on the way is added.
@@ -121,13 +121,14 @@ class SdfText:
             inner = f"<{tag}>{inner}</{tag}>"
         return put_first(self.source, span, indent_of(self.source, span) + _encoded(inner))
 
-    def pose(self, element: etree._Element, text: str) -> Edit:
-        """The change of the pose of an element in the frame around it, in radians."""
+    def pose(self, element: etree._Element, text: str) -> list[Edit]:
+        """The changes of the pose of an element in the frame around it, in radians."""
         old = next(children(element, "pose"), None)
+        placed = [self.removal(one) for one in children(element, "placement_frame")]  # of an include
         if old is None or not old.attrib:
-            return self.value(element, ["pose"], text)
+            return [self.value(element, ["pose"], text), *placed]
         span = self._span(old)
-        return span.start, span.after, f"<pose>{text}</pose>".encode()
+        return [(span.start, span.after, f"<pose>{text}</pose>".encode()), *placed]
 
     def removal(self, element: etree._Element) -> Edit:
         """The removal of an element, with the blanks in front of it."""

@@ -459,7 +459,7 @@ class SdfWorld(Era):
             if entity is None:
                 edits.append(text.removal(found))
             elif not _same_pose(entity.GetPose(), model_pose(element)):
-                edits.append(text.pose(found, _written(entity.GetPose())))
+                edits += text.pose(found, _written(entity.GetPose()))
         inserted, version = [], self.file.version if self.file is not None else NEWEST
         for one in tops:
             if one.origin is not None and one.origin.source.number:

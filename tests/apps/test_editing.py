@@ -332,6 +332,21 @@ def test_the_pose_of_an_include_is_edited_as_it_is_shown(including, monkeypatch)
         assert ask.world.model("pile::inner").GetPose().pos.y == 3
 
 
+@pytest.mark.parametrize("edited", [True, False])
+def test_an_include_is_placed_by_its_pose_once_it_was_moved(including, tmp_path, monkeypatch, edited):
+    text = INCLUDING.replace("<pose>5 0", "<placement_frame>top</placement_frame><pose>5 0")
+    monkeypatch.setitem(globals(), "INCLUDING", text)
+    with including("1.9") as ask:
+        assert ask.value("pose", name="pebble")["value"][:3] == [5, 0, -1]
+        if edited:
+            ask("edit", name="pebble", key="pose", value=[1, 2, 3, 0, 0, 0])
+        else:
+            ask("move", name="pebble", pose=[1, 2, 3, 1, 0, 0, 0])
+        ask("write")
+        with libgz.World.from_file(tmp_path / "my.world") as again:
+            assert [*again.model("pebble").GetPose().pos] == [1, 2, 3]
+
+
 def test_what_an_include_cannot_set_says_where_it_is(including):
     with including() as ask:
         for content, key, value in (

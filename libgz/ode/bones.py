@@ -9,6 +9,7 @@ from ctypes import c_double, c_int64, c_void_p
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.base.errors import ParameterError
 from libgz.ode.step import library_path
 
 __all__ = ["blend_bones", "join_bones"]
@@ -49,8 +50,13 @@ def join_bones(
         parents: the place of each bone's parent, which comes first; that of the root, the first one, is not used.
         positions, turns: [m], shape (k, 3); shape (k, 4). Those of the root are not used.
         place, rotation: of the root, global [m].
+
+    Raises:
+        ParameterError: they are of another number of bones.
     """
     positions, turns = (np.ascontiguousarray(array, dtype=np.float64) for array in (positions, turns))
+    if positions.shape != (len(parents), 3) or turns.shape != (len(parents), 4):
+        raise ParameterError(f"a skeleton of {len(parents)} bones cannot have the pose of one of {len(positions)}")
     places, rotations = np.empty_like(positions), np.empty_like(turns)
     places[0], rotations[0] = place, rotation
     arrays = (parents, positions, turns, places, rotations)

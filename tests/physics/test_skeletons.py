@@ -8,7 +8,7 @@ import pytest
 from bone_files import two_bones
 
 import libgz
-from libgz.base.errors import GazeboError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geoms import SkinGeom
@@ -159,3 +159,9 @@ def test_bones_are_placed_by_those_before_them():
     found = turn_matrices(rotations)
     found[:, :3, 3] = places
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
+
+
+def test_a_pose_of_another_skeleton_is_refused(figure_of):
+    figure = figure_of(two_bones())
+    with pytest.raises(ParameterError, match="of 2 bones cannot have the pose of one of 1"):
+        figure.world(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), figure.positions[:1], figure.turns)

@@ -15,16 +15,19 @@ import threading
 import time
 from ctypes import CFUNCTYPE, c_char_p, c_int, c_size_t, c_void_p
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import LibraryError
 from libgz.base.waiting import PERIOD
 from libgz.classic.msgs import message_type
 from libgz.classic.physics.model import Model
-from libgz.classic.physics.registry import worlds
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Incoming, Topic, sequence
+from libgz.simulation.world import World as CoreWorld
 from libgz.transport.tally import Tally
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import World
 
 __all__ = ["IgnitionTransport"]
 
@@ -123,8 +126,9 @@ class IgnitionTransport:
                 log.warning("this server can only be watched: /%s/joint_cmd is ignored", model.decode(errors="replace"))
             return
         name, text = model.decode(errors="surrogateescape"), ctypes.string_at(data, size)
-        for world in worlds():
-            topic = self._manager.topics.get(f"/gazebo/{world.core.topic_space}/{name}/joint_cmd")
+        spaces = {world.core.topic_space: world for world in _served()}  # worlds of one name share their topics
+        for space, world in spaces.items():
+            topic = self._manager.topics.get(f"/gazebo/{space}/{name}/joint_cmd")
             if topic is not None:
                 message = Incoming(next(sequence), "gazebo.msgs.JointCmd", text, None)
                 self._manager.receive(topic, message, world.server.activity.waiting)
@@ -132,7 +136,7 @@ class IgnitionTransport:
     def _on_request(self, model: bytes, joint: bytes, reply: int) -> int:
         """Answer what is set for a joint; threads of ignition-transport call this."""
         name = model.decode(errors="surrogateescape").replace("/", "::")
-        for world in worlds():
+        for world in _served():
             end = time.monotonic() + PATIENCE
             while not world.core.lock.try_acquire():
                 if time.monotonic() > end:  # not for ever: the step may be closing a topic, and wait for this thread
@@ -147,6 +151,11 @@ class IgnitionTransport:
             finally:
                 world.core.lock.release()
         return 0
+
+
+def _served() -> list[World]:
+    """The worlds with topics. Others get none here, in a thread that does not hold their locks."""
+    return [core.facade for core in CoreWorld.all_running() if core.facade is not None]
 
 
 def _settings(model: Model, joint: str) -> bytes:

@@ -8,6 +8,7 @@ import pytest
 
 import libgz
 from libgz.classic import msgs
+from libgz.classic.commands import Commands
 from libgz.classic.server import attach
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic_cxx.ignition import IgnitionTransport
@@ -104,6 +105,7 @@ def test_models_are_commanded_and_asked_while_they_are_there(ignition, caplog):
         world.step()
         assert (ignition.opened(b"arm"), ignition.opened(b"arm/inner")) == (1, 1)
         with libgz.World.from_string(WORLD.format(name="two")) as other:  # of one name, all obey, as in one Gazebo
+            attach(other)
             other.step()
             assert ignition.opened(b"arm") == 1
             send(ignition, b"arm", name="arm::hinge", force=0.25)
@@ -158,3 +160,22 @@ def test_a_name_that_ignition_refuses(ignition, caplog):
     with libgz.World.from_string(WORLD.format(name="one").replace('"arm"', '"an arm"')) as world:
         attach(world)
         assert "ignition-transport has no topic /an arm/joint_cmd" in caplog.text
+
+
+def test_worlds_of_one_name_obey_once_and_others_are_not_touched(ignition, monkeypatch):
+    heard = []
+    monkeypatch.setattr(Commands, "joint", lambda commands, message: heard.append((commands, message.force)))
+    text = WORLD.format(name="one")
+    with (
+        libgz.World.from_string(text) as one,
+        libgz.World.from_string(text) as other,
+        libgz.World.from_string(text) as plain,
+    ):
+        for world in (one, other):
+            attach(world)
+        send(ignition, b"arm", name="arm::hinge", force=0.25)
+        for world in (one, other):
+            world.step()
+        assert [force for _, force in heard] == [0.25, 0.25]
+        assert len({commands for commands, _ in heard}) == 2
+        assert plain.facade is None

@@ -31,7 +31,7 @@ class Parameters:
 
         Raises:
             NotFoundError: there is no such file.
-            ParameterError: it is no such file, or too large.
+            ParameterError: it is no such file, or too large, or nested too deeply.
         """
         try:
             with open_file(path) as file:
@@ -40,10 +40,13 @@ class Parameters:
             raise NotFoundError(f"{path}: {error.strerror}") from None
         if len(data) > LARGEST_FILE:
             raise ParameterError(f"{path} has more than {LARGEST_FILE} bytes")
-        found = _value(data)
-        if not isinstance(found, Mapping):
-            raise ParameterError(f"{path} has no parameters")
-        self._take([], found)
+        try:
+            found = _value(data)
+            if not isinstance(found, Mapping):
+                raise ParameterError("it has no parameters")
+            self._take([], found)
+        except GazeboError as error:
+            raise ParameterError(f"{path}: {error}") from None
 
     def _take(self, names: list[str], found: Mapping[Any, Any]) -> None:
         for name, value in found.items():
@@ -57,7 +60,7 @@ class Parameters:
     def set(self, node: str, name: str, text: str) -> None:
         """Set one value, given as YAML has it; an empty name of a node is that of all."""
         try:
-            value = _value(text.encode())
+            value = _value(text.encode(errors="surrogateescape"))
         except GazeboError:
             value = text
         values: dict[str, Any] = {}

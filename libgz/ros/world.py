@@ -205,7 +205,7 @@ def _rate(session: Session, name: str, default: float) -> float:
     value = session.parameter(name, default)
     try:
         return float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         log.warning("ROS: parameter %s is %r; it must be a number", name, value)
         return default
 

@@ -19,7 +19,10 @@ def number_of(values: Mapping[str, Any], key: str, default: float, where: str) -
     value = values.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ParameterError(f"parameter {where}/{key} is {value!r}; it must be a number")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise ParameterError(f"parameter {where}/{key} is too large a number") from None
 
 
 class RosPid:

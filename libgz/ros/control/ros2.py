@@ -113,8 +113,9 @@ class JointStates2(JointStates):
     def load(self) -> None:
         """Advertise."""
         self.values = {"publish_rate": 1e6, **self.values}
-        names = self.values.get("joints") or list(self.hardware.joints)
-        unknown = [name for name in names if name not in self.hardware.joints] if isinstance(names, list) else [names]
+        known = list(self.hardware.joints)
+        names = self.values.get("joints") or known
+        unknown = [name for name in names if name not in known] if isinstance(names, list) else [names]
         if unknown:
             raise ParameterError(f"controller {self.name}: there is no joint {unknown[0]!r}")
         self._names: list[str] = names
@@ -163,7 +164,7 @@ class JointTrajectories2(JointTrajectories):
 
 
 def _interface(controller: Controller, name: Any) -> str:
-    if name not in INTERFACES:
+    if not isinstance(name, str) or name not in INTERFACES:
         raise ParameterError(
             f"controller {controller.name}: its interface is {name!r}; it must be one of {', '.join(INTERFACES)}"
         )
@@ -261,13 +262,13 @@ class ControllerManager2(ControllerManager):
         kind = own.get("type") if isinstance(own, Mapping) else None
         if name in self.controllers or name in self._unconfigured:
             log.error("A controller named '%s' was already loaded inside the controller manager", name)
-        elif kind not in CONTROLLERS:
+        elif not isinstance(kind, str) or kind not in CONTROLLERS:
             near = nearest(str(kind), CONTROLLERS)
             log.error("Could not load controller '%s': there is no type '%s'%s", name, kind, near)
         elif len(self.controllers) + len(self._unconfigured) >= MOST_CONTROLLERS:
             log.error("Could not load controller '%s': there are %d", name, MOST_CONTROLLERS)
         else:
-            self._unconfigured[name] = str(kind)
+            self._unconfigured[name] = kind
             return {"ok": True}
         return {"ok": False}
 

@@ -271,6 +271,8 @@ def _about(folder: Path) -> dict[str, Any]:
         for name, kind in names.items():
             if not isinstance(known[name], kind):
                 raise TypeError(f"{name} is {known[name]!r}")
+        if not all(isinstance(name, str) for key in ("parameters", "random", "measures") for name in known[key]):
+            raise TypeError("a name is no text")
         if known["format"] not in FORMATS:
             raise ValueError(f"its format is {known['format']!r}")
     return known
@@ -346,6 +348,10 @@ def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         known_runs = {row["run"] for row in rows}
         journal = folder / JOURNAL
         rows += [row for row in (_journal_rows(journal) if journal.is_file() else ()) if row["run"] not in known_runs]
+    needed = {*known["parameters"], *known["measures"], "controller"}
+    for row in rows:
+        if missing := needed - row.keys():
+            raise ParameterError(f"{folder} is damaged: run {row['run']} has no {min(missing)!r}")
     return known, sorted(rows, key=lambda row: row["run"])
 
 

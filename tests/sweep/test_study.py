@@ -144,6 +144,7 @@ DAMAGED = [
     ("study.json", b"[" * 100_000),
     ("study.json", b"{}"),
     ("study.json", b"\xff"),
+    ("study.json", b'{"digest": "", "format": "csv", "runs": 1, "parameters": [[]], "random": [], "measures": []}'),
     ("results.csv", b"run,state,python\nx,ok,3\n"),
     ("results.csv", b"run,python\n1,3\n"),
     ("results.csv", b"\xff\n1\n"),
@@ -158,6 +159,13 @@ def test_damaged_results_are_named(folder, name, content):
     for use in (lambda: read_results(folder / "results"), lambda: results_of(folder)):
         with pytest.raises(ParameterError, match=f"{name} is damaged"):
             use()
+
+
+def test_rows_without_a_column_are_named(folder):
+    results_of(folder).close()
+    (folder / "results" / "results.csv").write_bytes(b"run,state,python\n1,ok,3\n")
+    with pytest.raises(ParameterError, match="results is damaged: run 1 has no "):
+        read_results(folder / "results")
 
 
 def test_names_in_figures_are_no_formulas(tmp_path):

@@ -179,3 +179,13 @@ def test_worlds_of_one_name_obey_once_and_others_are_not_touched(ignition, monke
         assert [force for _, force in heard] == [0.25, 0.25]
         assert len({commands for commands, _ in heard}) == 2
         assert plain.facade is None
+
+
+def test_commands_that_a_closed_world_has_not_obeyed_take_no_room(ignition):
+    received = TopicManager.Instance().received
+    before = received.size
+    with libgz.World.from_string(WORLD.format(name="one")) as world:
+        attach(world)
+        send(ignition, b"arm", name="arm::hinge", force=0.25)
+        assert received.size > before
+    assert received.size == before

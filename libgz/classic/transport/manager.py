@@ -179,6 +179,7 @@ class TopicManager:
                     publisher.Fini()
                 for subscriber in topic.live_subscribers():
                     subscriber.Unsubscribe()
+                self.received.clear(topic)
                 self.topics.pop(name, None)
 
     def refresh(self, topic: Topic) -> None:

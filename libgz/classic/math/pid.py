@@ -35,6 +35,7 @@ class PID(ctypes.Structure):
     """
 
     _fields_ = [(name, ctypes.c_double) for name in NAMES]
+    __hash__ = object.__hash__  # structs have none
 
     cmd: float
     cmdMax: float

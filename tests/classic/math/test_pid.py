@@ -38,3 +38,8 @@ def test_a_pid_bears_odd_errors_and_no_time():
     pid = PID(1.0, 1.0, 1.0, 10.0, -10.0)
     assert pid.Update(1.0, 0.0) == pid.Update(pymath.nan, 0.1) == pid.Update(pymath.inf, 0.1) == 0.0
     assert pid.Update(1.0, 0.1) == pytest.approx(-(1.0 + 0.1 + 10.0))
+
+
+def test_pids_are_keys_of_tables():
+    one, other = PID(1.0), PID(1.0)
+    assert {one: "one", other: "other"}[one] == "one"

@@ -10,18 +10,23 @@ import asyncio
 import contextlib
 import json
 import logging
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from libgz._version import __version__
-from libgz.base.errors import LibraryError
+from libgz.base.errors import LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.base.python import run_module
 from libgz.reference.language import Completion, completions, meaning
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from io import RawIOBase
+
     from lsprotocol import types
     from pygls.lsp.server import LanguageServer
+    from pygls.workspace import TextDocument
 
 __all__ = ["configure", "new_server", "run"]
 
@@ -31,6 +36,9 @@ SOURCE = "libgz"
 DELAY = 0.3  # [s] after the last change, until a text is checked
 PATIENCE = 60.0  # [s] for a check
 LONGEST = 16 << 20  # characters of a text that is checked
+LONGEST_HEADER = 1024  # bytes of a line
+LONGEST_MESSAGE = 128 << 20  # bytes
+MOST_CHECKS = 4  # at a time
 MOST_SHOWN = 500  # diagnostics of a file
 UNTRUSTED = "files are untrusted"  # in what is reported of code that was not run
 TRIGGERS = ("<", ":", " ", '"', "'", ">")
@@ -47,10 +55,83 @@ def run(options: argparse.Namespace) -> int:
     """Serve one editor until it ends.
 
     Raises:
+        ParameterError: what it sends are no messages.
         LibraryError: the extra is not installed.
     """
-    new_server(trust=options.trust).start_io()
+    server = new_server(trust=options.trust)
+    handler = logging.StreamHandler()
+    handler.setFormatter(_OneLine())
+    logger = logging.getLogger("pygls")
+    logger.addHandler(handler)
+    logger.propagate = False
+    with open(sys.stdout.fileno(), "wb", buffering=0, closefd=False) as output:  # nothing is left to write at the end
+        server.start_io(_Input(sys.stdin.buffer), _Output(output))  # type: ignore[arg-type]  # they have what is used
     return 0
+
+
+class _OneLine(logging.Formatter):
+    """Records without tracebacks: what an editor sends is not trusted to be right."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        text = record.getMessage().partition("\n")[0]
+        if record.exc_info and (error := record.exc_info[1]) is not None:
+            text = f"{text}: {error or type(error).__name__}"
+        return f"libgz: {' '.join(text.split())[:LONGEST_HEADER]}"
+
+
+class _Input:
+    """Standard input, of which no more is held than one message."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+
+    def readline(self) -> bytes:
+        """A line of a header.
+
+        Raises:
+            ParameterError: it is too long.
+        """
+        line = self._stream.readline(LONGEST_HEADER + 1)
+        if len(line) > LONGEST_HEADER:
+            raise ParameterError(f"the editor sends a header of more than {LONGEST_HEADER} bytes")
+        return line
+
+    def read(self, size: int) -> bytes:
+        """A message.
+
+        Raises:
+            ParameterError: it is too long, or incomplete.
+        """
+        if size > LONGEST_MESSAGE:
+            raise ParameterError(f"the editor sends a message of {size} bytes; {LONGEST_MESSAGE} are allowed")
+        data = self._stream.read(size)
+        if len(data) < size:
+            raise ParameterError(f"the editor ended after {len(data)} of {size} bytes of a message")
+        return data
+
+
+class _Output:
+    """Standard output, until nobody reads it."""
+
+    def __init__(self, stream: RawIOBase) -> None:
+        self._stream = stream
+        self._open = True
+
+    def write(self, data: bytes) -> None:
+        """Write all of a message, or nothing after the editor has ended."""
+        try:
+            while self._open and data:
+                data = data[self._stream.write(data) or 0 :]
+        except OSError as error:
+            self._open = False
+            log.error("the editor reads no more: %s", error)
+
+    def flush(self) -> None:
+        """Nothing waits."""
+
+    def close(self) -> None:
+        """Write no more."""
+        self._open = False
 
 
 class _Checks:
@@ -59,6 +140,7 @@ class _Checks:
     def __init__(self, server: LanguageServer, trust: bool) -> None:
         self._server, self._trust = server, trust
         self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._places = asyncio.Semaphore(MOST_CHECKS)
 
     def begin(self, uri: str) -> None:
         """Check a text soon, and give up a check of it that runs."""
@@ -75,11 +157,12 @@ class _Checks:
         from lsprotocol import types
 
         await asyncio.sleep(DELAY)
-        document = self._server.workspace.get_text_document(uri)
-        text, version = document.source, document.version
-        if len(text) > LONGEST:
-            return
-        found = await self._diagnostics(Path(document.path), text)
+        async with self._places:
+            document = _opened(self._server, uri)
+            if document is None or len(document.source) > LONGEST:
+                return
+            text, version = document.source, document.version
+            found = await self._diagnostics(Path(document.path), text)
         lines = text.splitlines()
         shown = [_shown(one, lines, document.path) for one in found[:MOST_SHOWN]]
         self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
@@ -88,13 +171,16 @@ class _Checks:
         """What `libgz check` reports of a text."""
         words = ["--json", "--stdin", *([] if self._trust else ["--untrusted"]), "--", str(path.absolute())]
         pipe = asyncio.subprocess.PIPE
-        process = await asyncio.create_subprocess_exec(
-            *run_module("libgz", "check", *words),
-            stdin=pipe,
-            stdout=pipe,
-            stderr=pipe,
-            cwd=path.parent if path.parent.is_dir() else None,
-        )
+        try:
+            process = await asyncio.create_subprocess_exec(
+                *run_module("libgz", "check", *words),
+                stdin=pipe,
+                stdout=pipe,
+                stderr=pipe,
+                cwd=path.parent if path.parent.is_dir() else None,
+            )
+        except (OSError, ValueError) as error:  # the name may be too long, or have a null character
+            return [_whole_file(f"the check failed: {error}")]
         try:
             answer, errors = await asyncio.wait_for(process.communicate(text.encode("utf-8", "replace")), PATIENCE)
         except TimeoutError:
@@ -108,6 +194,12 @@ class _Checks:
         except ValueError:
             return [_whole_file(errors.decode(errors="replace").strip() or "the check failed")]
         return found
+
+
+def _opened(server: LanguageServer, uri: str) -> TextDocument | None:
+    """What an editor shows of a file; None if it has not opened it: no files are read that it only names."""
+    texts: Mapping[str, TextDocument] = server.workspace.text_documents
+    return texts.get(uri)
 
 
 def _whole_file(message: str) -> dict[str, Any]:
@@ -169,7 +261,9 @@ def new_server(*, trust: bool = False) -> LanguageServer:
 
     @server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=TRIGGERS))
     async def complete(parameters: types.CompletionParams) -> types.CompletionList:
-        document = server.workspace.get_text_document(parameters.text_document.uri)
+        document = _opened(server, parameters.text_document.uri)
+        if document is None:
+            return types.CompletionList(is_incomplete=False, items=[])
         position = parameters.position
         offset = document.offset_at_position(position)
         begun = _begun(document.source, offset)
@@ -179,7 +273,9 @@ def new_server(*, trust: bool = False) -> LanguageServer:
 
     @server.feature(types.TEXT_DOCUMENT_HOVER)
     async def hover(parameters: types.HoverParams) -> types.Hover | None:
-        document = server.workspace.get_text_document(parameters.text_document.uri)
+        document = _opened(server, parameters.text_document.uri)
+        if document is None:
+            return None
         text = meaning(document.source, document.offset_at_position(parameters.position))
         return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, text)) if text else None
 

@@ -130,17 +130,62 @@ def test_what_is_no_xml_is_an_error_of_its_line(tmp_path):
     assert {one.severity for one in found} == {types.DiagnosticSeverity.Error}
 
 
+def framed(body):
+    return b"Content-Length: %d\r\n\r\n%b" % (len(body), body)
+
+
+def message(name, number=None, **more):
+    number = {} if number is None else {"id": number}
+    return framed(json.dumps({"jsonrpc": "2.0", "method": name} | number | more).encode())
+
+
+INITIALIZE = message("initialize", 1, params={"processId": None, "rootUri": None, "capabilities": {}})
+
+
+def served(sent, **options):
+    """What a server does that an editor sends this."""
+    return subprocess.run(run_module("libgz", "lsp"), input=sent, capture_output=True, timeout=60, **options)
+
+
 def test_the_server_ends_as_its_editor_says(tmp_path):
-    words = (
-        ("initialize", 1, {"processId": None, "rootUri": None, "capabilities": {}}),
-        ("shutdown", 2, None),
-        ("exit",),
-    )
-    sent = b""
-    for name, *rest in words:
-        message = {"jsonrpc": "2.0", "method": name} | (dict(zip(("id", "params"), rest, strict=True)) if rest else {})
-        body = json.dumps(message).encode()
-        sent += b"Content-Length: %d\r\n\r\n%b" % (len(body), body)
-    ended = subprocess.run(run_module("libgz", "lsp"), input=sent, capture_output=True, cwd=tmp_path, timeout=60)
-    assert b"Traceback" not in ended.stderr, ended.stderr.decode()
+    ended = served(INITIALIZE + message("shutdown", 2, params=None) + message("exit"), cwd=tmp_path)
+    assert ended.stderr == b""
     assert ended.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("sent", "error"),
+    [
+        (b"Content-Length: 100\r\n\r\n{}", b"the editor ended after 2 of 100 bytes of a message"),
+        (b"Content-Length: 40000000000\r\n\r\n{}", b"the editor sends a message of 40000000000 bytes; 134217728 are"),
+        (b"Content-Length: " + b"9" * 5000 + b"\r\n\r\n", b"the editor sends a header of more than 1024 bytes"),
+    ],
+)
+def test_what_is_no_stream_of_messages_ends_the_server_with_a_sentence(sent, error):
+    ended = served(sent)
+    assert ended.stderr.startswith(b"libgz: " + error)
+    assert ended.stderr.count(b"\n") == 1
+    assert ended.returncode == 1
+
+
+def test_wrong_messages_are_a_line_each_and_the_server_goes_on():
+    place = {"textDocument": {"uri": "file:///dev/zero"}, "position": {"line": 0, "character": 0}}  # never opened
+    sent = [framed(b"[" * 100_000), framed(b"5"), message("textDocument/hover", 2, params={"position": 5}), INITIALIZE]
+    ended = served(
+        b"".join(sent) + message("textDocument/hover", 3, params=place) + message("shutdown", 4, params=None)
+    )
+    assert ended.stderr
+    assert all(line.startswith(b"libgz: Unable to ") for line in ended.stderr.splitlines())
+    assert b'"id": 4' in ended.stdout
+    assert ended.returncode == 0
+
+
+def test_an_editor_that_reads_no_more_is_one_line():
+    with subprocess.Popen(run_module("libgz", "lsp"), stdin=-1, stdout=-1, stderr=-1) as server:
+        server.stdout.close()
+        server.stdin.write(INITIALIZE * 3)
+        server.stdin.close()
+        said = server.stderr.read()
+    assert b"the editor reads no more: " in said
+    assert said.count(b"\n") == 1
+    assert server.returncode == 0

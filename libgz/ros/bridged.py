@@ -342,7 +342,7 @@ class BridgedNode:
     def push(self, channel: Channel, sort: int, body: list[Buffer]) -> None:
         """Send a message or an answer of some parts, or queue it."""
         link = self._link
-        if link is None:
+        if link is None or link.closed:  # what waited for a bridge that is gone is counted no more
             return
         size = HEAD.size + sum(map(len, body))
         parts = [HEAD.pack(size - 4, sort, channel.number), *body]

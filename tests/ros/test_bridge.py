@@ -1,10 +1,12 @@
 """ROS 2 by a bridge that the tests play: declarations, bytes, services, names, a bridge that ends; attacks."""
 
+import contextlib
 import json
 import logging
 import os
 import re
 import runpy
+import signal
 import socket
 import struct
 import sys
@@ -260,16 +262,41 @@ def test_hostile_frames_are_left_out(start, graph, caplog):
     wait_for(lambda: graph.links == 2, server.core.Step)
 
 
+@contextlib.contextmanager
+def stopped(server):
+    """The bridge reads nothing meanwhile."""
+    process = server.ros.node.process
+    process.send_signal(signal.SIGSTOP)
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGCONT)
+
+
 def test_a_slow_bridge_costs_no_memory(start, graph, caplog):
     server = start()
     server.topic("/clock")
     channel = channel_of(server, "/clock")
-    with graph._lock:  # the graph answers nothing; and what it reads waits in its thread
-        graph.socket.settimeout(None)
+    with stopped(server):
         for _ in range(bridged.MOST_WAITING + 100):
             channel.publish([bytes(1 << 16)])
     assert channel.waiting_bytes <= bridged.MOST_BYTES + (1 << 16)
     assert "too slow for /clock" in caplog.text
+
+
+def test_what_waits_for_a_bridge_that_is_gone_is_not_counted(start, graph, monkeypatch):
+    monkeypatch.setattr(bridged, "FIRST_PAUSE", 60.0)
+    server = start()
+    graph.number("/pause_physics")
+    channel, link = channel_of(server, "/pause_physics"), server.ros.node._link
+    with stopped(server) as process:
+        while channel.waiting < 10:
+            server.ros.node.push(channel, ANSWER, [bytes(1 << 16)])
+        process.kill()
+        wait_for(lambda: link.closed and not channel.waiting)
+        assert link.unsent
+        server.ros.node.push(channel, ANSWER, [bytes(1 << 16)])
+    assert (channel.waiting, channel.waiting_bytes) == (0, 0)
 
 
 @pytest.mark.parametrize(
@@ -304,7 +331,7 @@ def test_floods_of_a_bridge_cost_no_memory(start, graph, caplog):
     wait_for(lambda: "/pause_physics has too many requests" in caplog.text)
     assert len(server.ros.node.changed) <= len(server.ros.node._channels)
     assert len(server.ros.requests) == session.MOST_REQUESTS
-    with graph._lock:  # the graph reads no more
+    with stopped(server):
         for _ in range(bridged.MOST_WAITING + 100):
             server.ros.node.push(channel, ANSWER, [bytes(1 << 16)])
     assert channel.waiting_bytes <= bridged.MOST_BYTES + (1 << 17)

@@ -164,7 +164,8 @@ class Step:
         self._shared.gz_read(self._address)
 
     def place(self, geoms: Sequence[int], positions: NDArray[np.float64], turns: NDArray[np.float64]) -> None:
-        """Put geoms without bodies at positions [m], shape (n, 3), with rotations, shape (n, 4); C-contiguous."""
+        """Put geoms without bodies at positions [m], shape (n, 3), with rotations, shape (n, 4)."""
+        positions, turns = (np.ascontiguousarray(array, dtype=np.float64) for array in (positions, turns))
         handles = (c_void_p * len(geoms))(*geoms)
         self._shared.gz_place(handles, len(geoms), positions.ctypes.data, turns.ctypes.data)
 

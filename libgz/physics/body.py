@@ -651,7 +651,7 @@ def place_dummies(
                 rows.append(row)
             else:
                 geom.follow_dummy()
-    engine.native.place(handles, positions[rows], turns[rows])  # an index makes contiguous copies
+    engine.native.place(handles, positions[rows], turns[rows])
     engine.moved_dummies.update(bodies)
     engine.tables.record.changes += 1
     engine.wake()

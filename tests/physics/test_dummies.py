@@ -67,6 +67,14 @@ def test_they_are_where_each_would_be_put_alone(world, scale, length):
     assert world.engine.tables.record.changes > before
 
 
+def test_whole_numbers_are_places_too(world):
+    bodies, turns = limbs(world), np.tile((1.0, 0.0, 0.0, 0.0), (4, 1))
+    place_dummies(world.engine, bodies, np.arange(12).reshape(4, 3), turns)
+    found = places(bodies)
+    place_dummies(world.engine, bodies, np.arange(12.0).reshape(4, 3), turns)
+    assert places(bodies) == found
+
+
 @pytest.mark.parametrize("wrong", [math.nan, math.inf])
 def test_what_is_not_finite_is_refused(world, wrong):
     bodies = limbs(world)

@@ -342,3 +342,19 @@ def test_a_first_target_that_a_law_sets_acts_in_the_same_iteration():
             del connection
         native, plain = (attach(world).world.ModelByName("glider").GetJoint("wheel") for world in worlds)
         assert native.GetVelocity(0) == plain.GetVelocity(0) != 0.0
+
+
+class Constant(PID):
+    """A controller of a user's own."""
+
+    def Update(self, error, dt):
+        return 0.2
+
+
+def test_a_pid_of_ones_own_is_asked():
+    with libgz.World.from_string(glider("")) as world:
+        controller = attach(world).world.ModelByName("glider").GetJointController()
+        controller.SetVelocityPID("wheel", Constant())
+        controller.SetVelocityTarget("wheel", 1.0)
+        world.step(3)
+        assert attach(world).world.ModelByName("glider").GetJoint("wheel").GetForce(0) == 0.2

@@ -6,9 +6,9 @@ import ctypes
 import sys
 from collections.abc import Callable, Sequence
 from operator import attrgetter
-from typing import SupportsFloat
+from typing import Any, SupportsFloat
 
-from libgz.base.law import largest, law, least, possible, usually, where
+from libgz.base.law import Term, largest, law, least, possible, usually, where
 
 __all__ = ["PID"]
 
@@ -99,6 +99,7 @@ class PID(ctypes.Structure):
         """Set all errors and the command to 0."""
         self.pErr = self.pErrLast = self.iErr = self.dErr = self.cmd = 0.0
 
+    @law
     def Update(self, error: float, dt: SupportsFloat) -> float:
         """The next command.
 
@@ -107,11 +108,7 @@ class PID(ctypes.Structure):
             dt: time since the last update [s], a number or a `common.Time`. If it is 0, or the error is infinite or
                 NaN, the state does not change and the command is 0.
         """
-        return self.advance(error, float(dt))
-
-    @law
-    def advance(self, error: float, step: float) -> float:
-        """`Update` by a time step [s], as a law."""
+        step: Any = dt if isinstance(dt, Term) else float(dt)
         self.pErr = error
         if not usually((step != 0.0) & (abs(error) <= sys.float_info.max)):
             return 0.0
@@ -130,7 +127,7 @@ class PID(ctypes.Structure):
         if possible(limited):
             command = where(limited, largest(least(command, self.cmdMax), self.cmdMin), command)
         self.cmd = command
-        return command
+        return command  # type: ignore[no-any-return]
 
     def GetErrors(self) -> tuple[float, float, float]:
         """The error, its integral [s] and its rate [1/s], as of the last update."""

@@ -268,9 +268,9 @@ class JointController:
         if force is not None:
             joint.SetForce(0, force.value)
         if position is not None:
-            joint.SetForce(0, position_pid.advance(joint.Position(0) - position.value, passed))
+            joint.SetForce(0, position_pid.Update(joint.Position(0) - position.value, passed))
         if velocity is not None:
-            joint.SetForce(0, velocity_pid.advance(joint.GetVelocity(0) - velocity.value, passed))
+            joint.SetForce(0, velocity_pid.Update(joint.GetVelocity(0) - velocity.value, passed))
 
     @unrecorded
     def _give_up(self, name: str, error: GazeboError) -> None:

@@ -33,6 +33,7 @@ FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, METADATA, METADATA_INDEX =
 _HEAD = struct.Struct("<BQ")  # of a record: kind, length
 _CHUNK = struct.Struct("<QQQI")  # of a chunk: begin, end, size, checksum; the compression and the data follow
 _MESSAGE = struct.Struct("<HIQQ")  # of a message: channel, sequence, times of the log and of publication
+ABOUT = "libgz"  # name of the metadata of the whole log
 FOOTER_SIZE = _HEAD.size + 20
 LONGEST = 64 << 20  # [byte] of a message, as on the wire of topics
 # What the records' readers raise for files that are damaged.
@@ -140,7 +141,7 @@ class LogReader(Closing):
             start = _parsed(Footer, content).summary_start if kind == FOOTER else 0
             if not 0 < start <= end:
                 return False
-            notes = []
+            about = 0
             while start < end:
                 kind, content = self._record_at(start)
                 start += _HEAD.size + len(content)
@@ -152,27 +153,51 @@ class LogReader(Closing):
                 elif kind == CHUNK_INDEX:
                     self._add_part(_parsed(ChunkIndex, content))
                 elif kind == METADATA_INDEX:
-                    notes.append(_parsed(MetadataIndex, content).offset)
-            for place in notes:
-                kind, content = self._record_at(place)
+                    note = _parsed(MetadataIndex, content)
+                    about = note.offset if note.name == ABOUT else about
+            if about:
+                kind, content = self._record_at(about)
                 if kind == METADATA:
                     self._add_metadata(content)
+            self._check_parts()
         except (*DAMAGE, OSError):
             self._schemas, self._parts, self.channels, self.about = {}, [], {}, {}
             return False
         return True
 
-    def _record_at(self, place: int) -> tuple[int, bytes]:
-        """The kind and bytes of a record.
+    def _head_at(self, place: int) -> tuple[int, int]:
+        """The kind and length of a record, of which the file has all bytes.
 
         Raises:
-            ValueError: the file ends before.
+            ValueError, struct.error, OSError: the file ends before.
         """
         self._file.seek(place)
         kind, length = _HEAD.unpack(self._file.read(_HEAD.size))
         if length > os.fstat(self._file.fileno()).st_size - self._file.tell():
             raise ValueError(f"a record of {length} bytes is truncated")
+        if kind == 0:
+            raise ValueError("there is no record")
+        return kind, length
+
+    def _record_at(self, place: int) -> tuple[int, bytes]:
+        """The kind and bytes of a record.
+
+        Raises:
+            BudgetError: it has more than a reader may hold.
+            ValueError, struct.error, OSError: the file ends before.
+        """
+        kind, length = self._head_at(place)
+        Budget().take(length)
         return kind, self._file.read(length)
+
+    def _check_parts(self) -> None:
+        """Check that the index names chunks, and each once: a small file could else be read without an end."""
+        end = 0
+        for part in sorted(self._parts, key=lambda part: part.offset):
+            kind, length = self._head_at(part.offset)
+            if kind != CHUNK or part.offset < end:
+                raise ValueError("the index names no chunk, or one twice")
+            end = part.offset + _HEAD.size + length
 
     def _add_part(self, chunk: ChunkIndex) -> None:
         channels = frozenset(chunk.message_index_offsets)
@@ -183,7 +208,7 @@ class LogReader(Closing):
 
     def _add_metadata(self, content: bytes) -> None:
         metadata = _parsed(Metadata, content)
-        if metadata.name == "libgz":
+        if metadata.name == ABOUT:
             self.about = dict(metadata.metadata)
 
     def _add_channel(self, channel: Channel) -> None:
@@ -203,16 +228,16 @@ class LogReader(Closing):
         place = len(MAGIC)
         while True:
             try:
-                kind, content = self._record_at(place)
+                kind, length = self._head_at(place)
                 if kind == CHUNK:
-                    self._scan_chunk(place, content)
+                    self._scan_chunk(place, self._record_at(place)[1])
                 elif kind == METADATA:
-                    self._add_metadata(content)
+                    self._add_metadata(self._record_at(place)[1])
             except BudgetError as error:
                 raise self._damaged(place, error) from None
             except DAMAGE:
                 return
-            place += _HEAD.size + len(content)
+            place += _HEAD.size + length
 
     def _scan_chunk(self, place: int, content: bytes) -> None:
         found: set[int] = set()

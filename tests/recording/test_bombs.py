@@ -115,6 +115,55 @@ def test_records_that_state_more_than_the_file_has_are_damage(tmp_path):
             assert list(log.messages()) == []
 
 
+def with_index(path, change):
+    """A log of two messages in two chunks, with a change of the index."""
+    with path.open("wb") as file:
+        log = McapFile(file, "test")
+        channel = log.add_channel("/a", "json", 0, {})
+        for number in range(2):
+            log.add_message(channel, 0, number, number, b"0")
+            log.flush()
+        change(log._chunks)
+        log.finish()
+
+
+@pytest.mark.parametrize("place", [-1, 30, 1 << 62, (1 << 63) - 1, (1 << 64) - 1])
+def test_an_index_that_lies_is_not_used(tmp_path, place):
+    def change(chunks):
+        if place < 0:
+            chunks.extend(chunks * 100)
+        else:
+            chunks[1].chunk_start_offset = place
+
+    path = tmp_path / "a.mcap"
+    with_index(path, change)
+    with LogReader(path) as log:
+        assert not log.complete
+        assert [message.time for message in log.messages()] == [0, 1]
+
+
+def test_records_are_read_only_if_they_are_needed_and_small(tmp_path):
+    path = tmp_path / "a.mcap"
+    attachment = struct.pack("<BQ", 9, 1 << 40)
+    path.write_bytes(MAGIC + chunk(CHANNEL + message(1, 8)) + attachment)
+    with path.open("r+b") as file:
+        file.truncate(path.stat().st_size + (1 << 40))  # sparse
+    with LogReader(path) as log:
+        assert len(list(log.messages())) == 1
+    path.write_bytes(MAGIC + struct.pack("<BQ", 6, 2 * MIB) + bytes(2 * MIB))
+    with pytest.raises(ParameterError, match=SAID):
+        LogReader(path)
+
+
+def test_zeros_are_no_records(tmp_path):
+    path = tmp_path / "a.mcap"
+    path.write_bytes(MAGIC + chunk(CHANNEL + message(1, 8)))
+    with path.open("r+b") as file:
+        file.truncate(1 << 40)  # sparse: as records, they would take days
+    with LogReader(path) as log:
+        assert len(list(log.messages())) == 1
+
+
 def test_the_last_messages_of_many_channels_are_bounded(tmp_path):
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:

@@ -7,11 +7,12 @@ import operator
 import os
 import threading
 import weakref
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager
 from ctypes import c_void_p
 from typing import Any, TypeVar
 
-from libgz.base.errors import USER_ERRORS, LibraryError, ParameterError, pass_interrupt
+from libgz.base.errors import USER_ERRORS, GazeboError, LibraryError, ParameterError, pass_interrupt
 from libgz.base.records import JobRecord
 from libgz.ode.lib import ode
 from libgz.ode.step import library_path
@@ -47,6 +48,23 @@ class Crew:
             raise ParameterError(f"threads is {wanted}; allowed are 1 to {MOST_THREADS}, and None for one a core")
         self.threads = max(1, min(wanted, most))
         self._native: _Threads | None = None
+        self._locks: dict[int, threading.Lock] = {}  # by process: a child may be forked while a thread holds one
+        self._runner = 0  # the thread that holds it
+
+    @contextmanager
+    def _alone(self, wait: bool) -> Iterator[None]:
+        """Be the only one that uses the threads: they give each job back to whoever asks next."""
+        lock = self._locks.setdefault(os.getpid(), threading.Lock())
+        if self._runner == threading.get_ident():
+            raise GazeboError("the threads step already; what a step calls cannot step or close all worlds")
+        if not lock.acquire(blocking=wait):
+            raise GazeboError("the threads step already, for another thread of the program; step in one at a time")
+        try:
+            self._runner = threading.get_ident()
+            yield
+        finally:
+            self._runner = 0
+            lock.release()
 
     def run(self, tasks: Sequence[Task[T]]) -> list[T | BaseException]:
         """Run tasks beside each other: jobs in all threads, and what they do themselves in this one.
@@ -55,8 +73,13 @@ class Crew:
             What each returned, or the exception that it raised.
 
         Raises:
+            GazeboError: they run tasks already.
             LibraryError: there is no memory for the threads.
         """
+        with self._alone(wait=False):
+            return self._run(tasks)
+
+    def _run(self, tasks: Sequence[Task[T]]) -> list[T | BaseException]:
         native = self._native
         if native is None or native.process != os.getpid():
             native = self._native = _Threads(self.threads)
@@ -89,10 +112,15 @@ class Crew:
         return outcomes
 
     def close(self) -> None:
-        """End the threads; `run` starts new ones. Can be called twice."""
-        if self._native is not None:
-            self._native.close()
-            self._native = None
+        """End the threads, after their tasks; `run` starts new ones. Can be called twice.
+
+        Raises:
+            GazeboError: a task itself does it.
+        """
+        with self._alone(wait=True):
+            if self._native is not None:
+                self._native.close()
+                self._native = None
 
 
 class _Threads:

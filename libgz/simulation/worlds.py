@@ -86,7 +86,8 @@ class Worlds(Closing, Sequence[W], Generic[W]):
 
         Raises:
             ClosedError: a world was closed; none has made a step then.
-            GazeboError: the step of a world failed; the message has its number, and the cause is its error.
+            GazeboError: the step of a world failed; the message has its number, and the cause is its error. Or another
+                thread steps them already, or what a step calls does it.
         """
         self._check_ready()
         for number, outcome in enumerate(self._crew.run([world.step_beside(count) for world in self._worlds])):
@@ -94,7 +95,11 @@ class Worlds(Closing, Sequence[W], Generic[W]):
                 raise GazeboError(f"world {number} of {len(self)}: {outcome}") from outcome
 
     def close(self) -> None:
-        """Close all worlds, and end the threads. Can be called twice."""
+        """Close all worlds, and end the threads; waits for a step in another thread. Can be called twice.
+
+        Raises:
+            GazeboError: what a step calls does it.
+        """
         self._crew.close()
         for world in self._worlds:
             _taken.discard(world)

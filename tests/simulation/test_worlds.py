@@ -90,6 +90,51 @@ def test_callbacks_run_in_the_calling_thread():
         assert [world.iterations for world in worlds] == [20, 20, 20]
 
 
+def test_worlds_step_in_one_thread_at_a_time():
+    began, said = threading.Event(), []
+
+    def other(worlds):
+        with pytest.raises(GazeboError, match="for another thread of the program") as raised:
+            worlds.step()
+        said.append(raised.value)
+
+    def inside():
+        if not began.is_set():
+            began.set()
+            thread = threading.Thread(target=other, args=(worlds,))
+            thread.start()
+            thread.join()
+            for use in (worlds.step, worlds.close):
+                with pytest.raises(GazeboError, match="what a step calls cannot step or close"):
+                    use()
+                said.append(use)
+
+    with libgz.Worlds((libgz.World.from_string(HEAP) for _ in range(3)), threads=2) as worlds:
+        kept = worlds[1].events["WorldUpdateBegin"].Connect(inside)
+        worlds.step(5)
+        assert len(said) == 3
+        assert kept.connected
+        assert [world.iterations for world in worlds] == [5, 5, 5]
+
+
+def test_closing_worlds_waits_for_a_step_in_another_thread():
+    began = threading.Event()
+    worlds = libgz.Worlds((libgz.World.from_string(HEAP) for _ in range(3)), threads=2)
+    kept = worlds[0].events["WorldUpdateBegin"].Connect(began.set)
+    made = []
+
+    def step():
+        worlds.step(50)
+        made.append(kept.connected)
+
+    thread = threading.Thread(target=step)
+    thread.start()
+    assert began.wait(60)
+    worlds.close()
+    thread.join()
+    assert made
+
+
 def test_a_world_that_fails_ends_and_the_others_step_on():
     def fail():
         raise ValueError("no")

@@ -100,8 +100,11 @@ def connected(family=socket.AF_INET, host="127.0.0.1"):
 WAYS = [(socket.AF_INET, "127.0.0.1"), (socket.AF_INET, "127.0.0.9"), (socket.AF_INET6, "::ffff:127.0.0.1")]
 
 
+@pytest.mark.parametrize("asked", [True, False], ids=["asked", "listed"])
 @pytest.mark.parametrize(("family", "host"), WAYS)
-def test_a_peer_of_another_user_is_named(monkeypatch, family, host):
+def test_a_peer_of_another_user_is_named(monkeypatch, family, host, asked):
+    if not asked:
+        monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)
     monkeypatch.setattr(peers.os, "geteuid", lambda: 77)
     monkeypatch.setattr(peers, "ROOT", 78)
     with socket.create_server(("0.0.0.0", 0)) as listener, socket.socket(family) as client:
@@ -112,6 +115,17 @@ def test_a_peer_of_another_user_is_named(monkeypatch, family, host):
             assert check.refusal(server) == f"it is of user {os.getuid()}, not of user 77 or root"
             monkeypatch.setattr(peers, "ROOT", os.getuid())
             assert check.refusal(server) == ""
+
+
+@pytest.mark.parametrize(("family", "host"), WAYS)
+def test_one_question_finds_the_user_without_the_lists(monkeypatch, family, host):
+    """The lists take milliseconds: with them, few clients could connect in a second."""
+    monkeypatch.setattr(PeerCheck, "_listed", lambda *_: pytest.fail("the lists were read"))
+    with socket.create_server(("0.0.0.0", 0)) as listener, socket.socket(family) as client:
+        client.connect((host, listener.getsockname()[1]))
+        server, _ = listener.accept()
+        with server:
+            assert PeerCheck().refusal(server) == ""
 
 
 def test_a_peer_that_has_closed_its_socket_is_not_taken_for_root():

@@ -12,7 +12,7 @@ import time
 import weakref
 from typing import Any
 
-from libgz.apps.world_control import WorldControl
+from libgz.apps.world_control import WorldControl, steps_of
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError
 from libgz.base.extras import install
@@ -52,13 +52,14 @@ class _Controls:
         """
         if verb == "pause":
             self._pacer = Pacer(self._pacer.speed)
-            self._runs = argument == "off"
+            self._runs, self._steps = argument == "off", 0
             if self._runs:
                 self._world.paused = False
             return None
         if verb == "step":
-            self._world.paused = False
-            self._world.step(int(argument))
+            with self._world.lock:
+                self._steps += steps_of(argument)
+                self._world.paused = False
             return None
         with self._world.lock:
             answer = self._requests.obey(Request(verb, argument, json.dumps(content).encode() if content else b""))
@@ -80,17 +81,18 @@ class _Controls:
     def _loop(self) -> None:
         world = self._world
         while world.running:
-            if not self._runs:
+            if not self._runs and not self._steps:
                 time.sleep(IDLE)
                 continue
             try:
                 world.Step()
                 with world.lock:
                     self._requests.stepped()
+                    self._steps = max(self._steps - 1, 0)
             except GazeboError as error:
                 if world.running:
                     log.error("the world does not run on: %s", error)
-                self._runs = False
+                self._runs, self._steps = False, 0
                 continue
             while self._runs and not self._pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
                 pass

@@ -29,7 +29,7 @@ from libgz.transport.control import Request
 if TYPE_CHECKING:
     from libgz.apps.joint_servos import JointServos
 
-__all__ = ["WorldControl"]
+__all__ = ["WorldControl", "steps_of"]
 
 MOST_STEPS = 100_000  # of one request
 MOST_CONTACTS = 2000
@@ -145,9 +145,7 @@ class WorldControl:
         self.world.paused = argument == "on"
 
     def _step(self, argument: str, _content: dict[str, Any]) -> None:
-        count = int(argument) if argument.isdecimal() else 0
-        if not 0 < count <= MOST_STEPS:
-            raise ParameterError(f"step is {argument!r}; allowed are 1 to {MOST_STEPS}")
+        count = steps_of(argument)
         if self.world.paused or self._steps:
             self._steps += count
             self.world.paused = False
@@ -441,6 +439,18 @@ class WorldControl:
 
 
 _PLACE = re.compile(r"(?P<file>[^\s:][^:\n]{0,4000}):(?P<line>\d{1,9}): ")
+
+
+def steps_of(argument: str) -> int:
+    """How many steps a request asks for.
+
+    Raises:
+        ParameterError: it is no number of them, or more than one request may ask for.
+    """
+    count = int(argument) if argument.isdecimal() and len(argument) < 10 else 0
+    if not 0 < count <= MOST_STEPS:
+        raise ParameterError(f"step is {argument[:80]!r}; allowed are 1 to {MOST_STEPS}")
+    return count
 
 
 def _number(text: str, what: str) -> float:

@@ -80,6 +80,10 @@ def test_scene_states_and_answers_come_over_the_channel(view, monkeypatch):
     assert kernel.answer("a", 1, "step", "5")["value"] is None
     kernel.until(lambda _, buffers: buffers and buffers[0][0] == 1 and state_of(buffers[0])[1][1] > begin)
     assert "no request" in kernel.answer("a", 2, "publish", "x")["error"]
+    for argument in ("-1", "1e3", "1000000000", "9" * 60):
+        assert "allowed are 1 to 100000" in kernel.answer("a", 3, "step", argument)["error"]
+    assert kernel.answer("a", 4, "step", "100000")["value"] is None  # and the page lives on meanwhile
+    assert kernel.answer("a", 5, "pause", "on")["value"] is None
     for content in ({}, {"view": 7}, {"view": "a", "text": "{"}, {"view": "a", "text": 3}, {"view": "b", "text": "{}"}):
         kernel.hear(**content)
     kernel.hear(view="a", close=True)

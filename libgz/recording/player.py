@@ -407,7 +407,7 @@ class Player(Closing):
             used: set[str] = set()
             self._place_files(scene, used, shared)
             self.readings.show(scene)
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, OSError) as error:  # the names of files are the log's
             raise ParameterError(f"the log is damaged: a scene is not understood: {error}") from None
         shared.write_scene(json.dumps(scene).encode(), used)
 

@@ -187,3 +187,18 @@ def test_a_scene_of_many_small_parts_is_bounded(tmp_path):
         log.finish()
     with pytest.raises(ParameterError, match=SAID):
         Player(path, 941_777)
+
+
+@pytest.mark.parametrize("name", ["/a/..", "/" + "a" * 5000, "/a/" + "b" * 300])
+def test_names_of_files_that_no_folder_can_hold_are_damage(tmp_path, name):
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        log = McapFile(file, "test")
+        log.add_metadata("libgz", {"format": "1"})
+        scene = log.add_channel("/gz/scene", "json", 0, {"kind": "own"})
+        files = log.add_channel("/gz/files", "json", 0, {"kind": "own"})
+        log.add_message(files, 0, 1, 1, struct.pack("<I", len(name)) + name.encode() + struct.pack("<I", 1) + b"x")
+        log.add_message(scene, 0, 1, 1, b'{"entities": [{"texture": "%b"}]}' % name.encode())
+        log.finish()
+    with pytest.raises(ParameterError, match=r"the log is damaged: a scene is not understood"):
+        Player(path, 941_778)

@@ -16,7 +16,7 @@ import random
 import re
 import struct
 import sys
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
@@ -49,6 +49,7 @@ __all__ = [
 VERSION = 9
 FORMAT = b"libgz state %d\n" % VERSION  # at the start of encoded data
 MOST_ITEMS = 1 << 21  # in all lists and dicts of them
+MOST_ALIKE = 100  # keys of one hash in a dict or set
 MOST_NESTED = 100  # extensions within each other
 MOST_DIMENSIONS = 32
 TOO_DEEP = "it is nested too deeply, or contains itself"
@@ -408,6 +409,15 @@ def _too_large(data: bytes) -> str:
     return f"{len(data) / (1 << 20):.1f} MiB; allowed are {budget_limit() >> 20} MiB, or what {VARIABLE} [MiB] says"
 
 
+def _check_hashes(keys: Sequence[Any]) -> Sequence[Any]:
+    """The keys, if few of them have the same hash: each of these is compared with all before it."""
+    if len(keys) > MOST_ALIKE and not {*map(type, keys)} <= _ORDERED - {int}:
+        ((_, times),) = Counter(map(hash, keys)).most_common(1)
+        if times > MOST_ALIKE:
+            raise StateError(f"the state is damaged: {times} keys have the same hash; allowed are {MOST_ALIKE}")
+    return keys
+
+
 def _damaged(what: str) -> StateError:
     return StateError(f"the state is damaged: {what}")
 
@@ -431,7 +441,7 @@ class _Decoder:
             data,
             ext_hook=self._extension,
             list_hook=self._list,
-            object_hook=self._list,
+            object_pairs_hook=self._map,
             strict_map_key=False,
             unicode_errors="surrogatepass",
             timestamp=2,  # msgpack's times, which are never written, are numbers
@@ -444,6 +454,11 @@ class _Decoder:
         if self._items > MOST_ITEMS:
             raise StateError(f"the state is damaged: it has more than {MOST_ITEMS} values")
         return value
+
+    def _map(self, pairs: list[tuple[Any, Any]]) -> Any:
+        self._list(pairs)
+        _check_hashes([key for key, _ in pairs] if len(pairs) > MOST_ALIKE else ())
+        return dict(pairs)
 
     def _extension(self, code: int, data: bytes) -> Any:
         if not 0 <= code < len(self._kinds):
@@ -470,10 +485,10 @@ class _Decoder:
         return tuple(self._many(data))
 
     def _set(self, data: bytes) -> Any:
-        return set(self._many(data))
+        return set(_check_hashes(self._many(data)))
 
     def _frozen(self, data: bytes) -> Any:
-        return frozenset(self._many(data))
+        return frozenset(_check_hashes(self._many(data)))
 
     def _deque(self, data: bytes) -> Any:
         most, items = self._many(data, 2)

@@ -274,3 +274,17 @@ def test_states_have_the_limit_of_all_that_is_decompressed(monkeypatch):
         decode(FORMAT + parts)
     monkeypatch.setenv(VARIABLE, "2")
     assert len(decode(FORMAT + parts)) == 2
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        {number * (2**61 - 1) + (1 << 70) * (2**61 - 1) for number in range(1000)},
+        frozenset(complex(-1000003 * number, number) for number in range(1000)),
+        {(number * (2**61 - 1),): 0 for number in range(1000)},
+    ],
+    ids=["set", "frozenset", "dict"],
+)
+def test_keys_of_one_hash_are_refused(value):
+    with pytest.raises(StateError, match="1000 keys have the same hash"):
+        decode(encode(value))

@@ -240,6 +240,12 @@ def compare(name: str, other: Worker, bases: Mapping[str, Worker]) -> None:
     for number in range(PAIRS):
         order = [*bases.values(), other]
         rounds.append({worker: worker(BLOCK) for worker in (order if number % 2 else order[::-1])})
+    steps = {"with ROS": other, **bases}
+    medians = (
+        f"{title} {statistics.median(one[worker][1] for one in rounds) / BLOCK * 1e6:.0f}"
+        for title, worker in steps.items()
+    )
+    print(f"{name:8} CPU of a step [us]: {', '.join(medians)}", flush=True)
     for title, base in bases.items():
         for kind, what in enumerate(("real", "processor")):
             ratios = [one[other][kind] / one[base][kind] for one in rounds]

@@ -130,7 +130,8 @@ def test_missing_arguments_are_reported(libgz):
     assert "no action is given" in libgz("joint", "-m", "arm", "-j", "hinge", code=1)
 
 
-def test_statistics_end_with_the_server(tmp_path):
+def test_statistics_end_with_the_server(tmp_path, monkeypatch):
+    monkeypatch.setenv("TMP", str(tmp_path))  # a server that is killed leaves its directory
     with (
         serve(tmp_path) as (env, server),
         subprocess.Popen(

@@ -221,8 +221,11 @@ def test_models_are_duplicated_and_aligned(opened):
 def test_help_shows_the_keys(opened):
     page = opened()
     for key in ("?", "h"):
-        page.keyboard.press(key)
         dialog = page.get_by_role("dialog", name="Keys")
+        end = time.monotonic() + PATIENCE / 1000.0
+        while not dialog.count() and time.monotonic() < end:  # a busy browser may lose a key
+            page.keyboard.press(key)
+            page.wait_for_timeout(200)
         for text in (
             "Pause",
             "Step",

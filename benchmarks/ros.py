@@ -208,6 +208,7 @@ def recording(root: Path, port: int, topics: list[str]) -> Iterator[None]:
     yield
     recorder.send_signal(signal.SIGINT)
     recorder.wait(30)
+    wait_for(bag.exists)  # rosbag is a script whose child writes
     print(f"    the bag has {bag.stat().st_size / 1e6:.0f} MB")
     bag.unlink()
 

@@ -2,16 +2,47 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError, nearest
+from libgz.base.law import law, rarely
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.math import Rand, Vector3d
+from libgz.classic.plugin import ModelPlugin
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
+    from libgz.simulation.clock import Clock
+    from libgz.simulation.rate import UpdateRate
 
-__all__ = ["noisy", "ros_elements", "ros_joints", "ros_rate", "ros_topic"]
+__all__ = ["PeriodicPlugin", "noisy", "ros_elements", "ros_joints", "ros_rate", "ros_topic"]
+
+
+class PeriodicPlugin(ModelPlugin, ABC):
+    """A plugin that does its work at a rate of sim time; native code leaves only those steps to Python.
+
+    Attributes:
+        clock: the world's; `Load` sets it.
+        rate: of the work; `Load` sets it.
+    """
+
+    clock: Clock
+    rate: UpdateRate
+
+    @law
+    def OnUpdate(self) -> None:
+        """Do the work, if it is time."""
+        now = sim_nanoseconds(self.clock) / 1e9
+        if rarely(self.rate.is_due(now)):
+            self.rate.due(now)
+            self.publish(now)
+
+    @abstractmethod
+    def publish(self, now: float) -> None:
+        """Do the work at a sim time [s]."""
+
 
 # Elements of ROS 2 whose name in ROS is another one than the same words in camel case.
 RENAMED = {

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from libgz.base.law import law, rarely
 from libgz.classic import msgs, transport
-from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._names import find_joint
-from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
+from libgz.classic.plugins._ros import PeriodicPlugin, ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -18,7 +16,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosJointStatePublisher(ModelPlugin):
+class GazeboRosJointStatePublisher(PeriodicPlugin):
     """Publishes a Param_V: for each joint a Param with its name and position [rad] or [m].
 
     Elements, also under their names in ROS 2 (update_rate, `<ros>` with namespace and remapping):
@@ -40,14 +38,6 @@ class GazeboRosJointStatePublisher(ModelPlugin):
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.Param_V, ros_topic(model, sdf, "topicName", "joint_states"))
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
-
-    @law
-    def OnUpdate(self) -> None:
-        """Publish the positions, if it is time."""
-        now = sim_nanoseconds(self.clock) / 1e9
-        if rarely(self.rate.is_due(now)):
-            self.rate.due(now)
-            self.publish(now)
 
     def publish(self, now: float) -> None:
         """Publish the positions."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError
-from libgz.base.law import law, rarely
 from libgz.classic import msgs, transport
-from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import noisy, ros_elements, ros_rate, ros_topic
+from libgz.classic.plugins._ros import PeriodicPlugin, noisy, ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -22,7 +20,7 @@ if TYPE_CHECKING:
 WORLD = ("", "world", "map", "/map", "/world")  # names of the world's frame
 
 
-class GazeboRosP3D(ModelPlugin):
+class GazeboRosP3D(PeriodicPlugin):
     """Publishes the pose of a link as a PoseStamped.
 
     Elements, also under their names in ROS 2 (update_rate, `<ros>` with namespace and remapping):
@@ -61,14 +59,6 @@ class GazeboRosP3D(ModelPlugin):
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "topicName", "odom"))
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
-
-    @law
-    def OnUpdate(self) -> None:
-        """Publish the pose, if it is time."""
-        now = sim_nanoseconds(self.clock) / 1e9
-        if rarely(self.rate.is_due(now)):
-            self.rate.due(now)
-            self.publish(now)
 
     def publish(self, now: float) -> None:
         """Publish the pose."""

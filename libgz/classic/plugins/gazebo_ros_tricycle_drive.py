@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import law, rarely
 from libgz.classic import msgs, transport
-from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.msgs import ConvertIgn
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._position_drive import positive
-from libgz.classic.plugins._ros import ros_elements, ros_joints, ros_rate, ros_topic
+from libgz.classic.plugins._ros import PeriodicPlugin, ros_elements, ros_joints, ros_rate, ros_topic
 from libgz.classic.plugins._wheels import radius_of
 from libgz.simulation.rate import UpdateRate
 
@@ -22,7 +20,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosTricycleDrive(ModelPlugin):
+class GazeboRosTricycleDrive(PeriodicPlugin):
     """Turns and steers the front wheel by motors.
 
     The command topic takes a Pose: x of the position is the speed of the front wheel [m/s], yaw of the orientation its
@@ -80,14 +78,6 @@ class GazeboRosTricycleDrive(ModelPlugin):
         speed, angle = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
         if math.isfinite(speed) and math.isfinite(angle):
             self.command = speed, angle
-
-    @law
-    def OnUpdate(self) -> None:
-        """Set the motors, and publish odometry, if it is time."""
-        now = sim_nanoseconds(self.clock) / 1e9
-        if rarely(self.rate.is_due(now)):
-            self.rate.due(now)
-            self.publish(now)
 
     def publish(self, now: float) -> None:
         """Set the motors, and publish odometry."""

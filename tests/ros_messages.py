@@ -147,10 +147,10 @@ def differences(topic, there, here, tolerances):
             found.append(f"{topic} at {at} s: {len(one)} messages there, {len(other)} here")
         for number, (left, right) in enumerate(itertools.zip_longest(one, other, fillvalue={})):
             for path in dict.fromkeys([*left, *right]):
-                told = f"{topic}:{path}"
-                most, share = next((value for part, value in tolerances.items() if part in told), (2e-4, 0.0))
+                place = f"{topic}:{path}"
+                most, share = next((value for part, value in tolerances.items() if part in place), (2e-4, 0.0))
                 if not alike(left.get(path), right.get(path), most, share):
-                    found.append(f"{told} [{number}] at {at} s: {left.get(path)} there, {right.get(path)} here")
+                    found.append(f"{place} [{number}] at {at} s: {left.get(path)} there, {right.get(path)} here")
     return found
 
 

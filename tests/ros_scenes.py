@@ -12,7 +12,7 @@ WALL = """<model name="wall"><static>true</static><pose>2 0.3 0.5 0 0 0.3</pose>
 
 
 class Scene(NamedTuple):
-    """A world, what it is told at its begin, and what it publishes.
+    """A world, its commands at the begin, and what it publishes.
 
     Attributes:
         body: the content of <world> beside a plane.

@@ -28,7 +28,7 @@ def listen(master, topics):
     return Tap(addresses)
 
 
-def tell(master, ros, commands):
+def send_commands(master, ros, commands):
     """Send messages before the first step."""
     talkers = []
     for topic, type_, values in commands:
@@ -47,7 +47,7 @@ def test_topics_say_what_those_of_gazebo_say(name, master, start):
     core, ros = start(scene.text)
     wait_for(lambda: set(scene.topics) <= set(master.publishers))
     tap = listen(master, scene.topics)
-    talkers = tell(master, ros, scene.commands)
+    talkers = send_commands(master, ros, scene.commands)
     wait_for(lambda: all(ros.node.publication(topic).readers for topic in scene.topics))
     for _ in range(round((scene.seconds + 0.2) * 200)):  # with 10 Hz or more, each topic has said something after it
         core.step(5)

@@ -292,6 +292,7 @@ def test_what_waits_for_a_bridge_that_is_gone_is_not_counted(start, graph, monke
     with stopped(server) as process:
         while channel.waiting < 10:
             server.ros.node.push(channel, ANSWER, [bytes(1 << 16)])
+        wait_for(lambda: link.unsent)
         process.kill()
         wait_for(lambda: link.closed and not channel.waiting)
         server.ros.node.push(channel, ANSWER, [bytes(1 << 16)])

@@ -109,8 +109,8 @@ def test_controllers_are_loaded_started_switched_and_listed(arm, caplog):
     assert found["push"].claimed_resources[0].resources == ["shoulder"]
     assert not arm.call("unload_controller", "UnloadController", name="push").ok  # it runs
     assert arm.call("unload_controller", "UnloadController", name="shoulder").ok
-    wait_for(lambda: not arm.master.subscribers["/arm/shoulder/command"])  # it listens no longer
-    assert arm.master.subscribers["/arm/push/command"]
+    wait_for(lambda: arm.master.subscribers.get("/arm/push/command"))
+    wait_for(lambda: not arm.master.subscribers.get("/arm/shoulder/command"))  # it listens no longer
 
 
 def test_the_spawner_loads_starts_and_at_its_end_unloads_them(arm, monkeypatch):

@@ -214,7 +214,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Remark:
-    """A message about a place in a file. `str()` gives ``file:line: <element>: message``."""
+    """A message about a place in a file. `str()` gives ``file:line: <element>: message``, without what is unknown."""
 
     file: str
     line: int
@@ -222,7 +222,9 @@ class Remark:
     message: str
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}: <{self.element}>: {self.message}"
+        line = f":{self.line}" if self.line else ""
+        element = f" <{self.element}>:" if self.element else ""
+        return f"{self.file}{line}:{element} {self.message}"
 
 
 @dataclass(frozen=True)
@@ -338,7 +340,7 @@ class Diagnostics:
             if (more := len(group) - self.most_alike) > 0:
                 first = group[0]
                 lines.append(
-                    f"{first.file}: <{first.element}>: {more} more warnings are like that of line {first.line}; "
+                    f"{first.file}: <{first.element}>: {more} more like the warning of line {first.line}; "
                     f"`libgz sdf --check {first.file}` lists all"
                 )
         return lines

@@ -2,7 +2,7 @@
 
 import pytest
 
-from libgz.base.errors import Diagnostics, Place, WorldFileError, nearest
+from libgz.base.errors import Diagnostics, Place, Remark, WorldFileError, nearest
 from libgz.sdf.element import Element
 
 
@@ -51,7 +51,13 @@ def test_a_log_has_a_few_warnings_of_a_kind():
     diagnostics.warn(Place("a.sdf", 20, "size"), "is another kind")
     lines = diagnostics.summary()
     assert len(lines) == 2 * 5 + 1 + 2
-    assert lines[-2] == "a.sdf: <mesh>: 4 more warnings are like that of line 1; `libgz sdf --check a.sdf` lists all"
+    assert lines[-2] == "a.sdf: <mesh>: 4 more like the warning of line 1; `libgz sdf --check a.sdf` lists all"
     diagnostics.most_alike = 100
     assert lines[:2] == diagnostics.summary()[:2]
     assert len(diagnostics.summary()) == 19
+
+
+def test_a_message_names_only_what_is_known_of_its_place():
+    assert str(Remark("a.sdf", 3, "mesh", "is empty")) == "a.sdf:3: <mesh>: is empty"
+    assert str(Remark("a.sdf", 0, "mesh", "is empty")) == "a.sdf: <mesh>: is empty"
+    assert str(Remark("a.sdf", 0, "", "is empty")) == "a.sdf: is empty"

@@ -79,6 +79,7 @@ def opened(chromium, url, size=(1000, 640)):
     page.set_default_timeout(1000.0 * PATIENCE)
     page.goto(url)
     until(page, "window.libgz?.workplace.stage.ready")
+    until(page, "performance.getEntriesByName('first-contentful-paint').length")  # what is pressed before it is lost
     return page
 
 

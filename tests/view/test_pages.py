@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from gzserver_process import SERVER, new_environment
 from view_pages import (
+    PATIENCE,
     ROOT,
     address_of,
     browser,
@@ -169,7 +170,7 @@ def running(words, environment):
             yield found
         finally:
             found.terminate()
-            found.wait(20.0)
+            found.wait(PATIENCE)
 
 
 @contextlib.contextmanager
@@ -181,4 +182,4 @@ def viewing(server_id):
             yield viewer, address_of(viewer)
         finally:
             viewer.terminate()
-            viewer.wait(20.0)
+            viewer.wait(PATIENCE)

@@ -97,15 +97,8 @@ def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tm
 
 def drag_handle(page):
     """Drag the handles' arrow along x, once the camera is at rest."""
-    places = [None]
-
-    def rests():
-        page.wait_for_timeout(300)
-        places.append(page.evaluate(ARROW))
-        return places[-1] == places[-2]
-
-    wait_for(rests, "the camera's rest")
-    x, y = places[-1]
+    until(page, "!libgz.workplace.stage.cameras._glide && libgz.workplace.stage._refined")
+    x, y = page.evaluate(ARROW)
     page.mouse.move(x, y)
     page.mouse.down()
     for i in range(1, 9):

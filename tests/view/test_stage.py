@@ -182,8 +182,8 @@ def eye(page):
 
 
 def glided(page):
-    page.wait_for_timeout(500)
-    page.evaluate("frames(2)")
+    """Wait until a change of view has ended."""
+    page.evaluate("(async () => { do await frames(2); while (libgz.stage.cameras._glide); })()")
 
 
 def colored(page, color, apart=40):
@@ -472,7 +472,7 @@ def test_a_screenshot_is_sharper_than_the_page(shown, page):
 
 def test_nothing_is_rendered_while_nothing_changes(shown, page):
     shown("pioneer2at.world")
-    page.wait_for_timeout(1500)
+    page.wait_for_function("libgz.stage._refined")
     before = page.evaluate("libgz.stage.renderer.info.render.frame")
     page.evaluate("libgz.store.setState({...libgz.store.state})")
     page.wait_for_timeout(300)
@@ -502,7 +502,8 @@ def test_old_robots_have_fine_skins_that_can_be_switched_off(page, shown):
 
 def test_still_images_are_dark_where_surfaces_meet(page, shown):
     shown("pioneer2at.world")
-    page.evaluate("libgz.store.view({ focus: libgz.store.ids.get('robot1') }), frames(60)")
+    page.evaluate("libgz.store.view({ focus: libgz.store.ids.get('robot1') })")
+    glided(page)
     look = """(still) => {
         const { stage } = libgz, gl = stage.renderer.getContext();
         stage._render(still);

@@ -4,6 +4,7 @@ import base64
 import contextlib
 import io
 import json
+import math
 import time
 
 import numpy as np
@@ -141,6 +142,7 @@ def test_a_viewer_survives_whatever_a_frame_or_an_action_raises(monkeypatch, cap
 
 
 def test_a_robot_is_driven_and_stops_when_its_page_is_silent_hidden_or_closed(monkeypatch):
+    monkeypatch.setattr(driving, "STALE", math.inf)
     with showing(ROBOT, Interfaces) as (world, viewer):
         data = world.interface("position", "robot1").data
         command = data.cmd_vel_pos
@@ -153,11 +155,11 @@ def test_a_robot_is_driven_and_stops_when_its_page_is_silent_hidden_or_closed(mo
             page.send({"visible": False})
             until(lambda: command[0] == 0.0, "a hidden page stops the robot")
             page.send({"visible": True})
-            monkeypatch.setattr(driving, "STALE", 0.1)
             page.send({"drive": [1, 0, 0]})
             until(lambda: command[0] == 0.5, "the page drives again")
+            monkeypatch.setattr(driving, "STALE", 0.0)
             until(lambda: command[0] == 0.0, "a silent page stops the robot")
-            monkeypatch.undo()
+            monkeypatch.setattr(driving, "STALE", math.inf)
             page.send({"drive": [99, 0, 0]})
             until(lambda: command[0] == 0.5, "full deflection at most")
         until(lambda: command[0] == 0.0, "a closed page stops the robot")

@@ -74,7 +74,7 @@ def opened(chromium, address):
         page.on("console", lambda line: page.errors.append(line.text) if line.type == "error" else None)
         page.set_default_timeout(PATIENCE)
         page.goto(f"{address}?{query}")
-        until(page, "window.workplace")
+        painted(page)
         pages.append(page)
         return page
 
@@ -109,6 +109,11 @@ def until(page, condition, argument=None):
     while not page.evaluate(test, argument):
         assert time.monotonic() < end, f"did not happen: {condition}"
         page.wait_for_timeout(20)
+
+
+def painted(page):
+    """Wait for the page, and for its first image: browsers drop keys and clicks before it."""
+    until(page, "window.workplace && performance.getEntriesByName('first-contentful-paint').length")
 
 
 def row(page, name):
@@ -221,11 +226,8 @@ def test_models_are_duplicated_and_aligned(opened):
 def test_help_shows_the_keys(opened):
     page = opened()
     for key in ("?", "h"):
+        page.keyboard.press(key)
         dialog = page.get_by_role("dialog", name="Keys")
-        end = time.monotonic() + PATIENCE / 1000.0
-        while not dialog.count() and time.monotonic() < end:  # a busy browser may lose a key
-            page.keyboard.press(key)
-            page.wait_for_timeout(200)
         for text in (
             "Pause",
             "Step",
@@ -454,6 +456,7 @@ def test_attributes_are_edited_within_their_types_and_limits(opened):
     panel.get_by_label("colour").fill("#000000")
     panel.get_by_label("name", exact=True).fill("claw")
     panel.get_by_label("name", exact=True).press("Tab")
+    until(page, "asked.filter(one => one[0] === 'edit').length === 5")
     values = [one[1]["value"] for one in asked(page, "edit")]
     assert values == [[1, 2.5, 3], True, "a", [0, 0, 0, 1], "claw"]
     plugin = panel.get_by_label("gravity")
@@ -816,7 +819,7 @@ def test_panels_fold_are_resized_and_are_remembered(opened):
     button(page, "Light theme").click() if button(page, "Light theme").count() else button(page, "Dark theme").click()
     theme = page.evaluate("document.documentElement.dataset.theme")
     page.reload()
-    until(page, "window.workplace")
+    painted(page)
     assert tree.bounding_box()["width"] == pytest.approx(width + 78, abs=1)
     assert not page.get_by_role("complementary", name="Inspector").is_visible()
     assert page.get_by_role("log").is_visible()
@@ -831,7 +834,7 @@ def test_a_page_without_storage_works(opened):
         "Object.defineProperty(window, 'localStorage', {get() { throw new Error('forbidden'); }})"
     )
     page.reload()
-    until(page, "window.workplace")
+    painted(page)
     page.get_by_role("tab", name="Console").click()
     assert page.get_by_role("log").is_visible()
 

@@ -7,6 +7,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from libgz.base.errors import ParameterError
+from libgz.base.law import Number, constant, floor, law, rarely, unrecorded
+from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugins._ros import ros_elements
 from libgz.ros.own_node import OwnNode, remappings
@@ -15,7 +17,9 @@ from libgz.ros.session import Publication, Service, Session, Subscription, sessi
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from libgz.classic.physics import World
     from libgz.sdf.element import Element
+    from libgz.simulation.event import Connection
 
 __all__ = [
     "NOISE",
@@ -23,6 +27,7 @@ __all__ = [
     "SAME",
     "Endpoint",
     "Parameter",
+    "Periodic",
     "RosPlugin",
     "Ticks",
     "noise",
@@ -34,6 +39,7 @@ __all__ = [
 
 SAME = object()  # as in ROS 1
 MOST_RATE = 1e9  # [Hz]; what is faster ticks at each call
+TICK_SLACK = 1e-6  # periods; sim times are sums of steps
 TRUE, FALSE = ("true", "1", "yes"), ("false", "0", "no")
 
 
@@ -74,14 +80,27 @@ class Ticks:
 
     STATE = ("count",)
 
+    count = Number()
+
     def __init__(self, rate: float) -> None:
-        self.rate, self.count = rate, 0
+        self.rate = rate
+
+    @property
+    @constant
+    def endless(self) -> bool:
+        """Whether it ticks at each call."""
+        return not 0.0 < self.rate < MOST_RATE
+
+    @law
+    def is_due(self, now: Any) -> Any:
+        """Whether a period has begun since the last tick, at sim time `now` [s]; `due` will say so."""
+        return self.endless or floor(now * self.rate + TICK_SLACK) != self.count
 
     def due(self, now: float) -> bool:
-        """Whether a period has begun since the last tick, at sim time `now` [s]."""
-        if not 0.0 < self.rate < MOST_RATE:
+        """Whether a period has begun since the last tick, at sim time `now` [s]; if so, it ticks."""
+        if self.endless:
             return True
-        count = math.floor(now * self.rate + 1e-6)
+        count = math.floor(now * self.rate + TICK_SLACK)
         if count == self.count:
             return False
         self.count = count
@@ -187,6 +206,51 @@ class RosPlugin:
 
     def _space(self, within: str) -> str:
         return f"{self.space}/{within}" if within else self.space
+
+
+class Periodic(RosPlugin):
+    """A plugin that works at a rate of sim time; native code leaves only those steps to Python.
+
+    Attributes:
+        world: the world; `Load` sets it.
+        ticks: when it works; `Load` sets it.
+    """
+
+    world: World
+    ticks: Ticks
+    connection: Connection
+
+    def run(self) -> None:
+        """Begin to work; `Load` ends with it."""
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    @law
+    def OnUpdate(self) -> None:
+        """Measure; work, if it is time."""
+        now = self.world.core.clock.sim_time
+        if rarely(self.wanted() & self.ticks.is_due(now)):
+            self._tick(now)
+            return
+        self.measure(now)
+
+    @unrecorded
+    def _tick(self, now: float) -> None:
+        self.measure(now)
+        self.ticks.due(now)
+        self.work(now)
+
+    @law
+    def wanted(self) -> Any:
+        """Whether there is something to do when it is time: a bool, or what laws have in its place."""
+        return True
+
+    @law
+    def measure(self, now: Any) -> None:
+        """What is done in each iteration, at sim time `now` [s]."""
+
+    def work(self, now: float) -> None:
+        """Do the work, at sim time `now` [s]."""
+        raise NotImplementedError
 
 
 def _value(sdf: Element, parameter: Parameter, version: int) -> Any:

@@ -14,6 +14,7 @@ import numpy as np
 
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, StateError
+from libgz.base.law import law
 from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
@@ -84,9 +85,10 @@ class Publication:
         self._end = AtEnd(lambda: node.withdraw(publisher))
 
     @property
-    def listened(self) -> bool:
+    @law
+    def listened(self) -> Any:
         """Whether there are subscribers: without any, no message needs to be made."""
-        return bool(self._publisher.listened)
+        return self._publisher.listened > 0.0
 
     @property
     def subscribed(self) -> bool:

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.law import law
 from libgz.classic.server import attach
 from libgz.ros.api import WorldApi
 from libgz.ros.api2 import WorldApi2
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from libgz.classic.sensors import Sensor
     from libgz.front import World
     from libgz.simulation.entity import Entity
+    from libgz.simulation.plan import Plan
 
 __all__ = ["RosWorld", "classic_links", "classic_models"]
 
@@ -94,19 +96,31 @@ class RosWorld(Stateless):
             states.forget()
 
     def idle_until(self) -> float:
-        """-inf while somebody listens or something waits; else without end: what comes interrupts the steps."""
+        """-inf while states are listened to or something waits; else without end: what comes interrupts the steps."""
         states = any(states.publication.listened for states in self._states)
         jobs = self._services is not None and self._services.jobs
         metrics = self._metrics is not None and self._metrics.listened
-        busy = self._session.pending or self._clock.listened or states or metrics or jobs or self._devices.busy
+        busy = self._session.pending or states or metrics or jobs or self._devices.busy
         return -math.inf if busy else math.inf
 
-    def update(self) -> None:
-        """Publish the clock and the states; apply wrenches and efforts."""
+    def plan_end(self, plan: Plan) -> None:
+        """Add the clock, to be published after those steps that are made without the rest."""
+        with plan.when(self._clock_is_due):
+            plan.call(self._send_clock)
+
+    @law
+    def _clock_is_due(self) -> Any:
+        return self._clock.listened & self._ticks.is_due(self._core.clock.sim_time)
+
+    def _send_clock(self) -> None:
         now = self._core.GetSimTime()
-        if self._clock.listened and self._ticks.due(now):
-            set_stamp(self._time.clock, now)
-            self._clock.publish(self._time)
+        self._ticks.due(now)
+        set_stamp(self._time.clock, now)
+        self._clock.publish(self._time)
+
+    def update(self) -> None:
+        """Publish the states; apply wrenches and efforts."""
+        now = self._core.GetSimTime()
         wanted = [states for states in self._states if states.publication.listened]
         if wanted and self._states_ticks.due(now):
             for states in wanted:
@@ -117,7 +131,9 @@ class RosWorld(Stateless):
             self._services.apply(now)
 
     def step(self, paused: bool) -> None:
-        """Publish what devices have measured, and deliver what has come."""
+        """Publish the clock and what devices have measured, and deliver what has come."""
+        if not paused and self._clock_is_due():
+            self._send_clock()
         self._devices.step()
         self._session.deliver()
 

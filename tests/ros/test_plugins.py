@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 import struct
 from itertools import pairwise
 from pathlib import Path
@@ -9,13 +10,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from ros_node import Node
-from ros_peers import Talker, wait_for
+from ros_peers import Talker, open_topic, wait_for
 
 from libgz import World
 from libgz.ros.packing import codec
 from libgz.ros.plugin import Ticks
 from libgz.ros.reference import page
 from libgz.ros.types import message_type
+from libgz.simulation.stepping import Stepping
 
 
 class Recorder:
@@ -118,6 +120,26 @@ def test_the_clock_has_its_frequency(master, start):
     for _ in range(30):
         last = clock().clock.seconds
     assert last - first == pytest.approx(1.0, abs=1e-3)
+
+
+def test_native_code_makes_the_steps_between_the_times_of_listened_plugins(master, start, monkeypatch):
+    world = re.sub("<sensor.*?</sensor>", "", (Path(__file__).parent / "turtle.world").read_text(), flags=re.DOTALL)
+    master.parameters["/gazebo/pub_clock_frequency"] = 10
+    world = world.replace("<publishWheelTF>", "<odometrySource>encoder</odometrySource><publishWheelTF>")
+    node = Node(master, *start(world))
+    topics = {"/truth": 40, "/odom": 30, "/robot/joint_states": 50, "/clock": 10}
+    for name in topics:
+        wait_for(lambda name=name: master.publishers.get(name))
+        open_topic(master, name)
+    wait_for(lambda: all(node.ros.node.publication(name).readers for name in topics), node.core.Step)
+    stepped = Recorder(Stepping._run_in_python)
+    monkeypatch.setattr(Stepping, "_run_in_python", lambda stepping: stepped(stepping))
+    counts = {name: Recorder(node.ros.node.publication(name).publish) for name in topics}
+    for name, count in counts.items():
+        monkeypatch.setattr(node.ros.node.publication(name), "publish", count)
+    node.core.step(1000)
+    assert {name: count.count for name, count in counts.items()} == topics
+    assert stepped.count <= 1
 
 
 def test_a_sensor_measures_only_while_somebody_listens(node):

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError, nearest
+from libgz.base.law import Number, cos, law, sin
 from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, set_pose
 from libgz.ros.session import finite, set_stamp
 from libgz.ros.types import message_type
@@ -32,18 +33,24 @@ UNKNOWN = 1e12  # variance of what a robot on the ground does not measure
 class EncoderPose:
     """A pose in the plane, summed up from the ways of two wheels."""
 
-    STATE = ("x", "y", "yaw")
+    STATE = ("x", "y", "yaw", "way", "turn", "last", "elapsed")
 
-    def __init__(self) -> None:
-        self.x = self.y = self.yaw = 0.0
+    x, y, yaw = Number(), Number(), Number()
+    way, turn = Number(), Number()  # of the last move [m], [rad]
+    last, elapsed = Number(), Number()  # its sim time, and how long it took [s]
 
-    def move(self, left: float, right: float, separation: float) -> tuple[float, float, float]:
-        """Move by the ways of the wheels [m]; what was added to x, y and yaw."""
-        turn = (right - left) / separation
-        way, ahead = (left + right) / 2.0, self.yaw + turn / 2.0
-        dx, dy = way * math.cos(ahead), way * math.sin(ahead)
-        self.x, self.y, self.yaw = self.x + dx, self.y + dy, self.yaw + turn
-        return dx, dy, turn
+    def __init__(self, now: float) -> None:
+        self.last = now
+
+    @law
+    def move(self, now: Any, left: Any, right: Any, radius: float, separation: float) -> None:
+        """Move by the rates of the wheels [rad/s] up to a sim time [s]."""
+        elapsed = now - self.last
+        left, right = left * radius * elapsed, right * radius * elapsed
+        turn, way = (right - left) / separation, (left + right) / 2.0
+        ahead = self.yaw + turn / 2.0
+        self.x, self.y, self.yaw = self.x + way * cos(ahead), self.y + way * sin(ahead), self.yaw + turn
+        self.way, self.turn, self.last, self.elapsed = way, turn, now, elapsed
 
 
 class Drive(RosPlugin):
@@ -89,17 +96,16 @@ class Drive(RosPlugin):
         twist.linear.y = cosine * velocity.Y() - sine * velocity.X()
         twist.angular.z = self.model.WorldAngularVel().Z()
 
-    def measure_encoders(self, pose: EncoderPose, moved: tuple[float, float, float], elapsed: float) -> None:
-        """Take a pose of encoders, and what was added to it, as odometry."""
+    def measure_encoders(self, pose: EncoderPose) -> None:
+        """Take a pose of encoders, and its last move, as odometry."""
         message = self.odometry
         place, turn = message.pose.pose.position, message.pose.pose.orientation
         place.x, place.y, place.z = pose.x, pose.y, 0.0
         turn.x, turn.y, turn.z, turn.w = 0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)
-        dx, dy, dyaw = moved
-        if elapsed > 0.0:
-            message.twist.twist.linear.x = math.hypot(dx, dy) / elapsed
+        if pose.elapsed > 0.0:
+            message.twist.twist.linear.x = abs(pose.way) / pose.elapsed
             message.twist.twist.linear.y = 0.0
-            message.twist.twist.angular.z = dyaw / elapsed
+            message.twist.twist.angular.z = pose.turn / pose.elapsed
 
     def stamp(self, now: float) -> None:
         """Set the time of the odometry."""

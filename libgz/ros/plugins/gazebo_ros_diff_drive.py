@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Endpoint, Parameter, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
 REACHED = 0.01  # [m/s]; nearer to the wanted speed, the acceleration is not limited
 
 
-class GazeboRosDiffDrive(Drive, ModelPlugin):
+class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
     """Turns the wheels by their motors, and publishes odometry of the world or of the wheels."""
 
-    STATE = ("command", "ticks", "pose", "speeds", "last")
+    STATE = ("command", "ticks", "pose", "speeds")
 
     own_namespace = True
     parameters = (
@@ -57,29 +56,31 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
         self.right = [drive_joint(model, name, sdf.where, "rightJoint") for name in right]
         for joint in (*self.left, *self.right):
             joint.SetParam("fmax", 0, given.wheelTorque)
-        self.ticks, self.pose = Ticks(given.updateRate), EncoderPose()
-        self.speeds, self.last = (0.0, 0.0), model.GetWorld().core.GetSimTime()
+        self.ticks, self.pose = Ticks(given.updateRate), EncoderPose(model.GetWorld().core.GetSimTime())
+        self.speeds = (0.0, 0.0)
         self.open_drive(model, 1e-5, 1e-5, 1e-3)
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry") if given.publishTf else None
         self.joint_states = None
         if given.publishWheelJointState:
             self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Stop, with odometry at zero."""
-        self.command, self.speeds, self.pose = (0.0, 0.0, 0.0), (0.0, 0.0), EncoderPose()
-        self.last = self.world.core.GetSimTime()
+        self.command, self.speeds = (0.0, 0.0, 0.0), (0.0, 0.0)
+        self.pose = EncoderPose(self.world.core.GetSimTime())
         for joint in (*self.left, *self.right):
             joint.SetParam("fmax", 0, self.given.wheelTorque)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Run the wheels; publish, if it is time."""
-        now = self.world.core.GetSimTime()
+    @law
+    def measure(self, now: Any) -> None:
+        """Add the ways of the wheels since the last iteration."""
         if self.encoders:
-            self._measure(now)
-        if not self.ticks.due(now):
-            return
+            left, right = (joints[0].GetVelocity(0) for joints in (self.left, self.right))
+            self.pose.move(now, left, right, self.radius, self.given.wheelSeparation)
+
+    def work(self, now: float) -> None:
+        """Run the wheels; publish."""
         self.stamp(now)
         self._publish()
         if self.given.publishWheelTF:
@@ -97,19 +98,12 @@ class GazeboRosDiffDrive(Drive, ModelPlugin):
         """Publish odometry and its transform to those who listen."""
         heard = self.publication is not None and self.publication.listened
         moves = self.given.publishOdomTF and self.transforms.listened
-        if not self.encoders and (heard or moves):
-            self.measure_world()
+        if heard or moves:
+            self.measure_encoders(self.pose) if self.encoders else self.measure_world()
         if moves:
             self.send_odometry_transform()
         if self.publication is not None and heard:
             self.publication.publish(self.odometry)
-
-    def _measure(self, now: float) -> None:
-        """Add the ways of the wheels since the last step."""
-        elapsed, self.last = now - self.last, now
-        left, right = (joints[0].GetVelocity(0) * self.radius * elapsed for joints in (self.left, self.right))
-        moved = self.pose.move(left, right, self.given.wheelSeparation)
-        self.measure_encoders(self.pose, moved, elapsed)
 
     def _run(self) -> None:
         """Set the speeds of the motors."""

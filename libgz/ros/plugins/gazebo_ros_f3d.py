@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, set_point
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks, set_point
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosF3D(RosPlugin, ModelPlugin):
+class GazeboRosF3D(Periodic, ModelPlugin):
     """Publishes the force and torque that are applied to a link, in the world's frame, each iteration."""
 
     STATE = ()
@@ -34,16 +33,20 @@ class GazeboRosF3D(RosPlugin, ModelPlugin):
         """Find the link, and advertise."""
         self.open(sdf, model.GetName())
         self.world, self.link = model.GetWorld(), named_link(model, ros_elements(sdf), "bodyName")
+        self.ticks = Ticks(0.0)
         self.message = message_type("geometry_msgs/WrenchStamped")()
         self.message.header.frame_id = self.frame(self.given.frameName)
         self.publication = self.publish(self.given.topicName, "geometry_msgs/WrenchStamped")
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        return self.publication.listened
+
+    def work(self, now: float) -> None:
         """Publish."""
-        if not self.publication.listened:
-            return
-        set_stamp(self.message.header.stamp, self.world.core.GetSimTime())
+        set_stamp(self.message.header.stamp, now)
         set_point(self.message.wrench.force, self.link.WorldForce())
         set_point(self.message.wrench.torque, self.link.WorldTorque())
         self.publication.publish(self.message)

@@ -5,24 +5,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
-from libgz.classic.event import Events
+from libgz.base.law import Number, law
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.session import finite
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosForce(RosPlugin, ModelPlugin):
+class GazeboRosForce(Periodic, ModelPlugin):
     """Applies the last Wrench of a topic to a link in each iteration, until the next one comes."""
 
-    STATE = ("force", "torque")
+    STATE = ("force", "torque", "applied")
+
+    applied = Number()  # 1: there is a wrench
 
     parameters = (
         Parameter("bodyName", "", "the link (in ROS 2 link_name)"),
@@ -40,24 +41,31 @@ class GazeboRosForce(RosPlugin, ModelPlugin):
         if given.forceFrame not in ("world", "link"):
             raise ParameterError(f"{sdf.where}: <force_frame> is {given.forceFrame!r}; it must be world or link")
         self.wrenches = self.subscribe(given.topicName, "geometry_msgs/Wrench", self.OnWrench)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.world, self.ticks = model.GetWorld(), Ticks(0.0)
         self.Reset()
+        self.run()
 
     def Reset(self) -> None:
         """Apply nothing."""
-        self.force, self.torque = Vector3d(), Vector3d()
+        self._set(Vector3d(), Vector3d())
 
     def OnWrench(self, message: Any) -> None:
         """A new wrench [N], [N m]."""
         if finite(message):
             force, torque = message.force, message.torque
-            self.force = Vector3d(force.x, force.y, force.z)
-            self.torque = Vector3d(torque.x, torque.y, torque.z)
+            self._set(Vector3d(force.x, force.y, force.z), Vector3d(torque.x, torque.y, torque.z))
 
-    def OnUpdate(self, _info: UpdateInfo) -> None:
+    def _set(self, force: Vector3d, torque: Vector3d) -> None:
+        self.force, self.torque = force, torque
+        self.applied = float(any((*force, *torque)))
+
+    @law
+    def wanted(self) -> Any:
+        """While there is a wrench; else the link may sleep."""
+        return self.applied > 0.0
+
+    def work(self, now: float) -> None:
         """Apply the wrench."""
-        if self.force == Vector3d() and self.torque == Vector3d():
-            return  # let the link sleep
         if self.given.forceFrame == "link":
             self.link.AddRelativeForce(self.force)
             self.link.AddRelativeTorque(self.torque)

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError, ParameterError
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint, named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, Endpoint, Parameter, RosPlugin, Ticks, set_point
+from libgz.ros.plugin import NOISE, Endpoint, Parameter, Periodic, Ticks, set_point
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosFT(RosPlugin, ModelPlugin):
+class GazeboRosFT(Periodic, ModelPlugin):
     """Publishes the wrench that a joint applies to its child, in the child's frame, which the message names."""
 
     STATE = ("ticks",)
@@ -42,7 +41,7 @@ class GazeboRosFT(RosPlugin, ModelPlugin):
         self.message = message_type("geometry_msgs/WrenchStamped")()
         self.message.header.frame_id = self.frame(self.joint.GetChild().GetName())
         self.publication = self.publish(self.given.topicName, "geometry_msgs/WrenchStamped")
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def _joint(self, model: Model, sdf: Element) -> Joint:
         if self.given.jointName:
@@ -55,13 +54,13 @@ class GazeboRosFT(RosPlugin, ModelPlugin):
             raise NotFoundError(f"{sdf.where}: <bodyName> is {link.GetName()!r}, which is no joint's child")
         return joints[0]
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Publish, if it is time."""
-        if not self.publication.listened:
-            return
-        now = self.world.core.GetSimTime()
-        if not self.ticks.due(now):
-            return
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        return self.publication.listened
+
+    def work(self, now: float) -> None:
+        """Publish."""
         wrench, message, deviation = self.joint.GetForceTorque(0), self.message, self.given.gaussianNoise
         set_stamp(message.header.stamp, now)
         set_point(message.wrench.force, wrench.body2Force, deviation)

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, RosPlugin, Ticks, noise, set_point, set_quaternion
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Periodic, Ticks, noise, set_point, set_quaternion
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosImu(RosPlugin, ModelPlugin):
+class GazeboRosImu(Periodic, ModelPlugin):
     """Publishes an Imu message of a link, as the original does: the acceleration is without gravity.
 
     Rate and acceleration are differences in the world's frame, turned by the link's rotation and not by its inverse;
@@ -55,7 +54,7 @@ class GazeboRosImu(RosPlugin, ModelPlugin):
         self.publication = self.publish(given.topicName, "sensor_msgs/Imu")
         self.service = self.serve(given.serviceName, "std_srvs/Empty", self.OnCalibrate)
         self.Reset()
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Begin again."""
@@ -65,13 +64,13 @@ class GazeboRosImu(RosPlugin, ModelPlugin):
         """Nothing to do."""
         return self.service.kind.response()
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Publish, if it is time."""
-        if not self.publication.listened:
-            return
-        now = self.world.core.GetSimTime()
-        if not self.ticks.due(now):
-            return
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        return self.publication.listened
+
+    def work(self, now: float) -> None:
+        """Publish."""
         elapsed, self.last = now - self.last, now
         velocity, before = self.link.WorldLinearVel(), self.velocity
         self.velocity = velocity

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import Number, law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.session import finite
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 log = logging.getLogger("libgz.ros")
 
 
-class GazeboRosJointPoseTrajectory(RosPlugin, ModelPlugin):
+class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
     """Sets the positions of a JointTrajectory, point after point: each after the times of those before it."""
 
     STATE = ("points", "names", "due")
+
+    due = Number(math.inf)  # sim time of the next point [s]
 
     parameters = (
         Parameter("topicName", "set_joint_trajectory", "trajectories"),
@@ -36,18 +38,18 @@ class GazeboRosJointPoseTrajectory(RosPlugin, ModelPlugin):
     def Load(self, model: Model, sdf: Element) -> None:
         """Subscribe and serve."""
         self.open(sdf, model.GetName())
-        self.model, self.world = model, model.GetWorld()
+        self.model, self.world, self.ticks = model, model.GetWorld(), Ticks(0.0)
         kind = "trajectory_msgs/JointTrajectory"
         self.trajectories = self.subscribe(self.given.topicName, kind, self.OnTrajectory, 100)
         self.service = self.serve(self.given.serviceName, "gazebo_msgs/SetJointTrajectory", self.OnSet)
         self.Reset()
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Forget the trajectory."""
         self.points: list[tuple[float, list[float]]] = []
         self.names: list[str] = []
-        self.due = 0.0
+        self.due = math.inf
 
     def OnSet(self, request: Any) -> Any:
         """A trajectory by the service."""
@@ -69,19 +71,22 @@ class GazeboRosJointPoseTrajectory(RosPlugin, ModelPlugin):
             return False, "a point has not one finite position for each joint"
         points = [(point.time_from_start.seconds, list(map(float, point.positions))) for point in message.points]
         self.points, self.names = points, names
-        self.due = max(message.header.stamp.seconds, self.world.core.GetSimTime())
+        self.due = max(message.header.stamp.seconds, self.world.core.GetSimTime()) if points else math.inf
         return True, "trajectory set"
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Set the positions of the next point, if it is time."""
-        if not self.points or self.world.core.GetSimTime() < self.due:
-            return
+    @law
+    def wanted(self) -> Any:
+        """Whether it is time for the next point."""
+        return self.world.core.clock.sim_time >= self.due
+
+    def work(self, now: float) -> None:
+        """Set the positions of the next point."""
         wait, positions = self.points.pop(0)
         for name, position in zip(self.names, positions, strict=True):
             joint = self.model.GetJoint(name)
             if joint is not None:
                 joint.SetPosition(0, position, True)
-        self.due += wait
+        self.due = self.due + wait if self.points else math.inf
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointPoseTrajectory)

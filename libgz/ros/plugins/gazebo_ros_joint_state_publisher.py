@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosJointStatePublisher(RosPlugin, ModelPlugin):
+class GazeboRosJointStatePublisher(Periodic, ModelPlugin):
     """Publishes positions and velocities of joints, without efforts."""
 
     STATE = ("ticks",)
@@ -38,15 +37,15 @@ class GazeboRosJointStatePublisher(RosPlugin, ModelPlugin):
         self.ticks = Ticks(self.given.updateRate)
         self.message = message_type("sensor_msgs/JointState")(name=[joint.GetName() for joint in self.joints])
         self.publication = self.publish("joint_states", "sensor_msgs/JointState", 1000)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Publish, if it is time."""
-        if not self.publication.listened:
-            return
-        now = self.world.core.GetSimTime()
-        if not self.ticks.due(now):
-            return
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        return self.publication.listened
+
+    def work(self, now: float) -> None:
+        """Publish."""
         message = self.message
         set_stamp(message.header.stamp, now)
         message.position = [joint.Position(0) for joint in self.joints]

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, RosPlugin, Ticks, set_point, set_quaternion, set_twist
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Periodic, Ticks, set_point, set_quaternion, set_twist
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 WORLD = ("", "world", "map", "/map", "/world")  # names of the world's frame
 
 
-class GazeboRosP3D(RosPlugin, ModelPlugin):
+class GazeboRosP3D(Periodic, ModelPlugin):
     """Publishes pose and velocities of a link in the world, or relative to another link. Noise is on the velocities."""
 
     STATE = ("ticks",)
@@ -56,15 +55,15 @@ class GazeboRosP3D(RosPlugin, ModelPlugin):
         message.header.frame_id, message.child_frame_id = self.frame(given.frameName), given.bodyName
         message.pose.covariance[::7] = message.twist.covariance[::7] = given.gaussianNoise**2
         self.publication = self.publish(given.topicName, "nav_msgs/Odometry", 5 if self.two else 1)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Publish, if it is time."""
-        if not self.publication.listened:
-            return
-        now = self.world.core.GetSimTime()
-        if not self.ticks.due(now):
-            return
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        return self.publication.listened
+
+    def work(self, now: float) -> None:
+        """Publish."""
         pose = self.link.WorldPose()
         linear, angular = self.link.WorldLinearVel(), self.link.WorldAngularVel()
         place, turn = pose.Pos(), pose.Rot()

@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import ParameterError
-from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Parameter, Ticks
+from libgz.ros.plugin import Parameter, Periodic, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, drive_joint
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 WHEELS = ("leftFrontJoint", "leftRearJoint", "rightFrontJoint", "rightRearJoint")
 
 
-class GazeboRosSkidSteerDrive(Drive, ModelPlugin):
+class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
     """Turns the wheels by their motors, and publishes the model's pose in the world as odometry."""
 
     STATE = ("command", "ticks")
@@ -53,7 +51,7 @@ class GazeboRosSkidSteerDrive(Drive, ModelPlugin):
         self.open_drive(model, given.covarianceX, given.covarianceY, given.covarianceYaw)
         self.odometry.twist.covariance[:] = self.odometry.pose.covariance
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Stop."""
@@ -61,11 +59,8 @@ class GazeboRosSkidSteerDrive(Drive, ModelPlugin):
         for joint in self.joints:
             joint.SetParam("fmax", 0, self.given.torque)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Run the wheels and publish, if it is time."""
-        now = self.world.core.GetSimTime()
-        if not self.ticks.due(now):
-            return
+    def work(self, now: float) -> None:
+        """Run the wheels, and publish."""
         self.stamp(now)
         self.measure_world()
         if self.given.broadcastTF:

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.ros.api2 import STATES, StateApi
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.states import Listed, States
 from libgz.ros.world import classic_links, classic_models
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import World
     from libgz.sdf.element import Element
 
 
-class GazeboRosState(RosPlugin, WorldPlugin):
+class GazeboRosState(Periodic, WorldPlugin):
     """Publishes the states of all models and links, and serves those of entities."""
 
     STATE = ("ticks",)
@@ -37,7 +36,7 @@ class GazeboRosState(RosPlugin, WorldPlugin):
         self.states = [States(world.core, models, self._models), States(world.core, links, self._links)]
         self.api = StateApi(self.ros, world, self.space, settings=self.own_node.settings) if self.two else None
         self.known: Any = None
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def _models(self) -> Listed:
         return classic_models(self.world)
@@ -45,11 +44,15 @@ class GazeboRosState(RosPlugin, WorldPlugin):
     def _links(self) -> Listed:
         return classic_links(self.world)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Publish what has subscribers, if it is time."""
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        models, links = self.states
+        return models.publication.listened | links.publication.listened
+
+    def work(self, now: float) -> None:
+        """Publish what has subscribers."""
         wanted = [one for one in self.states if one.publication.listened]
-        if not wanted or not self.ticks.due(self.world.core.GetSimTime()):
-            return
         known = self.world.Models()
         for one in wanted:
             if known != self.known:

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Endpoint, Parameter, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosTricycleDrive(Drive, ModelPlugin):
+class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
     """Turns and steers the front wheel: of a command, linear x is its speed [m/s], angular z its angle [rad]."""
 
-    STATE = ("command", "ticks", "pose", "last")
+    STATE = ("command", "ticks", "pose")
 
     own_namespace = True
     parameters = (
@@ -60,29 +59,30 @@ class GazeboRosTricycleDrive(Drive, ModelPlugin):
         for joint in (self.wheel, self.steering):
             joint.SetParam("fmax", 0, given.wheelTorque)
         self.encoders = given.odometrySource in ("encoder", "0")
-        self.ticks, self.pose, self.last = Ticks(given.updateRate), EncoderPose(), model.GetWorld().core.GetSimTime()
+        self.ticks, self.pose = Ticks(given.updateRate), EncoderPose(model.GetWorld().core.GetSimTime())
         self.open_drive(model, 1e-5, 1e-5, 1e-3)
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
         self.joint_states = None
         if given.publishWheelJointState:
             self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Stop, with odometry at zero."""
-        self.command, self.pose = (0.0, 0.0, 0.0), EncoderPose()
-        self.last = self.world.core.GetSimTime()
+        self.command, self.pose = (0.0, 0.0, 0.0), EncoderPose(self.world.core.GetSimTime())
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Run the motors; publish, if it is time."""
-        now = self.world.core.GetSimTime()
+    @law
+    def measure(self, now: Any) -> None:
+        """Add the ways of the rear wheels since the last iteration."""
         if self.encoders:
-            self._measure(now)
-        if not self.ticks.due(now):
-            return
+            given = self.given
+            left, right = (joint.GetVelocity(0) for joint in (self.left, self.right))
+            self.pose.move(now, left, right, given.encoderWheelDiameter / 2.0, given.encoderWheelSeparation)
+
+    def work(self, now: float) -> None:
+        """Run the motors; publish."""
         self.stamp(now)
-        if not self.encoders:
-            self.measure_world()
+        self.measure_encoders(self.pose) if self.encoders else self.measure_world()
         self.send_odometry_transform()
         if self.publication.listened:
             self.publication.publish(self.odometry)
@@ -98,13 +98,6 @@ class GazeboRosTricycleDrive(Drive, ModelPlugin):
             message.effort = [joint.GetForce(0) for joint in joints]
             self.joint_states.publish(message)
         self._run(1.0 / self.given.updateRate if self.given.updateRate > 0.0 else self.world.core.engine.step_time)
-
-    def _measure(self, now: float) -> None:
-        elapsed, self.last = now - self.last, now
-        radius = self.given.encoderWheelDiameter / 2.0
-        left, right = (joint.GetVelocity(0) * radius * elapsed for joint in (self.left, self.right))
-        moved = self.pose.move(left, right, self.given.encoderWheelSeparation)
-        self.measure_encoders(self.pose, moved, elapsed)
 
     def _run(self, period: float) -> None:
         """Set the speed of the wheel, and its angle."""

@@ -5,16 +5,15 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.math import Pose3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -24,7 +23,7 @@ STRONGEST = 20.0  # [N]
 TOUCHING = 0.01  # [m]; nearer links are moved into the gripper
 
 
-class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
+class GazeboRosVacuumGripper(Periodic, ModelPlugin):
     """While it is on, a force of 1 N m / distance, at most 20 N, pulls links of other models that are near."""
 
     STATE = ("enabled",)
@@ -46,7 +45,7 @@ class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the link, advertise and serve."""
         self.open(sdf, model.GetName())
-        given, self.world = self.given, model.GetWorld()
+        given, self.world, self.ticks = self.given, model.GetWorld(), Ticks(0.0)
         self.link = named_link(model, ros_elements(sdf), "linkName" if given.linkName else "bodyName")
         self.fixed, self.enabled = {model.GetName(), *given.fixed}, False
         self.publication = self.publish(given.topicName, "std_msgs/Bool")
@@ -54,7 +53,7 @@ class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
             self.services = [self.serve("switch", "std_srvs/SetBool", self._switch_to)]
         else:
             self.services = [self.serve(name, "std_srvs/Empty", self._switch(name == "on")) for name in ("on", "off")]
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def _switch(self, value: bool) -> Any:
         def switch(_request: Any) -> Any:
@@ -74,7 +73,12 @@ class GazeboRosVacuumGripper(RosPlugin, ModelPlugin):
         """Switch off."""
         self.enabled = False
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def wanted(self) -> Any:
+        """While it is on, or somebody listens."""
+        return self.publication.listened | self.enabled
+
+    def work(self, now: float) -> None:
         """Pull, and publish."""
         grasping = self.enabled and self._pull()
         if self.publication.listened:

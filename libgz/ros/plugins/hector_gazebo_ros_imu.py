@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
+from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import OFFSETS, Endpoint, Parameter, RosPlugin, Ticks, set_point, set_quaternion
+from libgz.ros.plugin import OFFSETS, Endpoint, Parameter, Periodic, Ticks, set_point, set_quaternion
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class HectorGazeboRosImu(RosPlugin, ModelPlugin):
+class HectorGazeboRosImu(Periodic, ModelPlugin):
     """Publishes an Imu message of a link: rate and specific force in the link's frame, the orientation in the world."""
 
     STATE = ("ticks", "velocity", "last")
@@ -53,7 +52,7 @@ class HectorGazeboRosImu(RosPlugin, ModelPlugin):
         name = given.serviceName or f"{given.topicName}/calibrate"
         self.service = self.serve(name, "std_srvs/Empty", self.OnCalibrate)
         self.Reset()
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Begin again."""
@@ -63,13 +62,13 @@ class HectorGazeboRosImu(RosPlugin, ModelPlugin):
         """Nothing to do."""
         return self.service.kind.response()
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Publish, if it is time."""
-        if not self.publication.listened:
-            return
-        now = self.world.core.GetSimTime()
-        if not self.ticks.due(now):
-            return
+    @law
+    def wanted(self) -> Any:
+        """While somebody listens."""
+        return self.publication.listened
+
+    def work(self, now: float) -> None:
+        """Publish."""
         elapsed, self.last = now - self.last, now
         velocity, before = self.link.WorldLinearVel(), self.velocity
         self.velocity = velocity

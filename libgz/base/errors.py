@@ -6,10 +6,12 @@ import dis
 import logging
 import re
 import signal
+import time
+from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import Literal, NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 __all__ = [
     "USER_ERRORS",
@@ -133,20 +135,57 @@ def pass_interrupt(error: BaseException) -> None:
         raise error
 
 
+class _Allowance:
+    """The processor time that suggestions may take: a second, and a tenth of what has passed since it was used up.
+
+    A comparison costs 20 us, so that 10,000 wrong names among 10,000 others would take half an hour.
+    """
+
+    SHARE, MOST = 0.1, 1.0  # [s]
+
+    def __init__(self) -> None:
+        self._left, self._at = self.MOST, 0.0
+
+    def begin(self) -> bool:
+        """Whether there is any left."""
+        now = time.process_time()
+        self._left, self._at = min(self.MOST, self._left + self.SHARE * max(now - self._at, 0.0)), now
+        return self._left > 0.0
+
+    def end(self) -> None:
+        """Take what has passed since `begin`."""
+        now = time.process_time()
+        self._left, self._at = self._left - max(now - self._at, 0.0), now
+
+
+_allowance = _Allowance()
+LONGEST_NAME = 200  # characters of names that are compared
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
-    """The end of a message, ``"; did you mean 'x'?"``; an empty string if no known name resembles `name`."""
-    lower = {candidate.lower(): candidate for candidate in known}
+    """The end of a message, ``"; did you mean 'x'?"``; an empty string if no known name resembles `name`.
+
+    It is empty, too, where names are long, or thousands of them have been compared just before.
+    """
+    if len(name) > LONGEST_NAME or not _allowance.begin():
+        return ""
+    lower = {candidate.lower(): candidate for candidate in known if len(candidate) <= LONGEST_NAME}
     import difflib  # for errors alone
 
     found = difflib.get_close_matches(name.lower(), lower, n=3, cutoff=0.6)
+    _allowance.end()
     if not found:
         return ""
     return "; did you mean " + " or ".join(repr(lower[match]) for match in found) + "?"
 
 
 MOST_ALIKE = 5  # warnings of a file that differ only in names, paths and numbers, in a log
-_VARIABLE = re.compile(r"'[^']*'|\[[^\]]*\]|[/~][^\s,;]*,?|\S*\d\S*|; did you mean .*")
+# Each alternative looks at a character once only, whatever the message is.
+_VARIABLE = re.compile(r"'[^']*'|\[[^\[\]]*\]|[/~][^\s,;]*,?|(?<![^\s'\]])[^\s\d'\]]*\d\S*|; did you mean .*")
 MOST_LISTED = 100  # elements without effect that are listed, of each file
+MOST_KEPT = {"error": 1000, "warning": 10_000}  # of each file
+LONGEST_MESSAGE = 8000  # characters of a message, and
+_KEPT_END = 1000  # those of them that are the end of a longer one
 UNFORESEEN = "libgz cannot handle it"
 
 
@@ -226,6 +265,13 @@ class Remark:
         element = f" <{self.element}>:" if self.element else ""
         return f"{self.file}{line}:{element} {self.message}"
 
+    def shortened(self) -> Self:
+        """The same, its message without what is beyond the longest in its middle."""
+        text = self.message
+        if len(text) <= LONGEST_MESSAGE:
+            return self
+        return replace(self, message=f"{text[: LONGEST_MESSAGE - _KEPT_END]} ... {text[-_KEPT_END:]}")
+
 
 @dataclass(frozen=True)
 class Diagnostic(Remark):
@@ -243,6 +289,7 @@ class Diagnostic(Remark):
 class Diagnostics:
     """The errors and warnings of one file, in the order in which they were found; each is kept once.
 
+    At most 1000 errors and 10,000 warnings are kept, of 8000 characters each; one more says how many others there are.
     Errors are collected, not raised, so that all are reported together::
 
         diagnostics.error(element, "must be given")
@@ -258,6 +305,9 @@ class Diagnostics:
     unlisted: int = 0  # further ones, which are only counted
     most_alike: int = MOST_ALIKE  # warnings of a kind in the summary
     _first_unlisted: Located | None = None
+    _kept: Counter[Severity] = field(default_factory=Counter)
+    _beyond: Counter[Severity] = field(default_factory=Counter)  # those that are not kept
+    _first_beyond: dict[Severity, Diagnostic] = field(default_factory=dict)
 
     def error(self, where: Located, message: str) -> None:
         """Add an error: the world does not load."""
@@ -284,6 +334,8 @@ class Diagnostics:
     def include(self, other: Diagnostics) -> None:
         """Add those of an included file."""
         self.add(*other.found)
+        self._beyond += other._beyond
+        self._first_beyond = other._first_beyond | self._first_beyond
         self.listed += other.listed
         self.unlisted += other.unlisted
         self._first_unlisted = self._first_unlisted or other._first_unlisted
@@ -311,17 +363,32 @@ class Diagnostics:
 
     def add(self, *diagnostics: Diagnostic) -> None:
         """Add diagnostics, such as those of an included file; the known ones are skipped."""
-        self.found.update(dict.fromkeys(diagnostics))
+        for one in map(Diagnostic.shortened, diagnostics):
+            if one in self.found:
+                continue
+            if self._kept[one.severity] < MOST_KEPT[one.severity]:
+                self._kept[one.severity] += 1
+                self.found[one] = None
+            else:
+                self._beyond[one.severity] += 1
+                self._first_beyond.setdefault(one.severity, one)
+
+    def _of(self, severity: Severity) -> list[Diagnostic]:
+        found = [diagnostic for diagnostic in self.found if diagnostic.severity == severity]
+        if severity in self._first_beyond:
+            rest = f"this and {self._beyond[severity] - 1} more {severity}s are not listed"
+            found.append(replace(self._first_beyond[severity], message=rest))
+        return found
 
     @property
     def errors(self) -> list[Diagnostic]:
         """Those that keep the world from loading."""
-        return [diagnostic for diagnostic in self.found if diagnostic.severity == "error"]
+        return self._of("error")
 
     @property
     def warnings(self) -> list[Diagnostic]:
         """Those with which the world still loads."""
-        found = [diagnostic for diagnostic in self.found if diagnostic.severity == "warning"]
+        found = self._of("warning")
         if self._first_unlisted is not None:
             rest = f"this and {self.unlisted - 1} more elements have no effect, either" if self.unlisted > 1 else ""
             found.append(Diagnostic.at(self._first_unlisted, rest or "has no effect, either", "warning"))

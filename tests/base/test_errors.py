@@ -1,7 +1,11 @@
 """Diagnostics: collected, reported together, each once."""
 
+import itertools
+import time
+
 import pytest
 
+from libgz.base import errors
 from libgz.base.errors import Diagnostics, Place, Remark, WorldFileError, nearest
 from libgz.sdf.element import Element
 
@@ -61,3 +65,56 @@ def test_a_message_names_only_what_is_known_of_its_place():
     assert str(Remark("a.sdf", 3, "mesh", "is empty")) == "a.sdf:3: <mesh>: is empty"
     assert str(Remark("a.sdf", 0, "mesh", "is empty")) == "a.sdf: <mesh>: is empty"
     assert str(Remark("a.sdf", 0, "", "is empty")) == "a.sdf: is empty"
+
+
+def test_what_thousands_of_errors_say_is_bounded():
+    diagnostics, place = Diagnostics(), Place("a.world", 3, "size")
+    for number in range(1500):
+        diagnostics.error(place, f"wrong {number} {'x' * 100_000} end {number}")
+    with pytest.raises(WorldFileError) as raised:
+        diagnostics.raise_errors()
+    lines = str(raised.value).splitlines()
+    assert len(lines) == 1001
+    assert max(map(len, lines)) < 9000
+    assert lines[7].startswith("a.world:3: <size>: wrong 7 xxx")
+    assert lines[7].endswith("xxx end 7")
+    assert lines[-1] == "a.world:3: <size>: this and 499 more errors are not listed"
+    diagnostics.warn(place, "odd")
+    assert [warning.message for warning in diagnostics.warnings] == ["odd"]
+    outer = Diagnostics()
+    outer.include(diagnostics)
+    assert outer.errors == diagnostics.errors
+
+
+def test_warnings_beyond_the_most_are_counted_and_leave_errors_their_place():
+    diagnostics = Diagnostics()
+    for line in range(10_005):
+        diagnostics.warn(Place("a.world", line, "size"), "odd")
+        diagnostics.warn(Place("a.world", 1, "size"), "odd")
+    diagnostics.error(Place("a.world", 5, "size"), "wrong")
+    assert len(diagnostics.warnings) == 10_001
+    assert diagnostics.warnings[-1].message == "this and 4 more warnings are not listed"
+    assert len(diagnostics.errors) == 1
+
+
+@pytest.mark.parametrize("text", ["a", "[", "[a", "]a", "/~"])
+def test_warnings_are_grouped_in_time_that_grows_with_their_length(text):
+    diagnostics = Diagnostics()
+    for line in range(20):
+        diagnostics.warn(Place("a.world", line, "size"), (text * 8000)[:8000])
+    started = time.process_time()
+    assert diagnostics.summary()
+    assert time.process_time() - started < 3  # [s]; some 10 if it were the square
+
+
+def test_suggestions_take_a_second_and_then_a_tenth_of_the_time(monkeypatch):
+    clock = itertools.count()
+    monkeypatch.setattr(errors.time, "process_time", lambda: next(clock) * 0.05)  # [s]: each comparison takes as much
+    monkeypatch.setattr(errors, "_allowance", errors._Allowance())
+    hints = [bool(nearest("lnk", ["link"])) for _ in range(1000)]
+    assert all(hints[:10])
+    assert 50 < hints[100:].count(True) < 100
+
+
+def test_long_names_are_not_compared():
+    assert nearest("a" * 1000, ["a" * 999]) == nearest("a" * 200, ["a" * 201]) == ""

@@ -10,9 +10,10 @@ from lxml import etree
 
 from libgz.base.errors import Diagnostics, NotFoundError, WorldFileError
 from libgz.base.files import exists, expand, is_file, read_limited
+from libgz.base.numbers import whole_number
 from libgz.sdf.xml import parse_document
 
-__all__ = ["find_model", "find_uri", "find_world", "listed", "model_directories", "resource_directories"]
+__all__ = ["find_model", "find_uri", "find_world", "folders_of", "listed", "model_directories", "resource_directories"]
 
 log = logging.getLogger("libgz.sdf")
 
@@ -24,13 +25,18 @@ unread: set[str] = set()  # environment variables that plugins have excluded
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
 OLD_SUFFIXES = (".model", ".light")  # of models in Gazebo 1, before they had folders
 MODEL_SCHEMES = ("model", "package")  # the second one is of ROS, where models lie in packages
+MOST_PARTS, LARGEST_PART = 3, 99  # of a version
 MEDIA = ("", "models", "media/models", "Media/models")
+
+
+def folders_of(text: str) -> list[Path]:
+    """The folders of a list that is separated by colons."""
+    return [expand(part) for part in text.split(":") if part]
 
 
 def listed(variable: str) -> list[Path]:
     """The folders that an environment variable lists; none if plugins have excluded it."""
-    text = "" if variable in unread else os.environ.get(variable, "")
-    return [expand(part) for part in text.split(":") if part]
+    return folders_of("" if variable in unread else os.environ.get(variable, ""))
 
 
 def model_directories() -> list[Path]:
@@ -150,8 +156,9 @@ def _named_in_config(folder: Path) -> Path:
         raise NotFoundError(f"{config} names no <sdf> file")
 
     def version(element: etree._Element) -> tuple[int, ...]:
-        words = (element.get("version") or "0").split(".")
-        return tuple(int(word) for word in words if word.isdigit())
+        words = (element.get("version") or "0").split(".")[:MOST_PARTS]
+        numbers = (whole_number(word, LARGEST_PART) for word in words)
+        return tuple(number for number in numbers if number is not None)
 
     supported = [f for f in files if version(f) <= (1, 6)] or files
     best = max(supported, key=version)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.base.errors import NotFoundError
-from libgz.base.files import exists, expand
+from libgz.base.files import exists
 from libgz.classic.common.console import gzwarn
 from libgz.classic.names import takes_names
 from libgz.sdf import paths
@@ -16,12 +16,8 @@ from libgz.sdf import paths
 __all__ = ["SystemPaths"]
 
 
-def _parts(text: str) -> list[Path]:
-    return [expand(part) for part in text.split(":") if part]
-
-
 def _append(added: list[Path], text: str) -> None:
-    added.extend(path for path in dict.fromkeys(_parts(text)) if path not in added)
+    added.extend(path for path in dict.fromkeys(paths.folders_of(text)) if path not in added)
 
 
 def _texts(folders: list[Path]) -> list[str]:

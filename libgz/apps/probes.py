@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from libgz.base.errors import GazeboError
+from libgz.base.numbers import whole_number
 from libgz.front import World
 
 __all__ = ["Probes"]
@@ -18,7 +19,6 @@ MOST_LISTED, MOST_READ, MOST_OF_TOPIC = 2000, 200, 40  # numbers of an answer; t
 MOST_TOPICS = 32  # that are listened to
 DEEPEST = 5  # messages in messages
 MOST_REPEATED = 3  # of a repeated field, that are listed
-LONGEST_INDEX = 9  # digits
 UNUSED = 5.0  # [s] of real time after which a topic that nobody asks for is not listened to
 
 
@@ -157,8 +157,8 @@ class Probes:
             value = getattr(value, word)
             if place:
                 number = place[:-1]
-                index = int(number) if field.is_repeated and number.isdecimal() and len(number) < LONGEST_INDEX else -1
-                value = value[index] if 0 <= index < len(value) else None
+                index = whole_number(number, len(value) - 1) if field.is_repeated else None
+                value = None if index is None else value[index]
         return _number(value)
 
 

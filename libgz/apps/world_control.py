@@ -18,6 +18,7 @@ from libgz.apps.stock import SHAPES, Stock, sdf_shape
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.base.files import is_file
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
+from libgz.base.numbers import whole_number
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
@@ -447,8 +448,8 @@ def steps_of(argument: str) -> int:
     Raises:
         ParameterError: it is no number of them, or more than one request may ask for.
     """
-    count = int(argument) if argument.isdecimal() and len(argument) < 10 else 0
-    if not 0 < count <= MOST_STEPS:
+    count = whole_number(argument, MOST_STEPS)
+    if not count:
         raise ParameterError(f"step is {argument[:80]!r}; allowed are 1 to {MOST_STEPS}")
     return count
 

@@ -12,6 +12,7 @@ import zlib
 from typing import Any
 
 from libgz.base.errors import ParameterError
+from libgz.base.numbers import whole_number
 
 __all__ = ["DECOMPRESSED", "VARIABLE", "Budget", "BudgetError", "budget_limit"]
 
@@ -34,9 +35,10 @@ def budget_limit() -> int:
     given = os.environ.get(VARIABLE, "")
     if not given:
         return DECOMPRESSED
-    if not given.isdecimal() or not 1 <= int(given) <= 1 << 24:
+    limit = whole_number(given, 1 << 24)
+    if not limit:
         raise ParameterError(f"the environment variable {VARIABLE} is {given!r}; a number of MiB from 1 on is allowed")
-    return int(given) << 20
+    return limit << 20
 
 
 class Budget:

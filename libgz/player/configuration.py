@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from libgz.base.errors import Diagnostics, GazeboError, Place, explain, nearest
-from libgz.base.files import read_limited
+from libgz.base.files import exists, read_limited
+from libgz.base.numbers import whole_number
 from libgz.player.drivers import DRIVERS, FAMILY, Driver, drivers_of
 from libgz.player.messages import ALIASES, CODES
 from libgz.transport.paths import check_id
@@ -26,6 +27,7 @@ from libgz.transport.paths import check_id
 __all__ = ["Configuration", "Device", "Simulation", "read_configuration"]
 
 PORT = 6665
+LARGEST_PORT, LARGEST_SERVER = 65535, (1 << 15) - 1
 MOST_INCLUDES = 20  # in each other
 MOST_DEVICES = 256  # of a port, as in Player
 MOST_TOKENS = 200_000  # of a file and those that it includes
@@ -410,10 +412,11 @@ def _device(
         offered = [*CODES, *ALIASES]
         diagnostics.error(place, f"there is no interface {parts[-2]!r} here{nearest(parts[-2], offered)}")
         return None
-    if not number.isdecimal() or int(number) > 65535:
+    index = whole_number(number, LARGEST_PORT)
+    if index is None:
         diagnostics.warn(place, f"{address!r} has the index {number!r}, and no number from 0 to 65535; it is 0 here")
-        number = "0"
-    if given and not (given.isdecimal() and 0 < int(given) < 65536):
+        index = 0
+    if given and not whole_number(given, LARGEST_PORT):
         diagnostics.error(place, f"{address!r} has the port {given!r}; it must be a number from 1 to 65535")
         return None
     fitting = [driver for driver in declared if driver.kind == kind]
@@ -425,7 +428,7 @@ def _device(
     if not keyed:
         keys = [driver.key for driver in fitting]
         diagnostics.error(
-            place, f"{address!r} must say which one, such as {keys[0]}::{kind}:{number}; there are {', '.join(keys)}"
+            place, f"{address!r} must say which one, such as {keys[0]}::{kind}:{index}; there are {', '.join(keys)}"
         )
         return None
     driver = keyed[0]
@@ -440,7 +443,7 @@ def _device(
         diagnostics.error(section.place, str(error))
         return None
     gz_id = "default" if driver.source == "sim" else gz_id
-    return Device(driver, label, int(given or port), int(number), gz_id, section.text("robotname"), place)
+    return Device(driver, label, int(given or port), index, gz_id, section.text("robotname"), place)
 
 
 def _add_device(result: Configuration, device: Device) -> None:
@@ -460,10 +463,11 @@ def _note_simulation(result: Configuration, section: _Section) -> None:
     worldfile, server_id = section.text("worldfile"), section.text("server_id")
     if worldfile:
         beside = Path(result.file).parent / worldfile
-        result.simulation = result.simulation._replace(worldfile=str(beside) if beside.exists() else worldfile)
+        result.simulation = result.simulation._replace(worldfile=str(beside) if exists(beside) else worldfile)
     if server_id and server_id != "default":
-        if server_id.isdecimal() and int(server_id) < 1 << 15:
-            result.simulation = result.simulation._replace(server_id=int(server_id))
+        number = whole_number(server_id, LARGEST_SERVER)
+        if number is not None:
+            result.simulation = result.simulation._replace(server_id=number)
         else:
             place = section.fields["server_id"][1]
             result.diagnostics.warn(place, f"server_id is {server_id!r}, and no number; server 0 is used")

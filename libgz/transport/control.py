@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from libgz.base.errors import ServerError
+from libgz.base.numbers import whole_number
 from libgz.base.waiting import wait_for
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
@@ -179,8 +180,8 @@ def _receive(connection: socket.socket) -> tuple[list[str], bytes]:
     """
     with connection.makefile("rb") as stream:
         words = stream.readline(LONGEST_LINE).decode(errors="replace").split()
-        length = int(words[-1]) if words and words[-1].isdecimal() else -1
-        if not 0 <= length <= MOST:
+        length = whole_number(words[-1], MOST) if words else None
+        if length is None:
             raise OSError("the other process sent something else")
         content = stream.read(length)
         if len(content) < length:

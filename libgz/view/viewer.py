@@ -15,6 +15,7 @@ from typing import Any
 
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, InterfaceError, ParameterError, ServerGoneError
+from libgz.base.numbers import whole_number
 from libgz.transport.observer import ObservedState
 from libgz.view.assets import Assets
 from libgz.view.channels import Channels
@@ -560,12 +561,13 @@ class Viewer(Closing):
         name, _, place = key.rpartition("/")
         kind, _, owner = name.partition(".")
         value = content.get("value", 1)
-        if self.controls is None or kind not in STEERED or not place.isdecimal() or not isinstance(value, int | float):
+        if self.controls is None or kind not in STEERED or not isinstance(value, int | float):
             raise GazeboError(f"there is no part {key[:100]!r}")
         parts = interface_parts(self.controls.interface(kind, owner))
-        if int(place) >= len(parts):
+        number = whole_number(place, len(parts) - 1)
+        if number is None:
             raise GazeboError(f"there is no part {key[:100]!r}")
-        part = parts[int(place)]
+        part = parts[number]
         low, high = part.limits or (value, value)
         part.action(min(max(float(value), low), high))
 

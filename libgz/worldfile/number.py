@@ -7,7 +7,8 @@ import re
 __all__ = ["atof", "atoi", "malformed"]
 
 _FLOAT = re.compile(r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf(?:inity)?|nan))", re.IGNORECASE)
-_INT = re.compile(r"\s*([+-]?\d+)")
+_INT = re.compile(r"\s*([+-]?)0*(\d+)", re.ASCII)
+_MOST_DIGITS = 20  # beyond those of any integer of C
 
 
 def atof(text: str) -> float:
@@ -19,7 +20,7 @@ def atof(text: str) -> float:
 def atoi(text: str) -> int:
     """The whole number at the start of `text`, or 0."""
     match = _INT.match(text)
-    return int(match.group(1)) if match else 0
+    return int(match[1] + match[2][:_MOST_DIGITS]) if match else 0
 
 
 def malformed(text: str) -> bool:

@@ -22,9 +22,11 @@ from libgz.base.budget import Budget, BudgetError
 from libgz.base.closing import Closing
 from libgz.base.errors import ParameterError, WorldFileError, nearest
 from libgz.base.files import open_file
+from libgz.base.numbers import whole_number
 
 __all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
 
+LARGEST_SEED = (1 << 32) - 1
 CHUNK = 64 * 1024  # characters that are written together
 # How chunks are compressed, and how within a budget they are decompressed.
 ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[Budget, bytes], bytes]]] = {
@@ -168,7 +170,7 @@ class LogReader:
         return LogHeader(
             header.findtext("log_version", "").strip(),
             header.findtext("gazebo_version", "").strip(),
-            int(seed) if seed.lstrip("-").isdigit() else 0,
+            whole_number(seed, LARGEST_SEED) or 0,
         )
 
     def chunks(self) -> Iterator[tuple[str, str]]:

@@ -32,6 +32,7 @@ LEGACY = f"""<?xml version="1.0"?>
 
   <model:GroundPlane>
     <id>ground</id>
+    <color>0.6 0.62 0.6</color>
   </model:GroundPlane>
 </gz:world>
 """

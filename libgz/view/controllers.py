@@ -57,7 +57,7 @@ class Controllers:
             GazeboError: it cannot have that.
         """
         if not page.may_control:
-            raise GazeboError("this address has no token: its pages only watch")
+            raise GazeboError("this address has no valid token: its pages only watch")
         if what in ("ask", "take"):
             if self.page is None:
                 self.page = page

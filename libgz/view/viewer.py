@@ -49,7 +49,7 @@ CAN_SHOW = frozenset({"interfaces", "publish", "contacts", "readings", "problems
 # What a text that a page inserts may not have: it would run code, expand macros, or hide one of both.
 CODE = re.compile(r"plugin|xacro|<!", re.IGNORECASE)
 ENDED = "The server has ended. Waiting for the next one ..."
-WATCHING = "This address has no token."
+WATCHING = "This address has no valid token."
 
 
 class Viewer(Closing):

@@ -200,7 +200,7 @@ def test_modules_are_kept_by_browsers_and_packed(viewer):
 def test_a_page_without_the_token_only_watches(viewer, controls):
     with Socket(viewer.watch_url) as page:
         hello = page.until("hello")
-        assert hello["hello"]["reason"] == "This address has no token."
+        assert hello["hello"]["reason"] == "This address has no valid token."
         assert hello["control"]["here"] is False
         assert page.ask("pause", "on") == (None, "this page does not control the world")
         assert "no token" in page.ask("control", "take")[1]

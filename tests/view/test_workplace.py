@@ -191,6 +191,25 @@ def test_keys_do_what_the_buttons_do(opened):
     assert asked(page, "pause", wait=False) == []
 
 
+def test_keys_act_on_the_world_after_a_button_was_clicked(opened):
+    page = opened()
+    button(page, "Insert").click()
+    page.get_by_role("dialog", name="Insert a model").get_by_label("Search models").wait_for()
+    page.keyboard.press("Escape")
+    page.get_by_role("dialog").wait_for(state="detached")
+    page.keyboard.press("Space")
+    assert len(asked(page, "pause")) == 1
+    button(page, "Reset").click()
+    page.keyboard.press("Space")
+    assert len(asked(page, "pause")) == 1
+    assert len(asked(page, "reset")) == 1
+    button(page, "Insert").focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Space")  # of those who use keys alone
+    page.get_by_role("dialog", name="Insert a model").wait_for()
+
+
 def test_undo_and_redo_by_keys_and_buttons_where_the_server_can(opened):
     page = opened("verbs=undo redo delete")
     page.keyboard.press("Control+z")

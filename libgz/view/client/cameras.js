@@ -8,10 +8,12 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const LOWEST = 0.08; // [m] of the camera above the ground
 const MARGIN = 1.5; // around robots at the start
+const LIFT = 0.07; // of the view's height that they are above its middle, as the stick is below
 const FARTHEST = 1e6; // [m] from the origin of what is framed
 const GLIDE = 350; // [ms] of a change of view
 const OBLIQUE = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
-const START = new Vector3(-1, -1.25, 0.56).normalize(); // likewise, with the horizon in view
+const RISE = Math.atan(0.3); // elevation at the start [rad], with the horizon in view
+const SIDES = [110, 130, 150, 210, 230, 250].map(MathUtils.degToRad); // azimuths at the start: obliquely from behind
 /** From what is looked at to the eye. @type {Record<string, Vector3>} */
 const VIEWS = {
   front: new Vector3(1, 0, 0.001),
@@ -65,8 +67,12 @@ export class Cameras {
     return this.camera.position.distanceTo(this.controls.target);
   }
 
-  /** Begin where the world says, else where the robots fill the frame, on their bright side. @param {Vector3} sun towards it */
-  begin(sun) {
+  /**
+   * Begin where the world says, else where the robots fill the frame, lit and with their shadow in sight.
+   * @param {Vector3} sun towards it
+   * @param {(eye: Vector3, place: Vector3, radius: number) => boolean} sees whether nothing is before a place
+   */
+  begin(sun, sees) {
     const { scene } = this.store, { view } = scene;
     this.touched = false;
     if (view) {
@@ -81,8 +87,12 @@ export class Cameras {
       this.changed();
       return;
     }
-    const outward = sun.y > 0.05 ? START.clone().setY(-START.y) : START;
-    this._frame(this._interesting(), outward, false, MARGIN);
+    const box = this._interesting(), { center, radius } = box.getBoundingSphere(new Sphere());
+    const sides = startsFor(sun);
+    const free = sides.find((outward) => sees(this._eye(center, radius, outward, MARGIN), center, radius));
+    this._frame(box, free ?? sides[0], false, MARGIN);
+    this.controls.target.z -= LIFT * 2 * Math.tan(MathUtils.degToRad(this.camera.fov) / 2) * this.distance;
+    this.controls.update();
   }
 
   /** The box of what a user wants to see first: robots, else what moves, else everything. */
@@ -101,6 +111,11 @@ export class Cameras {
       if (!box.isEmpty()) return box;
     }
     return new Box3(new Vector3(-1.5, -1.5, 0), new Vector3(1.5, 1.5, 1));
+  }
+
+  /** Whether the scene has models that are not fixed. */
+  get hasMovers() {
+    return this._movers().length > 0;
   }
 
   _movers() {
@@ -157,10 +172,7 @@ export class Cameras {
   _frame(box, outward, glide, margin = 1) {
     if (box.isEmpty() || ![...box.min.toArray(), ...box.max.toArray()].every((part) => Math.abs(part) < FARTHEST)) return;
     const { center, radius } = box.getBoundingSphere(new Sphere());
-    const half = MathUtils.degToRad(this.camera.fov) / 2;
-    const narrow = Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1));
-    const reach = Math.max((0.92 * margin * Math.max(radius, 0.1)) / Math.sin(narrow), 0.3);
-    const eye = center.clone().addScaledVector(outward.clone().normalize(), reach);
+    const eye = this._eye(center, radius, outward, margin);
     if (glide) {
       this._glide = {
         from: this.controls.target.clone(), to: center, eye: this.camera.position.clone(), goal: eye, begin: performance.now(),
@@ -171,6 +183,20 @@ export class Cameras {
       this.controls.update();
     }
     this.changed();
+  }
+
+  /**
+   * From where a ball fills the frame.
+   * @param {Vector3} center
+   * @param {number} radius [m]
+   * @param {Vector3} outward
+   * @param {number} margin around it, 1 for none
+   */
+  _eye(center, radius, outward, margin) {
+    const half = MathUtils.degToRad(this.camera.fov) / 2;
+    const narrow = Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1));
+    const reach = Math.max((0.92 * margin * Math.max(radius, 0.1)) / Math.sin(narrow), 0.3);
+    return center.clone().addScaledVector(outward.clone().normalize(), reach);
   }
 
   /** Bring the camera up to date before a frame; returns whether it is still moving. @param {number} now [ms] */
@@ -241,4 +267,19 @@ export class Cameras {
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
   }
+}
+
+/**
+ * From where robots are seen at the start, the best first: the sides that are seen are bright, and the shadow falls aside.
+ * @param {Vector3} sun towards it
+ */
+function startsFor(sun) {
+  const light = sun.clone().setZ(0).normalize();
+  const found = SIDES.map((azimuth) => {
+    const outward = new Vector3(Math.cos(azimuth), Math.sin(azimuth), Math.tan(RISE)).normalize();
+    const bright = Math.max(outward.x * light.x, 0) + Math.max(outward.y * light.y, 0);
+    const aside = Math.abs(outward.x * light.y - outward.y * light.x);
+    return { outward, worth: bright * (0.3 + aside) };
+  });
+  return found.sort((one, other) => other.worth - one.worth).map(({ outward }) => outward);
 }

@@ -116,7 +116,7 @@ export class Inspector {
         this.#value({ key: keyOf('sim', 'steps'), label: 'steps', unit: '' }, 0),
         this.#value({ key: keyOf('sim', 'pauseTime'), label: 'paused time', unit: 's' }, 2),
       ]),
-      this.#section('World', [
+      this.#section('Contents', [
         this.#text('gravity', () => `${scene.gravity.map((part) => short(part)).join('  ')} m/s²`),
         ...Object.entries(counts).map(([name, count]) => this.#text(name, () => String(count))),
       ]),

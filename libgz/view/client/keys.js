@@ -8,6 +8,8 @@ import { isUsable } from 'libgz/actions.js';
 
 /** @typedef {import('libgz/actions.js').Action} Action */
 
+const PRESSED = 'button, summary, a, [role=tab], input[type=checkbox]'; // by Space and Enter
+
 /** Listens to keys, but not while a user types. */
 export class Keys {
   /** @param {import('libgz/workplace.js').Workplace} workplace */
@@ -16,6 +18,8 @@ export class Keys {
     /** @type {Map<string, Action>} */
     this.table = new Map();
     for (const action of Object.values(workplace.actions)) for (const key of action.keys ?? []) this.table.set(key, action);
+    // What the pointer has pressed does not keep the focus: the next key is meant for the world.
+    window.addEventListener('click', (event) => event.detail > 0 && release(event.target), true);
     window.addEventListener('keydown', (event) => this.#down(event));
     window.addEventListener('keyup', (event) => this.workplace.drive.release(event.key));
   }
@@ -26,8 +30,8 @@ export class Keys {
     const target = /** @type {HTMLElement} */ (event.target);
     if (document.querySelector('dialog[open]') || isTyping(target)) return;
     const command = event.ctrlKey || event.metaKey;
-    // A button with the focus answers to these itself.
-    if ((event.key === ' ' || event.key === 'Enter') && target.closest('button, summary, a, [role=tab]')) return;
+    // A control with the focus answers to these itself.
+    if ((event.key === ' ' || event.key === 'Enter') && target.closest(PRESSED)) return;
     const onPad = target === drive.pad;
     if (!command && !event.altKey && (!event.shiftKey || event.key.length === 1) && drive.press(event.key, onPad)) {
       event.preventDefault();
@@ -41,6 +45,12 @@ export class Keys {
     }
     if (store.control && !command && event.key.length === 1) store.pressKey(event.key.charCodeAt(0));
   }
+}
+
+/** @param {EventTarget | null} target */
+function release(target) {
+  const control = target instanceof Element ? target.closest(PRESSED) : null;
+  if (control instanceof HTMLElement && !control.closest('.menu, dialog')) control.blur();
 }
 
 /** @param {HTMLElement} target */

@@ -6,7 +6,7 @@ import { toned } from "libgz/materials.js";
 
 /** @typedef {import("libgz/assets.js").Assets} Assets */
 
-const PLAIN = [0.7, 0.7, 0.7]; // the background of classic worlds that name none
+const PLAIN = [[0.7, 0.7, 0.7], [0.7, 0.7, 0.9]]; // the backgrounds of worlds that name none, of both eras
 const THEMES = {
   light: { zenith: new Color(0x8fb4de), horizon: new Color(0xe9eff5), below: new Color(0xc9cfd6) },
   dark: { zenith: new Color(0x12151b), horizon: new Color(0x3b4453), below: new Color(0x20242c) },
@@ -60,6 +60,8 @@ export class Sky {
     /** @type {import("three").WebGLRenderTarget | null} */
     this._reflection = null;
     this.mesh.renderOrder = 1000; // where nothing else was rendered
+    /** @type {Fog | null} */
+    this._haze = null;
   }
 
   /**
@@ -70,8 +72,8 @@ export class Sky {
    */
   show(scene, assets, theme) {
     const { zenith, horizon, below, glow } = this.uniforms;
-    const background = scene ? scene.background.slice(0, 3) : PLAIN;
-    const plain = background.every((/** @type {number} */ part, /** @type {number} */ i) => Math.abs(part - PLAIN[i]) < 0.01);
+    const background = scene ? scene.background.slice(0, 3) : PLAIN[0];
+    const plain = PLAIN.some((one) => one.every((part, i) => Math.abs(part - background[i]) < 0.01));
     const map = scene?.sky ? assets.texture(scene.sky.texture) : null;
     glow.value.setRGB(0, 0, 0);
     if (scene?.sky && map) {
@@ -103,7 +105,8 @@ export class Sky {
     }
     this.horizon.copy(horizon.value);
     this.zenith.copy(zenith.value);
-    if (!fog) return new Fog(horizon.value, 60, 900); // the ground ends in haze, not at an edge
+    this._haze = fog ? null : new Fog(horizon.value); // the ground ends in haze, not at an edge
+    if (this._haze) return this._haze;
     const density = Math.max(fog.density, 1e-6);
     if (fog.kind === "linear") return new Fog(horizon.value, fog.start ?? 0, Math.max(fog.end ?? 100, (fog.start ?? 0) + 0.01));
     return fog.kind === "exp2" ? new FogExp2(horizon.value, density) : new Fog(horizon.value, 0.1 / density, 2.5 / density);
@@ -123,6 +126,11 @@ export class Sky {
     this._reflection?.dispose();
     this._reflection = target;
     return target.texture;
+  }
+
+  /** Let haze begin behind what is looked at. @param {number} distance of it [m] */
+  reach(distance) {
+    if (this._haze) Object.assign(this._haze, { near: 20 + 4 * distance, far: 150 + 40 * distance });
   }
 
   /** Where the sun is seen, if the sky has one. @param {Vector3} towards */

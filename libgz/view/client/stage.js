@@ -95,6 +95,7 @@ export class Stage {
     this._loading = 0;
     this._loaded = false; // what the scene names has been loaded
     this._world = ""; // that the camera was placed for
+    this._empty = false; // whether nothing moves in it
     this._shapes = ""; // the switches that the shapes are shown by
     this._fine = this.quality.level.fine;
     this._level = 0; // [m] of the ground
@@ -178,10 +179,12 @@ export class Stage {
     const { scene } = this.store;
     this._built = true;
     this._rebuild();
-    const world = `${scene.era} ${scene.world}`;
-    if (world !== this._world) {
+    const world = `${scene.era} ${scene.world}`, empty = !this.cameras.hasMovers;
+    const first = this._empty && !empty && !this.cameras.touched; // something was put into an empty world
+    this._empty = empty;
+    if (world !== this._world || first) {
       this._world = world;
-      this.cameras.begin(this.lights.towards);
+      this.cameras.begin(this.lights.towards, (eye, place, radius) => this._sees(eye, place, radius));
     }
     this.invalidate();
   }
@@ -329,6 +332,17 @@ export class Stage {
     return null;
   }
 
+  /**
+   * Whether nothing is before a ball.
+   * @param {Vector3} eye
+   * @param {Vector3} place its middle
+   * @param {number} radius [m]
+   */
+  _sees(eye, place, radius) {
+    const way = place.clone().sub(eye), ray = new Raycaster(eye, way.clone().normalize(), 0, Math.max(way.length() - radius, 0));
+    return !ray.intersectObjects(this.bodies.group.children, false).length;
+  }
+
   /** @param {number} x @param {number} y */
   _click(x, y) {
     const number = this.pick(x, y)?.entity ?? 0;
@@ -436,6 +450,7 @@ export class Stage {
   _render(still = false) {
     const { camera, controls } = this.cameras;
     this.ground.follow(camera.position, this.renderer.getPixelRatio());
+    this.sky.reach(this.cameras.distance);
     const radius = Math.min(Math.max(1.4 * this.cameras.distance, 1.5), 120);
     if (this.lights.cover(controls.target, radius)) this.renderer.shadowMap.needsUpdate = true;
     this.marks.face(camera, this.renderer);

@@ -13,7 +13,10 @@ from typing import BinaryIO
 
 from lxml import etree
 
+from libgz.base.errors import WorldFileError
+
 __all__ = [
+    "check_size",
     "exists",
     "expand",
     "installed_worlds",
@@ -122,6 +125,16 @@ def read_limited(path: Path) -> bytes:
     if len(data) > LARGEST_FILE:
         raise OSError(errno.EFBIG, f"it is larger than {LARGEST_FILE >> 20} MiB", str(path))
     return data
+
+
+def check_size(data: bytes, label: str) -> None:
+    """Refuse to write what `read_limited` would not read.
+
+    Raises:
+        WorldFileError: it has more than 64 MiB.
+    """
+    if len(data) > LARGEST_FILE:
+        raise WorldFileError(f"{label} would be larger than {LARGEST_FILE >> 20} MiB, which is the most that is loaded")
 
 
 def xml_text(text: str) -> str:

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 from libgz.base.digest import blake2b
 from libgz.base.entities import encoded
 from libgz.base.errors import GazeboError, ParameterError, StateError, WorldFileError, advise
-from libgz.base.files import read_limited
+from libgz.base.files import check_size, read_limited
 from libgz.base.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
@@ -319,11 +319,12 @@ class LegacyWorld(Era):
 
         Raises:
             StateError: there is no file.
-            WorldFileError: it is not well-formed.
+            WorldFileError: it is not well-formed, or larger than a file that can be loaded.
         """
         if self.file is None:
             super().set_text(text)
             return
+        check_size(text, self.file.label)
         self.exchange_file(self.file, self._parse(text, self.file.label))
 
     def exchange_file(self, old: WorldFile, new: WorldFile) -> None:

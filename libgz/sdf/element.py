@@ -83,9 +83,13 @@ class Element:
 
     Attributes:
         include: where the `<include>` is that it took the place of; None if the document itself has it.
+        placed: whether its pose was that of a frame in it, its placement frame.
+        comments: in front of it; not read from files, where they are kept without this.
     """
 
     include: Place | None = None
+    placed: bool = False
+    comments: tuple[str, ...] = ()
 
     def __init__(
         self, name: str = "", description: Description | None = None, *, file: str = "", line: int = 0
@@ -382,7 +386,8 @@ class Element:
         Of the attributes that the file does not give, those are written that SDF requires, with their defaults.
         """
         words = [f' {k}="{xml_attribute(p.GetAsString())}"' for k, p in self.attributes.items() if self._is_written(p)]
-        start = f"{prefix}<{self.name}{''.join(words)}"
+        before = "".join(f"{prefix}<!--{comment}-->\n" for comment in self.comments)
+        start = f"{before}{prefix}<{self.name}{''.join(words)}"
         text = xml_text(self.value.GetAsString())
         if self.children:
             inside = "".join(child.ToString(prefix + "  ") for child in self.children)

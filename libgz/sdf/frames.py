@@ -373,6 +373,7 @@ class _Scope:
     def _forget(self) -> None:
         """Remove the references that are resolved now; frames keep what they are attached to."""
         for element in self._inside(self.holder):
+            element.placed |= bool(_attribute(element, "placement_frame"))
             for key in (*NAMING, *(REFERENCES if element.name == "pose" else ())):
                 if element.HasAttribute(key):
                     element.attributes[key].SetFromString("")

@@ -17,6 +17,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, suited, upgraded
 from libgz.sdf.value import check
 from libgz.sdf.xml import ROOTS, local_name
+from libgz.sdfworld.comments import copy_comments
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.model_motion import ModelMotion
 from libgz.sdfworld.text import SdfText, Step, children
@@ -192,14 +193,14 @@ class SdfEditor:
         if key == "pose" and not part and entity.parent is None:
             numbers = numbers_of(value, 6, 6)
             pose = GzPose(GzVector(*numbers[:3]), GzQuaternFromEuler(*numbers[3:]))
-            self._take(place.source, place.text.changed(*place.text.pose(place.element, text)))
+            self._take(place.source, self._moved(entity, place, text))
             self._world.SetModelPose(entity, pose)
             entity.initPose = pose
             return entity
         if key.removeprefix("@") == "name" and not part:
             self._check_name(entity, text)
         if key == "pose" and place.include is not None:  # in the frame around it, whatever the include's own is
-            return self._rebuild(entity, place.source, place.text.changed(*place.text.pose(place.element, text)))
+            return self._rebuild(entity, place.source, self._moved(entity, place, text))
         return self._rebuild(entity, place.source, self._edited(place, key, text))
 
     def embed(self, entity: Entity) -> Entity:
@@ -220,6 +221,7 @@ class SdfEditor:
                 f"{built.file} is of a later version than SDF {version}, in which it would mean something else; "
                 f"convert {text.label} with `libgz upgrade` first"
             )
+        copy_comments(copy, element)
         return self._rebuild(entity, place.source, text.changed(text.exchange(element, copy)))
 
     def copy_text(self, entity: Entity) -> str:
@@ -299,6 +301,9 @@ class SdfEditor:
                 f"{text.label} is not SDF {VERSIONS[0]} to {VERSIONS[-1]}; `libgz upgrade` converts it, for editing"
             )
         return describe(version)
+
+    def _moved(self, entity: Entity, place: _Place, text: str) -> bytes:
+        return place.text.changed(*place.text.pose(place.element, text, self._path(entity)[-1].placed))
 
     @staticmethod
     def _edited(place: _Place, key: str, text: str) -> bytes:

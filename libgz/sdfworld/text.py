@@ -10,6 +10,7 @@ from lxml import etree
 from libgz.base.errors import ParameterError, WorldFileError
 from libgz.base.files import xml_attribute, xml_parser, xml_text
 from libgz.sdf.element import Element
+from libgz.sdf.frames import MODEL
 from libgz.sdf.xml import line_of, local_name
 from libgz.worldfile.source import (
     Edit,
@@ -121,14 +122,32 @@ class SdfText:
             inner = f"<{tag}>{inner}</{tag}>"
         return put_first(self.source, span, indent_of(self.source, span) + _encoded(inner))
 
-    def pose(self, element: etree._Element, text: str) -> list[Edit]:
-        """The changes of the pose of an element in the frame around it, in radians."""
+    def pose(self, element: etree._Element, text: str, placed: bool) -> list[Edit]:
+        """The changes of the pose of an element in the frame around it, in radians.
+
+        Args:
+            element: a model, light, actor or include.
+            text: the pose of its own frame.
+            placed: whether its pose was that of a frame in it.
+        """
         old = next(children(element, "pose"), None)
-        placed = [self.removal(one) for one in children(element, "placement_frame")]  # of an include
+        changes = list(self._own_frame(element)) if placed else []
         if old is None or not old.attrib:
-            return [self.value(element, ["pose"], text), *placed]
+            return [self.value(element, ["pose"], text), *changes]
         span = self._span(old)
-        return [(span.start, span.after, f"<pose>{text}</pose>".encode()), *placed]
+        return [(span.start, span.after, f"<pose>{text}</pose>".encode()), *changes]
+
+    def _own_frame(self, element: etree._Element) -> Iterator[Edit]:
+        """The changes that let a pose be that of the model's own frame."""
+        if local_name(element) != "include":
+            yield self._attribute(element, "placement_frame", MODEL)
+            return
+        given, span = list(children(element, "placement_frame")), self._span(element)
+        for one in given:
+            yield fill(self.source, self._span(one), _encoded(MODEL))
+        if not given:
+            added = _encoded(f"<placement_frame>{MODEL}</placement_frame>")
+            yield put_first(self.source, span, indent_of(self.source, span) + added)
 
     def removal(self, element: etree._Element) -> Edit:
         """The removal of an element, with the blanks in front of it."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from libgz.base.digest import blake2b
 from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, advise, nearest
-from libgz.base.files import LARGEST_FILE, is_file, read_limited, write_whole
+from libgz.base.files import check_size, is_file, read_limited, write_whole
 from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
@@ -382,8 +382,7 @@ class SdfWorld(Era):
         if self.file is None:
             super().set_text(text)
             return
-        if len(text) > LARGEST_FILE:
-            raise WorldFileError(f"{self.file.label} would be larger than {LARGEST_FILE >> 20} MiB")
+        check_size(text, self.file.label)
         file, diagnostics = self.file.read_again(text), Diagnostics()
         file.diagnostics.raise_errors()
         digest = blake2b(file.root.ToString().encode(), digest_size=16).digest()
@@ -459,7 +458,7 @@ class SdfWorld(Era):
             if entity is None:
                 edits.append(text.removal(found))
             elif not _same_pose(entity.GetPose(), model_pose(element)):
-                edits += text.pose(found, _written(entity.GetPose()))
+                edits += text.pose(found, _written(entity.GetPose()), element.placed)
         inserted, version = [], self.file.version if self.file is not None else NEWEST
         for one in tops:
             if one.origin is not None and one.origin.source.number:
@@ -482,6 +481,7 @@ class SdfWorld(Era):
             if is_ready_world(Path(name)):
                 raise WorldFileError(f"{name} belongs to libgz and is not written to; run a copy of it")
             if before != text:
+                check_size(text, name)
                 write_whole(Path(f"{name}.bak"), before)
                 write_whole(Path(name), text)
         except (GazeboError, OSError) as error:

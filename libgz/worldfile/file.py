@@ -14,7 +14,7 @@ from lxml import etree
 
 from libgz.base.entities import Entities, check_attributes, encoded
 from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
-from libgz.base.files import expand, is_file, read_limited, write_whole, xml_parser
+from libgz.base.files import check_size, expand, is_file, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import element_spans, splice
@@ -257,6 +257,7 @@ class WorldFile:
             raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
         try:
             source = self.text(removed=removed, added=added)
+            check_size(source, "it")
         except WorldFileError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
         log.info("saving: %s", target)

@@ -182,8 +182,18 @@ def _line_start(source: bytes, span: Span) -> int:
 def _append(source: bytes, root: Span, elements: Sequence[bytes]) -> Edit:
     """The edit that adds elements at the end of the root, each on a line of its own."""
     indent = indent_of(source, root) or b"\n"
-    added = b"".join(indent + element for element in elements)
+    added = b"".join(indent + _moved_in(element, indent.rpartition(b"\n")[2]) for element in elements)
     if root.empty:
         return fill(source, root, added + b"\n")
     last = root.content + len(source[root.content : root.end].rstrip())
     return last, last, added if last < root.end else added + b"\n"
+
+
+def _moved_in(element: bytes, margin: bytes) -> bytes:
+    """An element whose lines begin as those around it do; as it is if a line is in a text, such as a program."""
+    first, *others = element.split(b"\n")
+    lines = [line for line in others if line.strip()]
+    own = lines[-1][: len(lines[-1]) - len(lines[-1].lstrip())] if lines else b""
+    if b"<![CDATA[" in element or not all(line.startswith(own) and line.lstrip()[:1] == b"<" for line in lines):
+        return element
+    return b"\n".join([first, *(margin + line.removeprefix(own) if line.strip() else line for line in others)])

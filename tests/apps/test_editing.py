@@ -333,10 +333,14 @@ def test_the_pose_of_an_include_is_edited_as_it_is_shown(including, monkeypatch)
 
 
 @pytest.mark.parametrize("edited", [True, False])
-def test_an_include_is_placed_by_its_pose_once_it_was_moved(including, tmp_path, monkeypatch, edited):
-    text = INCLUDING.replace("<pose>5 0", "<placement_frame>top</placement_frame><pose>5 0")
-    monkeypatch.setitem(globals(), "INCLUDING", text)
-    with including("1.9") as ask:
+@pytest.mark.parametrize("own", [True, False])
+def test_an_include_is_placed_by_its_pose_once_it_was_moved(including, tmp_path, monkeypatch, edited, own):
+    if own:
+        monkeypatch.setitem(globals(), "MODEL", MODEL.replace('name="stone"', 'name="stone" placement_frame="top"'))
+    else:
+        text = INCLUDING.replace("<pose>5 0", "<placement_frame>top</placement_frame><pose>5 0")
+        monkeypatch.setitem(globals(), "INCLUDING", text)
+    with including("1.9", "1.9") as ask:
         assert ask.value("pose", name="pebble")["value"][:3] == [5, 0, -1]
         if edited:
             ask("edit", name="pebble", key="pose", value=[1, 2, 3, 0, 0, 0])
@@ -398,6 +402,65 @@ def test_an_included_model_is_copied_into_the_world_and_edited_there(including, 
         assert (ask.world.get_state(), ask.world.era.text) == before
 
 
+def test_comments_stay_where_a_model_is_copied_into_the_world(including, tmp_path, monkeypatch):
+    text = MODEL.replace("<mass>3</mass>", "<mass>3</mass> <!-- kg --><!-- weighed -->")
+    text = text.replace('  <visual name="w">', '  <!-- a knob -->\n  <visual name="w">')
+    monkeypatch.setitem(globals(), "MODEL", text.replace("</model>", "  <!-- the end -->\n</model>"))
+    monkeypatch.setitem(globals(), "INCLUDING", INCLUDING.replace("<name>pebble", "<!-- ours -->\n    <name>pebble"))
+    with including() as ask:
+        ask("embed", name="pebble")
+        ask("write")
+    lines = [line.strip() for line in (tmp_path / "my.world").read_text().splitlines()]
+    for comment, follower in (
+        ("<!-- ours -->", "<model name"),
+        ("<!-- the second -->", "<!-- ours -->"),
+        ("<!-- kg -->", "<!-- weighed -->"),
+        ("<!-- weighed -->", "<mass>3</mass>"),
+        ("<!-- a knob -->", '<visual name="w">'),
+        ("<!-- the end -->", "<joint name"),
+    ):
+        assert lines[lines.index(comment) + 1].startswith(follower)
+
+
+def test_a_model_with_a_placement_frame_is_where_it_was_moved(tmp_path):
+    path = tmp_path / "my.world"
+    links = "<link name='l'/><link name='top'><pose>0 0 1 0 0 0</pose></link>"
+    model = f"<model name='m' placement_frame='top'><pose>0 0 5 0 0 0</pose>{links}</model>"
+    path.write_text(f"<sdf version='1.9'><world name='w'>{model}</world></sdf>")
+    with libgz.World.from_file(path) as world:
+        ask = Asker(world)
+        assert ask.value("pose", name="m")["value"][:3] == [0, 0, 4]
+        ask("edit", name="m", key="pose", value=[1, 2, 3, 0, 0, 0])
+        ask("write")
+    with libgz.World.from_file(path) as again:
+        assert [*again.model("m").GetPose().pos] == [1, 2, 3]
+
+
+def test_inserted_models_are_moved_in_as_those_around_them(ask, tmp_path):
+    sdf = ask.world.sdf is not None
+    ask("insert", model="sphere" if sdf else "Pioneer2DX", pose=[5, 0, 0, 1, 0, 0, 0])
+    ask("write")
+    lines = (tmp_path / "my.world").read_text().splitlines()
+    begin, end, inside = (
+        ("<model name", "</model>", "<pose") if sdf else ("<model:Pioneer2DX>", "</model:Pioneer2DX>", "<xyz>")
+    )
+    margins = [
+        next(line for line in lines[::-1] if line.strip().startswith(text)).partition("<")[0]
+        for text in (begin, inside, end)
+    ]
+    assert margins == (["    ", "      ", "    "] if sdf else ["  ", "    ", "  "])
+
+
+def test_no_world_is_written_that_could_not_be_loaded(ask, tmp_path, monkeypatch, caplog):
+    ask("duplicate", name="arm" if ask.world.sdf is not None else "box1")
+    before = (tmp_path / "my.world").read_text()
+    monkeypatch.setattr("libgz.base.files.LARGEST_FILE", len(before) + 10)
+    with pytest.raises(GazeboError):
+        ask("write")
+    assert "would be larger than" in caplog.text
+    assert (tmp_path / "my.world").read_text() == before
+
+
 def test_what_an_old_file_cannot_say_is_not_copied_into_it(including):
     with including("1.4", "1.6") as ask:
         before = ask.world.get_state(), ask.world.era.text
@@ -408,7 +471,7 @@ def test_what_an_old_file_cannot_say_is_not_copied_into_it(including):
 
 def test_no_copy_makes_a_file_too_large_to_be_loaded(including, monkeypatch):
     with including() as ask:
-        monkeypatch.setattr("libgz.sdfworld.world.LARGEST_FILE", len(ask.world.era.text) + 100)
+        monkeypatch.setattr("libgz.base.files.LARGEST_FILE", len(ask.world.era.text) + 100)
         before = ask.world.get_state(), ask.world.era.text
         with pytest.raises(GazeboError, match=r"my\.world would be larger than"):
             ask("embed", name="pebble")

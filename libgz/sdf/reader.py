@@ -66,7 +66,7 @@ class SdfFile:
         self._path: Path | None = None
         self._folder: Path | None = None
         self._text = b""
-        self._depth = 0
+        self._around: frozenset[Path] = frozenset()  # files that include this one, in each other
         self._parts = False
         self._included = Budget(MOST_INCLUDED)  # which it shares with the files that it includes
         self._arguments: Mapping[str, str] = {}
@@ -161,7 +161,7 @@ class SdfFile:
         self.version = self._described_version(xml)
         blocks = describe(self.version)
         self.root = self._element(xml, blocks["sdf"])
-        if self._depth:
+        if self._around:
             return
         if not self.diagnostics.errors:
             try:
@@ -418,19 +418,23 @@ class SdfFile:
             if key not in known and child.prefix is None and ":" not in str(child.tag):
                 message = f"is not part of SDF in <include> and has no effect{nearest(key, known)}"
                 self.diagnostics.no_effect(self._place(child), functools.partial(str, message))
-        if self._depth >= DEEPEST_INCLUDE:
-            self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
+        if len(self._around) >= DEEPEST_INCLUDE:
+            self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}")
             return
+        around = self._around | {self._path.resolve() if self._path is not None else Path()}
         try:
             path = find_model(uri, self._folder)
+            if path.resolve() in around:
+                self._error(xml, f"{uri} includes itself")
+                return
             included = SdfFile()
             included._environment = self._environment
             self._included.take(EACH_INCLUDED + path.stat().st_size)
-            included._depth, included._included = self._depth + 1, self._included
+            included._around, included._included = around, self._included
             included._read_file(path)
         except BudgetError:
             self._included.used = self._included.limit  # further ones are not looked for
-            self._error(xml, f"includes have more than {MOST_INCLUDED >> 20} MiB together: does {uri} include itself?")
+            self._error(xml, f"includes have more than {MOST_INCLUDED >> 20} MiB together")
             return
         except (NotFoundError, WorldFileError, OSError) as error:
             self._warn(xml, f"{error}; it is left out")

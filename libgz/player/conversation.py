@@ -505,6 +505,9 @@ class Conversation2(Conversation):
             return message
         log.debug("the client speaks %s", other)
         self.version, self._fixed = other, True
+        known = messages_of(other).interfaces()
+        for device in [device for device in self.subscriptions if device.declared.driver.kind not in known]:
+            self._close(device)
         return theirs
 
     def _fits(self, message: Message | None, frame: Frame) -> bool:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import math
 import time
 from collections.abc import Iterator
 from typing import Any
 
 from libgz.base.errors import GazeboError, InterfaceError
 from libgz.player.configuration import Device as Declared
-from libgz.player.drivers import RefusedError
+from libgz.player.drivers import RefusedError, check_finite
 from libgz.player.records import Values
 from libgz.player.simulator import Simulator
 from libgz.transport.interface import Interface
@@ -135,7 +134,7 @@ class Device:
         function = self.declared.driver.commands.get(name)
         if function is None:
             raise RefusedError(f"there is no command {name!r} in the simulation")
-        self._check(values)
+        check_finite(values)
         try:
             with self._locked():
                 function(self, values)
@@ -157,18 +156,11 @@ class Device:
         function = self.declared.driver.requests.get(name)
         if function is None:
             raise RefusedError(f"there is no request {name!r} in the simulation")
-        self._check(values)
+        check_finite(values)
         if not self.declared.driver.source:
             return function(self, values)
         with self._locked():
             return function(self, values)
-
-    def _check(self, values: Values) -> None:
-        for name, value in values.items():
-            if isinstance(value, float | list) and not all(
-                math.isfinite(v) for v in ([value] if isinstance(value, float) else value) if isinstance(v, float)
-            ):
-                raise RefusedError(f"{name} is {value}; it must be finite")
 
     @contextlib.contextmanager
     def _locked(self) -> Iterator[Any]:

@@ -20,7 +20,7 @@ from libgz.base.errors import GazeboError
 from libgz.base.geometry import GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.player.records import Values
 
-__all__ = ["DRIVERS", "FAMILY", "Driver", "Holder", "RefusedError", "drivers_of"]
+__all__ = ["DRIVERS", "FAMILY", "Driver", "Holder", "RefusedError", "check_finite", "drivers_of"]
 
 Geometry = {"length": 0.53, "width": 0.38, "height": 0.31}  # [m] that Player's driver gave for each robot
 RGB888, MONO16 = 5, 2  # formats of images
@@ -34,6 +34,18 @@ FAMILY = "gazebo"  # the name of all drivers in configuration files of Player 2
 
 class RefusedError(GazeboError):
     """A request is answered with a NACK."""
+
+
+def check_finite(values: Values) -> None:
+    """Check the numbers of a command or request.
+
+    Raises:
+        RefusedError: one is not finite.
+    """
+    for name, value in values.items():
+        numbers = value if isinstance(value, list) else [value]
+        if not all(math.isfinite(number) for number in numbers if isinstance(number, float)):
+            raise RefusedError(f"{name} is {value}; it must be finite")
 
 
 class Holder(Protocol):

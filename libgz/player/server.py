@@ -10,9 +10,10 @@ import socket
 import threading
 import time
 from collections import OrderedDict
+from collections.abc import Callable
 
 from libgz.base.closing import Closing
-from libgz.base.errors import GazeboError, ServerError
+from libgz.base.errors import ServerError, explain
 from libgz.player.configuration import Configuration
 from libgz.player.connection import Connection, Totals
 from libgz.player.conversation import Directory
@@ -155,7 +156,7 @@ class PlayerServer(Closing):
         end = time.monotonic() + BUDGET
         for descriptor, connection in [item for item in self._connections.items() if item[1].more]:
             if not connection.closed:
-                connection.handle()
+                self._guard(connection, connection.handle)
                 self._update(connection)
             self._connections.move_to_end(descriptor)  # the others come first next time
             if time.monotonic() > end:
@@ -174,7 +175,7 @@ class PlayerServer(Closing):
             if events & selectors.EVENT_WRITE:
                 connection.flush()
                 if connection.conversation is not None and not connection.crowded:
-                    connection.conversation.deliver()
+                    self._guard(connection, connection.conversation.deliver)
             if events & selectors.EVENT_READ and connection.listens:
                 connection.receive()
             self._update(connection)
@@ -212,6 +213,15 @@ class PlayerServer(Closing):
         self._selector.register(sock, selectors.EVENT_READ)
         connection.send(BANNER)
         self._update(connection)
+
+    def _guard(self, connection: Connection, action: Callable[..., None], *arguments: object) -> None:
+        """Do what a client asked for; one for which that fails loses its connection, and the others nothing."""
+        try:
+            action(*arguments)
+        except Exception as error:
+            self._warn(f"disconnected a client: {explain(error)}")
+            log.debug("a client could not be served", exc_info=error)
+            connection.close("it could not be served")
 
     def _warn(self, message: str) -> None:
         """Log what a client did, the first time, then at growing counts."""
@@ -269,7 +279,7 @@ class PlayerServer(Closing):
         for connection in self._connections.values():
             conversation = connection.conversation
             if conversation is not None and (everyone or conversation.subscriptions) and not connection.closed:
-                conversation.deliver()
+                self._guard(connection, conversation.deliver)
                 if connection.waits_to_send:
                     self._update(connection)
 
@@ -291,8 +301,9 @@ class PlayerServer(Closing):
                     kind = ACK
                 except RefusedError as error:
                     log.debug("refused %s: %s", message.name, error)
-                except (GazeboError, OSError, ValueError) as error:
-                    log.warning("%s failed: %s", message.name, error)
+                except Exception as error:  # else no further request would be answered
+                    self._warn(f"{message.name} failed: {explain(error)}")
+                    log.debug("%s failed", message.name, exc_info=error)
             self._answers.put((connection, kind, frame, message, reply))
             self._wake()
 
@@ -302,7 +313,7 @@ class PlayerServer(Closing):
             connection.busy = False
             if connection.closed or connection.conversation is None:
                 continue
-            connection.conversation.answer(kind, frame, message, reply)
+            self._guard(connection, connection.conversation.answer, kind, frame, message, reply)
             connection.more = True
 
     def close(self) -> None:

@@ -11,7 +11,7 @@ from libgz.base.errors import GazeboError, InterfaceError
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.sim import Sim
-from libgz.player.drivers import RefusedError
+from libgz.player.drivers import RefusedError, check_finite
 from libgz.player.records import Values
 from libgz.transport.client import Client
 from libgz.transport.control import ask
@@ -115,8 +115,9 @@ class Simulator:
         """Answer a request of the simulation interface; what to reply, None for nothing.
 
         Raises:
-            RefusedError: there is no such model, or the server does not answer.
+            RefusedError: there is no such model, a number is not finite, or the server does not answer.
         """
+        check_finite(values)
         model = str(values["name"])
         if not model:
             raise RefusedError("the request names no model")

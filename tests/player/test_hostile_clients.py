@@ -7,12 +7,15 @@ import socket
 import struct
 import time
 
+import pytest
 from descriptors import none_left
 from player_clients import ACK, NACK, Client1, Client2, free_port
 
 from libgz.interfaces.catalog import new_interface
 from libgz.player import connection, server as server_module
 from libgz.player.configuration import read_configuration
+from libgz.player.conversation import Conversation2
+from libgz.player.drivers import RefusedError
 from libgz.player.simulator import Simulator
 from libgz.transport.server import Server
 
@@ -96,6 +99,9 @@ def test_numbers_that_are_not_finite_move_nothing(serve, interfaces):
         client.command("position2d", 1, struct.pack(">3dI", float("nan"), 0.0, 0.0, 1))
         assert client.request("position2d", 5, struct.pack(">3d", float("inf"), 0.0, 0.0))[0] == NACK
         assert data.cmd_vel_pos[0] == 0.25
+        for number in (float("nan"), float("inf")):
+            with pytest.raises(RefusedError, match=r"px is .*; it must be finite"):
+                server._simulator.answer("set_pose3d", {"name": "tester", "px": number})
 
 
 def test_a_client_that_never_reads(serve, interfaces, monkeypatch):
@@ -267,3 +273,33 @@ def test_requests_that_waited_for_room_are_answered_when_the_client_reads(serve,
         client.socket.send((HEADER1.pack(b"Xx", 3, 1, 0, 0, 0, 0, 0, 0, 2) + b"\0\1") * 300)
         turns(server, 100)
         assert [client.answer()[0] for _ in range(300)] == [ACK] * 300
+
+
+def test_a_client_whose_version_lacks_what_it_subscribed_to(serve, interfaces):
+    server = serve()
+    with Client2(server) as client:
+        client.sequence = 5  # as of 2.0
+        client.mode(1)
+        assert client.subscribe("truth")
+        assert client.subscribe("position2d")
+        client.command("position2d", 1, struct.pack(">3dI", 0.5, 0.0, 0.0, 1))  # as long as that of 2.1
+        interfaces["truth"].data.time = interfaces["position"].data.time = float(next(STAMPS))
+        turns(server)
+        assert client.request("player", 1)[0] == ACK
+        assert interfaces["position"].data.cmd_vel_pos[0] == 0.5
+    assert well(server, interfaces)
+
+
+def test_what_fails_for_one_client_disconnects_it_alone(serve, interfaces, monkeypatch, caplog):
+    server = serve()
+    with Client2(server) as client, Client2(server) as other:
+        client.mode(1)
+        other.mode(1)
+        client.subscribe("position2d")
+        monkeypatch.setattr(Conversation2, "_packed", lambda *_: 1 / 0)
+        interfaces["position"].data.time = float(next(STAMPS))
+        assert client.closed()
+        monkeypatch.undo()
+        assert other.request("player", 5, struct.pack(">I", 1))[0] == ACK
+    assert well(server, interfaces)
+    assert "disconnected a client" in caplog.text

@@ -17,6 +17,7 @@ __all__ = ["cut_fans", "cut_polygons", "cut_strips"]
 Corners = NDArray[np.int64]
 
 MOST_CORNERS = 1000  # of a concave polygon that is cut; one with more is read as a fan
+MOST_CUT = 50_000_000  # sum of the squares of the corners of concave polygons that are cut together; 10 s
 ROUNDING = 1e-9  # of the squares of sides, below which a corner is straight
 
 
@@ -24,7 +25,7 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
     """Triangles of polygons, in the order of the polygons, shape (m, 3).
 
     Convex polygons become fans of their first corners, concave ones are cut by ears (Meisters, 1975). What cannot be
-    cut, since its sides cross or its corners do not lie in a plane, becomes a fan, too.
+    cut, since its sides cross or its corners do not lie in a plane, or is beyond MOST_CUT, becomes a fan, too.
 
     Args:
         counts: of corners of each polygon; those with less than three have no triangle.
@@ -37,6 +38,7 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
         raise ValueError(f"the faces name {counts.sum()} corners; there are {len(points)}")
     starts = np.cumsum(counts) - counts
     found: list[tuple[Corners, Corners]] = []  # (polygon of each triangle, triangles)
+    left = MOST_CUT
     for count in np.unique(counts[counts > 2]).tolist():
         which = np.flatnonzero(counts == count)
         corners = starts[which, None] + np.arange(count)
@@ -45,7 +47,8 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
         fan = np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
         found.append((np.repeat(which[~concave], len(fan)), corners[~concave][:, fan].reshape(-1, 3)))
         for polygon, own in zip(which[concave].tolist(), corners[concave], strict=True):
-            cut = own[_ears(points[own], fan)]
+            left -= count * count
+            cut = own[_ears(points[own], fan) if left >= 0 else fan]
             found.append((np.full(len(cut), polygon), cut))
     if not found:
         return np.zeros((0, 3), dtype=np.int64)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from libgz.base.geometry import GzQuaternFromEuler, rotate
+from libgz.physics import faces
 from libgz.physics.faces import MOST_CORNERS, cut_fans, cut_polygons, cut_strips
 
 L_SHAPE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
@@ -67,3 +68,11 @@ def test_strips_and_fans():
     assert cut_strips(np.array([5, 2, 3])).tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [7, 8, 9]]
     assert cut_fans(np.array([4, 1, 3])).tolist() == [[0, 1, 2], [0, 2, 3], [5, 6, 7]]
     assert cut_strips(np.zeros(0, dtype=int)).shape == cut_fans(np.zeros(0, dtype=int)).shape == (0, 3)
+
+
+def test_concave_polygons_are_cut_up_to_a_bound_of_all(monkeypatch):
+    monkeypatch.setattr(faces, "MOST_CUT", 2 * 25)
+    arrow = [(0.0, 0.0, 0.0), (2.0, 2.0, 0.0), (0.0, 4.0, 0.0), (4.0, 2.0, 0.0), (3.0, 1.0, 0.0)]
+    triangles = cut_polygons(np.array([5] * 4), np.array(arrow * 4)).reshape(4, -1) - 5 * np.arange(4)[:, None]
+    assert triangles[0].tolist() == triangles[1].tolist() != triangles[2].tolist()
+    assert triangles[2].tolist() == triangles[3].tolist() == [0, 1, 2, 0, 2, 3, 0, 3, 4]

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 
 from libgz.base.errors import GazeboError, LibraryError
 from libgz.base.law import Number
-from libgz.ros.loop import Connection, Loop
+from libgz.ros.loop import SEND_AT_ONCE, Connection, Frame, Loop, kept
 from libgz.ros.names import NodeNames
-from libgz.ros.packing import Buffer, Codec, FormatError, read_schema
+from libgz.ros.packing import LARGE, Buffer, Codec, FormatError, read_schema
 from libgz.ros.types import MessageType, ServiceType
 
 __all__ = ["BridgedNode", "Channel", "NodeSettings"]
@@ -306,13 +306,17 @@ class BridgedNode:
         """End what `advertise` or `serve` began."""
         with self._declaring:
             if self._channels.pop(channel.number, None) is not None and self._greeted.is_set():
-                self._post(DROP, channel.number, b"")
+                self._drop(channel)
 
     stop_serving = withdraw
 
     def unsubscribe(self, channel: Channel, _received: Callable[[bytes], Any]) -> None:
         """End what `subscribe` began."""
         self.withdraw(channel)
+
+    def follow_pace(self, hurried: Callable[[], bool]) -> None:
+        """Let messages wait some milliseconds for others while the world runs faster than real time."""
+        self._loop.hurried = hurried
 
     def lacks(self, package: str) -> bool:
         """Whether the bridge has said that it has no package of this name."""
@@ -339,7 +343,16 @@ class BridgedNode:
         """Send something small, from any thread."""
         link = self._link
         if link is not None:
-            link.queue.append(HEAD.pack(REST + len(body), sort, number) + body)
+            link.queue.append((HEAD.pack(REST + len(body), sort, number) + body,))
+            self._loop.call(link.flush)
+
+    def _drop(self, channel: Channel) -> None:
+        """End a channel, after its messages that wait."""
+        link = self._link
+        if link is not None and not link.closed:
+            channel.waiting += 1
+            channel.waiting_bytes += HEAD.size
+            link.messages.append((channel, HEAD.size, (HEAD.pack(REST, DROP, channel.number),)))
             self._loop.call(link.flush)
 
     def push(self, channel: Channel, sort: int, body: list[Buffer]) -> None:
@@ -349,7 +362,8 @@ class BridgedNode:
             return
         size = HEAD.size + sum(map(len, body))
         parts = [HEAD.pack(size - 4, sort, channel.number), *body]
-        if not link.messages and link.send_at_once(parts, size):
+        hurried = sort == MESSAGE and self._loop.hurried()
+        if not hurried and not link.messages and link.send_at_once(parts, size):
             return
         if channel.waiting >= MOST_WAITING or channel.waiting_bytes > MOST_BYTES:
             what = "a message" if sort == MESSAGE else "an answer"
@@ -359,8 +373,13 @@ class BridgedNode:
             return
         channel.waiting += 1
         channel.waiting_bytes += size
-        link.messages.append((channel, b"".join(parts)))
-        self._loop.call(link.flush)
+        link.messages.append((channel, size, (b"".join(parts),) if size < LARGE else tuple(kept(parts))))
+        if hurried and not link.slow:
+            self._loop.note(link)
+        else:
+            self._loop.call(link.flush)
+        if channel.waiting > MOST_WAITING // 2 and not link.slow:
+            link.hasten()
 
     def frame(self, sort: int, number: int, body: bytes) -> None:
         """A frame came from the bridge, in the loop's thread."""
@@ -438,7 +457,7 @@ class _Link(Connection):
     """The connection to a bridge.
 
     Attributes:
-        messages: frames of messages and answers that wait, with their channels.
+        messages: frames that wait, after those in `queue`, with their channels and sizes.
     """
 
     longest = MOST_FRAME
@@ -449,7 +468,7 @@ class _Link(Connection):
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 22)
         self.deadline = None
         self._node = node
-        self.messages: deque[tuple[Channel, bytes]] = deque()
+        self.messages: deque[tuple[Channel, int, Frame]] = deque()
 
     def frame(self, body: bytes) -> None:
         """A frame came."""
@@ -458,19 +477,22 @@ class _Link(Connection):
             return
         self._node.frame(body[0], int.from_bytes(body[1:REST], "little"), body[REST:])
 
-    def _next(self) -> bytes | None:
-        found = super()._next()
-        if found is not None:
-            return found
-        parts: list[bytes] = []
-        size = 0
-        while size < 1 << 18 and self.messages:
-            channel, frame = self.messages.popleft()
+    @property
+    def unsent(self) -> bool:
+        """Whether something waits."""
+        return super().unsent or bool(self.messages)
+
+    def next_parts(self) -> list[Buffer]:
+        """The parts of frames that wait, for one call; what the node itself says comes first."""
+        parts = super().next_parts()
+        size = 0 if not parts else SEND_AT_ONCE
+        while size < SEND_AT_ONCE and self.messages:
+            channel, length, frame = self.messages.popleft()
             channel.waiting -= 1
-            channel.waiting_bytes -= len(frame)
-            parts.append(frame)
-            size += len(frame)
-        return b"".join(parts) if parts else None
+            channel.waiting_bytes -= length
+            parts += frame
+            size += length
+        return parts
 
     def ended(self) -> None:
         """The bridge is gone."""

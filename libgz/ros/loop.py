@@ -10,29 +10,52 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Hashable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from libgz.ros.packing import Buffer
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 
-__all__ = ["Connection", "Listener", "Loop"]
+__all__ = ["Connection", "Frame", "Listener", "Loop", "kept"]
 
 log = logging.getLogger("libgz.ros")
 
 READ_SIZE = 1 << 18
-SEND_AT_ONCE = 1 << 18  # bytes that are joined for one call
+SEND_AT_ONCE = 1 << 18  # bytes of frames in one call, unless the first one has more
+MOST_PARTS = 64  # in one call
+GATHERING = 0.01  # [s] for which messages of a hurried world wait for others
+LONGEST_SEND = 0.1  # [s] that one thread waits until another has sent, which never waits for a socket
 MOST_CONNECTIONS = 1024
 PERIOD = 1.0  # [s] between two looks for peers that do not greet
 PAUSE = 0.25  # [s] without accepting, when no descriptors are left
 GREETING_TIME = 5.0  # [s] in which a peer must say what it wants
 
 
+Frame: TypeAlias = tuple[Buffer, ...]
+
+
+def kept(parts: Sequence[Buffer]) -> list[Buffer]:
+    """Parts whose memory does not change any more: copies, where it may."""
+    return [part if isinstance(part, bytes) or isinstance(part.obj, bytes) else bytes(part) for part in parts]
+
+
+def _after(parts: list[Buffer], size: int) -> list[Buffer]:
+    """What is left of parts behind so many bytes."""
+    for number, part in enumerate(parts):
+        if size < len(part):
+            return [memoryview(part)[size:], *parts[number + 1 :]]
+        size -= len(part)
+    return []
+
+
 class Loop:
-    """Waits for sockets in its thread. `call` may be used from any thread, all else from that one.
+    """Waits for sockets in its thread. `call` and `note` may be used from any thread, all else from that one.
 
     Args:
         name: of the thread.
+
+    Attributes:
+        hurried: whether the world runs faster than real time: messages may then wait some milliseconds for others.
     """
 
     def __init__(self, name: str) -> None:
@@ -42,6 +65,10 @@ class Loop:
             end.setblocking(False)
         self._selector.register(self._inside, selectors.EVENT_READ, None)
         self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
+        self._noted: deque[Connection] = deque()
+        self._due = 0.0  # when what is noted is flushed [s]
+        self._resting = True  # no flush is due
+        self.hurried: Callable[[], bool] = lambda: False
         self._woken = self._ended = False
         self.connections: dict[Connection, None] = {}
         self._paused: dict[Listener, float] = {}  # until when [s]
@@ -56,6 +83,32 @@ class Loop:
         """Have a function called in the loop's thread, soon."""
         self._calls.append((function, values))
         self._wake()
+
+    def note(self, connection: Connection) -> None:
+        """Have what waits on a connection sent some milliseconds after what was sent last, together with what follows.
+
+        It is sent by the thread that notes something then, because threads that take turns with Python cost more than
+        calls of the system; or by that of the loop if none does.
+        """
+        if not connection.noted:
+            connection.noted = True
+            self._noted.append(connection)
+        if time.monotonic() >= self._due:
+            for one in self._take_noted():
+                one.hasten()
+        elif self._resting:
+            self._wake()
+
+    def _take_noted(self) -> list[Connection]:
+        """The connections that were noted; the next ones are due some time later."""
+        self._due = time.monotonic() + GATHERING
+        found = []
+        with contextlib.suppress(IndexError):
+            while True:
+                connection = self._noted.popleft()
+                connection.noted = False  # what is queued from now on is sent at the latest next time
+                found.append(connection)
+        return found
 
     def _wake(self) -> None:
         if not self._woken:
@@ -106,7 +159,9 @@ class Loop:
 
     def _run(self) -> None:
         while not self._ended:
-            for key, events in self._selector.select(PERIOD):
+            found = self._selector.select(self._patience())
+            self._resting = False
+            for key, events in found:
                 if key.data is None:
                     with contextlib.suppress(OSError):
                         self._inside.recv(4096)
@@ -119,12 +174,26 @@ class Loop:
                     function(*values)
                 except Exception:
                     log.exception("ROS: a call failed")
+            self._flush_noted()
             self._expire()
         for connection in list(self.connections):
+            connection.flush()
             connection.close()
         self._selector.close()
         self._inside.close()
         self._outside.close()
+
+    def _patience(self) -> float:
+        """How long to wait for sockets [s]."""
+        left = self._due + GATHERING - time.monotonic()
+        self._resting = left <= 0.0
+        return left if left > 0.0 else 0.0 if self._noted else PERIOD  # asked last: `note` reads whether it rests
+
+    def _flush_noted(self) -> None:
+        """Flush what was noted, if it is time."""
+        if self._noted and time.monotonic() >= self._due + GATHERING:
+            for connection in self._take_noted():
+                connection.flush()
 
     def _serve(self, one: Connection | Listener, events: int) -> None:
         try:
@@ -199,12 +268,16 @@ class Listener:
 class Connection:
     """A socket that carries frames: their length as 32 bits, little endian, then their bytes.
 
-    The loop's thread reads and writes; `send_at_once` may be used from any thread, and sends what the socket takes
+    The loop's thread reads and writes. `send_at_once` may be used from any thread, and sends what the socket takes
     without waiting, so that neither threads nor copies lie between a message and its socket. What is left waits in
-    `queue`, for the loop's thread.
+    `queue`, for the loop's thread; so does what may wait some milliseconds, see `Loop.note`.
 
     Attributes:
         peer: the other end, for messages.
+        queue: frames that wait, in parts; any thread may add some.
+        noted: whether the loop will flush it soon.
+        slow: whether its socket took less than there was.
+        using: held by the thread that writes to the socket.
         deadline: when it is closed unless it has greeted [s]; None once it has.
         longest: most bytes of a frame that is accepted now.
     """
@@ -219,10 +292,10 @@ class Connection:
         self.deadline: float | None = time.monotonic() + GREETING_TIME
         self.closed = False
         self._received = bytearray()
-        self.queue: deque[bytes] = deque()
-        self._rest: memoryview | None = None
-        self._using = threading.Lock()  # of the socket for writing, and of `_rest`
-        self._writing = False
+        self.queue: deque[Frame] = deque()
+        self.noted = self.slow = False
+        self.using = threading.Lock()
+        self._rest: list[Buffer] = []  # of what was taken from the queue
         self._closing = False
 
     # Reading -----------------------------------------------------------------------------------------------------
@@ -267,15 +340,15 @@ class Connection:
 
     def send(self, data: bytes) -> None:
         """Send bytes; from the loop's thread."""
-        self.queue.append(data)
+        self.queue.append((data,))
         self.flush()
 
     def flush(self) -> None:
-        """Send as much of what waits as the socket takes now."""
+        """Send as much of what waits as the socket takes now; from the loop's thread."""
         if self.closed:
             return
         try:
-            with self._using:
+            with self.using:
                 self._drain()
         except BlockingIOError:
             self._watch(writing=True)
@@ -284,20 +357,45 @@ class Connection:
             self.close(str(error))
             return
         self._watch(writing=False)
-        if self.queue:  # what came meanwhile
+        if self.unsent:  # what came meanwhile
             self.loop.call(self.flush)
         elif self._closing:
             self.close()
 
+    def hasten(self) -> None:
+        """Send as much of what waits as the socket takes now; from any thread."""
+        if not self.using.acquire(timeout=LONGEST_SEND):
+            return
+        try:
+            if not self.closed:
+                self._drain()
+        except OSError:  # the loop's thread waits for the socket, or closes it
+            self.loop.call(self.flush)
+        finally:
+            self.using.release()
+
     def _drain(self) -> None:
-        while True:
-            if self._rest is None:
-                data = self._next()
-                if data is None:
-                    return
-                self._rest = memoryview(data)
-            sent = self.socket.send(self._rest)
-            self._rest = self._rest[sent:] if sent < len(self._rest) else None
+        while self._rest or (parts := self.next_parts()):
+            self._rest = self._rest or parts
+            self._rest = _after(self._rest, self.socket.sendmsg(self._rest[:MOST_PARTS]))
+
+    def _watch(self, writing: bool) -> None:
+        if writing != self.slow:
+            self.slow = writing
+            self.loop.watch(self, selectors.EVENT_READ | (selectors.EVENT_WRITE if writing else 0))
+
+    def next_parts(self) -> list[Buffer]:
+        """The parts of frames that wait, for one call; they wait no more."""
+        parts: list[Buffer] = []
+        size = 0
+        while size < SEND_AT_ONCE:
+            try:
+                frame = self.queue.popleft()
+            except IndexError:
+                break
+            parts += frame
+            size += sum(map(len, frame))
+        return parts
 
     def send_at_once(self, parts: Sequence[Buffer], size: int) -> bool:
         """Send the parts of a frame, if nothing waits before it; whether that was done.
@@ -308,45 +406,27 @@ class Connection:
             parts: of the frame; their memory may change afterwards.
             size: of all together [byte].
         """
-        if self.unsent or not self._using.acquire(blocking=False):
+        if self.unsent or not self.using.acquire(blocking=False):
             return False
         try:
             if self.unsent or self.closed:
                 return self.closed
             sent = self.socket.sendmsg(parts)
             if sent < size:
-                self._rest = memoryview(b"".join(parts))[sent:]
+                self._rest = _after(kept(parts), sent)
                 self.loop.call(self.flush)
         except BlockingIOError:
             return False
         except OSError as error:
             self.loop.call(self.close, str(error))
         finally:
-            self._using.release()
+            self.using.release()
         return True
-
-    def _next(self) -> bytes | None:
-        """The bytes for the next call: frames that wait, joined while they are small."""
-        parts: list[bytes] = []
-        size = 0
-        while size < SEND_AT_ONCE:
-            try:
-                part = self.queue.popleft()
-            except IndexError:
-                break
-            parts.append(part)
-            size += len(part)
-        return b"".join(parts) if len(parts) > 1 else parts[0] if parts else None
-
-    def _watch(self, writing: bool) -> None:
-        if writing != self._writing:
-            self._writing = writing
-            self.loop.watch(self, selectors.EVENT_READ | (selectors.EVENT_WRITE if writing else 0))
 
     @property
     def unsent(self) -> bool:
-        """Whether something waits that the socket did not take."""
-        return bool(self.queue) or self._rest is not None
+        """Whether something waits."""
+        return bool(self.queue or self._rest)
 
     def finish(self) -> None:
         """Close once all is sent."""
@@ -361,7 +441,7 @@ class Connection:
         if reason:
             self.loop.warn(reason, "ROS: the connection of %s is closed: %s", self.peer, reason)
         self.loop.remove(self)
-        with self._using:
+        with self.using:
             self.socket.close()
         self.ended()
 

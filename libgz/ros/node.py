@@ -261,6 +261,10 @@ class Node:
             return self._subscribers, one.topic, "unregisterSubscriber", (self.uri,)
         return self._services, one.name, "unregisterService", (self._service_uri,)
 
+    def follow_pace(self, hurried: Callable[[], bool]) -> None:
+        """Let messages wait some milliseconds for others while the world runs faster than real time."""
+        self._loop.hurried = hurried
+
     def note_change(self, publisher: Publisher) -> None:
         """The subscribers of a topic have come or gone."""
         self.changed[publisher] = None

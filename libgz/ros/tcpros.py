@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.base.errors import GazeboError
-from libgz.ros.loop import Connection, Loop
-from libgz.ros.packing import Buffer
+from libgz.ros.loop import Connection, Loop, kept
+from libgz.ros.packing import LARGE, Buffer
 
 if TYPE_CHECKING:
     from libgz.ros.types import MessageType, ServiceType
@@ -128,7 +128,7 @@ class Caller(Connection):
 
     def _refuse(self, text: str) -> None:
         self.loop.warn(text, "ROS: %s is refused: %s", self.peer, text)
-        self.queue.append(encode_header({"error": text}))
+        self.queue.append((encode_header({"error": text}),))
         self.finish()
 
     def _open_topic(self, fields: Mapping[str, str]) -> None:
@@ -175,7 +175,7 @@ class Caller(Connection):
             "service": name,
             "type": kind.name,
         }
-        self.queue.append(encode_header(answer))
+        self.queue.append((encode_header(answer),))
         if fields.get("probe") == "1":
             self.finish()
             return
@@ -194,7 +194,7 @@ class Caller(Connection):
         if self.closed:
             return
         self._busy = False
-        self.queue.append(bytes([good]) + U32.pack(len(body)) + body)
+        self.queue.append((bytes([good]) + U32.pack(len(body)) + body,))
         if self._persistent:
             self.flush()
         else:
@@ -221,14 +221,19 @@ class Reader:
 
     def push(self, parts: Sequence[Buffer], size: int) -> None:
         """Send a message of some parts, or queue it; from any one thread."""
-        if self.connection.send_at_once(parts, size):
+        connection, queue, most = self.connection, self._queue, self._most
+        hurried = connection.loop.hurried()
+        if not hurried and connection.send_at_once(parts, size):
             return
-        queue = self._queue
-        queue.append(b"".join(parts))
-        self.connection.loop.call(self.connection.flush)
-        most = self._most
+        queue.append((b"".join(parts),) if size < LARGE else tuple(kept(parts)))
+        if hurried and not connection.slow:
+            connection.loop.note(connection)
+        else:
+            connection.loop.call(connection.flush)
         if size * most > WAITING:
             most = max(self.sink.queue, WAITING // size, 2)
+        if len(queue) > most // 2 and not connection.slow:
+            connection.hasten()
         while len(queue) > most:
             try:
                 queue.popleft()
@@ -237,7 +242,7 @@ class Reader:
             self.dropped += 1
             if self.dropped == 1:
                 text = "ROS: %s reads %s too slowly; messages are dropped"
-                self.connection.loop.warn(("slow", self.sink.topic), text, self.connection.peer, self.sink.topic)
+                connection.loop.warn(("slow", self.sink.topic), text, connection.peer, self.sink.topic)
 
 
 class Feed(Connection):

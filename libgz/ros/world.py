@@ -62,6 +62,7 @@ class RosWorld(Stateless):
         self._devices = Devices(session, core)
         core.companions.append(self)
         session.interrupts.append(core.lock.interrupt)
+        session.node.follow_pace(lambda: not core.paced)
 
     # Companion of the world --------------------------------------------------------------------------------------
 
@@ -146,6 +147,7 @@ class RosWorld(Stateless):
         """The world ends: so do its topics and services."""
         if self._core.lock.interrupt in self._session.interrupts:
             self._session.interrupts.remove(self._core.lock.interrupt)
+            self._session.node.follow_pace(lambda: False)
         if self._services is not None:
             self._services.end()
         self._devices.end()

@@ -117,6 +117,7 @@ class World(Closing):
         falls: the bodies that fell out of the world.
         publication: the states for other processes, while there is a server; else None.
         snapshots: takes and restores its states, without the checks of `get_state` and `set_state`.
+        paced: whether the last steps waited until they were due in real time.
         clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
     """
@@ -193,6 +194,7 @@ class World(Closing):
         self.publication: Publication | None = None  # while a server runs
         self._stepping = Stepping(self)
         # Surroundings, by the old API's names.
+        self.paced = False
         self.simSpeed, self.utcOffset = 1.0, 0.0
         self.utmZone = GzVector()
         self.utmOffset = GzVector()  # of the world's origin [m]
@@ -693,6 +695,7 @@ class World(Closing):
 
     def _steps_alone(self, most: int, pace: Any = None) -> int:
         """One step or more, in the thread that holds the lock; how many."""
+        self.paced = pace is not None
         self._begin_steps()
         try:
             made = self._stepping.run(most if self._rewind is None else 1, pace)

@@ -222,7 +222,15 @@ def test_a_publisher_of_other_bytes_is_closed(node, master, caplog):
     del subscription
 
 
-def test_a_slow_reader_holds_a_bounded_number_of_messages(node, master, caplog):
+@pytest.fixture(params=[False, True], ids=["real time", "hurried"])
+def paced(node, request):
+    """A node beside a world that runs in real time, or faster."""
+    node.node.follow_pace(lambda: request.param)
+    return node
+
+
+def test_a_slow_reader_holds_a_bounded_number_of_messages(paced, master, caplog):
+    node = paced
     topic = node.publish("talk", STRING.name, 10)
     wait_for(lambda: "/talk" in master.publishers)
     _sock, _ = open_topic(master, "/talk")  # which is never read
@@ -231,12 +239,31 @@ def test_a_slow_reader_holds_a_bounded_number_of_messages(node, master, caplog):
     for _ in range(300):
         topic.publish(STRING(data="x" * 100_000))
         node.deliver()
-    assert sum(map(len, reader.connection.queue)) < 6_000_000
+    assert sum(len(part) for frame in reader.connection.queue for part in frame) < 6_000_000
     wait_for(lambda: reader.dropped > 100)
     assert caplog.text.count("reads /talk too slowly") == 1
 
 
-def test_large_arrays_arrive_as_they_were_when_they_were_published(node, master):
+def test_messages_of_a_hurried_world_arrive_in_order_and_none_is_lost(node, master):
+    node.node.follow_pace(lambda: True)
+    topic = node.publish("talk", STRING.name, 1)
+    wait_for(lambda: "/talk" in master.publishers)
+    sock, _ = open_topic(master, "/talk")
+    wait_for(lambda: topic.listened)
+    sent = [str(number) for number in range(2000)]
+    reading = threading.Thread(target=lambda: found.extend(codec(STRING).unpack(read_block(sock)).data for _ in sent))
+    found = []
+    reading.start()
+    for text in sent:
+        topic.publish(STRING(data=text))  # the last ones are sent though nothing follows
+    wait_for(lambda: not reading.is_alive())
+    assert found == sent
+    (reader,) = topic._publisher.readers
+    assert not reader.dropped
+
+
+def test_large_arrays_arrive_as_they_were_when_they_were_published(paced, master):
+    node = paced
     kind = message_type("sensor_msgs/Image")
     topic = node.publish("images", kind.name, 10)
     wait_for(lambda: "/images" in master.publishers)

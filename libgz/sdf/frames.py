@@ -35,7 +35,11 @@ IDENTITY = GzPose()
 
 
 def resolve_frames(root: Element, diagnostics: Diagnostics) -> None:
-    """Resolve all named frames of a document in place; a name that is unknown, or means itself, is an error."""
+    """Resolve all named frames of a document in place.
+
+    Where a name is unknown, or means itself, what depends on it stays as it is written, with a warning, as in Gazebo
+    classic.
+    """
     if _needed(root):
         _Scope(root, None, diagnostics).resolve()
 
@@ -119,7 +123,7 @@ def _pose(element: Element) -> GzPose:
 
 
 class _Unresolved(ParameterError):
-    """A name does not lead to a frame; the error is added already."""
+    """A name does not lead to a frame; the warning is added already."""
 
 
 class _Scope:
@@ -173,8 +177,12 @@ class _Scope:
         if inner is not None:
             return GzCoordPoseAdd(inner.pose_of_name(rest, where, role), self.pose_of(self.names[head]))
         message = f"{role} names frame {name!r}, which there is not in {self._title()}{nearest(name, self.names)}"
-        self.diagnostics.error(where, message)
-        raise _Unresolved(message)
+        raise self._unresolved(where, message)
+
+    def _unresolved(self, where: Element, message: str) -> _Unresolved:
+        """The error of a name that leads nowhere, after a warning."""
+        self.diagnostics.warn(where, f"{message}; what depends on it stays as it is written")
+        return _Unresolved(message)
 
     def _title(self) -> str:
         return f"<{self.holder.name}> {self.holder.Get(str, 'name')!r}"
@@ -190,9 +198,7 @@ class _Scope:
         if any(element is one for one in self._open):
             names = [one.Get(str, "name") or f"<{one.name}>" for one in self._open]
             circle = names[next(i for i, one in enumerate(self._open) if one is element) :]
-            message = f"its pose is relative to itself: {' -> '.join([*circle, circle[0]])}"
-            self.diagnostics.error(element, message)
-            raise _Unresolved(message)
+            raise self._unresolved(element, f"its pose is relative to itself: {' -> '.join([*circle, circle[0]])}")
         self._open.append(element)
         try:
             name = _reference(element)
@@ -223,7 +229,7 @@ class _Scope:
             return self.pose_of_name(WORLD, joint, f"<{end}>")
         found = self.find(name) or self.find(self._own(name))
         if found is None:
-            return IDENTITY  # a link elsewhere, or an error when the joint is made
+            return IDENTITY  # a link elsewhere, or a joint that cannot be made
         return self.pose_of_name(name if self.find(name) else self._own(name), joint, f"<{end}>")
 
     def _own(self, name: str) -> str:
@@ -247,7 +253,7 @@ class _Scope:
         while True:
             if f"{way}{name}" in seen:
                 seen.append(f"{way}{name}")
-                self.diagnostics.error(where, f"frame {name!r} is attached to itself: {' -> '.join(seen)}")
+                self.diagnostics.warn(where, f"frame {name!r} is attached to itself: {' -> '.join(seen)}")
                 return None
             seen.append(f"{way}{name}")
             if name in ("", MODEL):
@@ -281,7 +287,7 @@ class _Scope:
     def _canonical_link(self) -> str | None:
         """The link that the model's frame is fixed to."""
         given = _attribute(self.holder, "canonical_link")
-        if given:
+        if given and self.find(given) is not None:
             return given
         own = next(self.holder.named("link"), None) if self.holder.name == "model" else None
         if own is not None:
@@ -321,7 +327,7 @@ class _Scope:
             yield from inner._all_changes()
 
     def _check_frame(self, frame: Element) -> None:
-        """Add the errors of a frame that nothing may use."""
+        """Warn of a frame that nothing may use."""
         self.pose_of(frame)
         attached = _attribute(frame, "attached_to")
         if attached:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -32,7 +33,7 @@ __all__ = ["SdfFile"]
 DEEPEST_INCLUDE = 20
 MOST_INCLUDED = 256 << 20  # [byte] of all includes of a file, with those of included files
 EACH_INCLUDED = 4096  # [byte] that an include counts beside its file
-UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ; models check links and joints
+UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ in a world, or in a link
 # (parent, child): all that occur have an effect, though the description of SDF allows one.
 REPEATED = {
     ("contact", "collision"),
@@ -163,12 +164,12 @@ class SdfFile:
         self.root = self._element(xml, blocks["sdf"])
         if self._around:
             return
+        self._check_names()
         if not self.diagnostics.errors:
             try:
                 resolve_frames(self.root, self.diagnostics)
             except RecursionError as error:
                 self.diagnostics.failure(self.root, error)
-        self._check_names()
         advise(warn_of_unsimulated, None, self.root, self.diagnostics)
 
     def _described_version(self, xml: etree._Element) -> str:
@@ -396,6 +397,25 @@ class SdfFile:
                 if name and before is not element:
                     message = f"{name!r} is the name of another <{element.name}>, at {before.where}; names must differ"
                     self.diagnostics.warn(element, message)
+        for model in self.root.find("model"):
+            self._rename_parts(model)
+
+    def _rename_parts(self, model: Element) -> None:
+        """Give links and nested models of a name that is taken another one: the first is found by its name."""
+        parts = [element for element in model.children if element.name in ("link", "model")]
+        taken = {element.Get(str, "name") for element in parts}
+        first: dict[str, Element] = {}
+        numbers: dict[str, Iterator[int]] = {}
+        for element in parts:
+            name = element.Get(str, "name")
+            before = first.setdefault(name, element)
+            if before is not element:
+                count = numbers.setdefault(name, itertools.count(1))
+                free = next(free for number in count if (free := f"{name}_{number}") not in taken)
+                taken.add(free)
+                element.attributes["name"].Set(free)
+                message = f"{name!r} is the name of another <{before.name}>, at {before.where}; it is {free!r} here"
+                self.diagnostics.warn(element, message)
 
     # Includes ----------------------------------------------------------------------------------------------------
 

@@ -353,9 +353,11 @@ class Robot:
         elif roots:
             reached = {link.name for link in self.walk(roots[0])}
             lost = next((link for link in self.links.values() if link.name not in reached), None)
-            if lost is None:
-                return roots[0]
-            self.error(lost.xml, "is not connected to the root link: the joints around it are a loop")
+            if lost is not None:
+                self.warn(
+                    lost.xml, "is not connected to the root link: the joints around it are a loop; it is left out"
+                )
+            return roots[0]
         return None
 
     # Lumping ---------------------------------------------------------------------------------------------------------

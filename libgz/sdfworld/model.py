@@ -96,7 +96,9 @@ class SdfModel(Entity):
         link = self._own_link(name) if name else None
         if name and link is None:
             names = list(self.link_names())
-            self.diagnostics.error(self.sdf, f"canonical_link is {name!r}; it must be a link{nearest(name, names)}")
+            self.diagnostics.warn(
+                self.sdf, f"canonical_link is {name!r}; it must be a link{nearest(name, names)}; the first one is used"
+            )
         return link or next((body for model in self.nested_family() for body in model.bodies), None)
 
     def build_joints(self) -> None:
@@ -106,7 +108,7 @@ class SdfModel(Entity):
             if lost := lost_link(element, self.find_link):
                 self.diagnostics.warn(element, lost)
             else:
-                self._guard(element, self.add_joint, element)
+                self._leave_out(element, self.add_joint, element)
         for element in self.sdf.named("gripper"):
             self._leave_out(element, self._add_gripper, element)
         for element in self.sdf.named("joint"):
@@ -156,16 +158,12 @@ class SdfModel(Entity):
 
     def _add_nested(self, element: Element, pose: GzPose) -> None:
         name = element.Get(str, "name")
-        if name in self.nested or name in self.links:
-            raise ParameterError(f"model {self.GetId()!r} has something named {name!r} already")
         model = SdfModel(self.world, element, self.diagnostics, self)
         self.nested[name] = model
         model.build(GzCoordPoseAdd(model_pose(element), pose))
 
     def _add_link(self, element: Element, frame: GzPose) -> None:
         name = element.Get(str, "name")
-        if name in self.links:
-            raise ParameterError(f"model {self.GetId()!r} has a link {name!r} already")
         body = Body(self.world, name, dummy=self.static)
         body.model = self
         self.links[name] = body
@@ -215,6 +213,8 @@ class SdfModel(Entity):
         Raises:
             ParameterError: the name is taken.
         """
+        if name in self.links or name in self.nested:
+            raise ParameterError(f"model {self.GetId()!r} has something named {name!r} already")
         element = self.sdf.AddElement("link")
         element.set_attribute("name", name)
         pose = self.GetPose()

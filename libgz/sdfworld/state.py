@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from libgz.base.errors import Diagnostics, NotFoundError, ParameterError
+from libgz.base.errors import Diagnostics, NotFoundError
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdf.state import SdfState
@@ -22,10 +22,7 @@ def apply_state(world: World, element: Element, diagnostics: Diagnostics) -> Non
     Raises:
         ParameterError: a number is invalid.
     """
-    try:
-        state = SdfState.parse(etree.fromstring(element.ToString()))
-    except ParameterError as error:
-        raise ParameterError(f"{element.where}: {error}") from None
+    state = SdfState.parse(etree.fromstring(element.ToString()))
     if element.HasElement("sim_time"):
         world.set_sim_time(state.sim_time)
     parts = _Parts(world, element, diagnostics)

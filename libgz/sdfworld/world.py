@@ -12,7 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from libgz.base.digest import blake2b
-from libgz.base.errors import Diagnostics, GazeboError, NotFoundError, StateError, WorldFileError, advise, nearest
+from libgz.base.errors import (
+    Diagnostics,
+    GazeboError,
+    NotFoundError,
+    ParameterError,
+    StateError,
+    WorldFileError,
+    advise,
+    nearest,
+)
 from libgz.base.files import check_size, is_file, read_limited, write_whole
 from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
@@ -180,7 +189,10 @@ class SdfWorld(Era):
                 diagnostics.failure(road, error)
         if state is not None:
             self._add(document, range(len(built) + 1, len(document.elements)), diagnostics)
-            apply_state(world, state, diagnostics)
+            try:
+                apply_state(world, state, diagnostics)
+            except ParameterError as error:
+                diagnostics.warn(state, f"{error}; the rest of the state has no effect")
         if not diagnostics.errors:
             models = [model for model in world.entities if isinstance(model, SdfModel)]
             if state is None:

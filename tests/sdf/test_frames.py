@@ -6,7 +6,6 @@ import pytest
 from commands import run_libgz
 
 import libgz
-from libgz.base.errors import WorldFileError
 from libgz.base.geometry import GzPose
 from libgz.classic import physics
 from libgz.sdf.reader import SdfFile
@@ -18,8 +17,10 @@ def read(body, version="1.8"):
     return SdfFile.from_string(f"<sdf version='{version}'>\n<world name='w'>\n{body}\n</world></sdf>", "w.sdf")
 
 
-def errors(body, version="1.8"):
-    return [str(error) for error in read(body, version).diagnostics.errors]
+def warnings(body, version="1.8"):
+    found = read(body, version).diagnostics
+    assert not found.errors
+    return [str(warning) for warning in found.warnings]
 
 
 @pytest.mark.parametrize(
@@ -56,22 +57,33 @@ def errors(body, version="1.8"):
         ),
     ],
 )
-def test_names_that_lead_nowhere_are_errors(body, said):
-    found = errors(body)
+def test_names_that_lead_nowhere_are_warnings(body, said):
+    found = warnings(body)
     assert any(said in error for error in found)
-    assert all(error.startswith("w.sdf:") for error in found)
+    assert all(warning.startswith("w.sdf:") for warning in found)
 
 
-def test_an_unknown_frame_of_1_6_is_an_error_and_an_empty_one_is_none():
+def test_an_unknown_frame_of_1_6_is_a_warning_and_an_empty_one_is_none():
     body = "<model name='m'><link name='l'><pose frame='{}'>1 0 0 0 0 0</pose></link></model>"
-    assert "names frame 'base'" in errors(body.format("base"), "1.6")[0]
-    assert errors(body.format(""), "1.6") == []
+    assert "names frame 'base'" in warnings(body.format("base"), "1.6")[0]
     assert read(body.format(""), "1.6").diagnostics.found == {}
 
 
-def test_a_canonical_link_that_is_not_there_is_an_error():
-    with pytest.raises(WorldFileError, match="canonical_link is 'x'; it must be a link"):
-        libgz.World.from_string(f"<sdf version='1.7'><model name='m' canonical_link='x'>{LINK}</model></sdf>")
+def test_poses_of_names_that_lead_nowhere_stay_as_they_are_written():
+    link = "<link name='{}'><pose relative_to='{}'>{} 0 0 0 0 0</pose></link>"
+    links = "".join(map(link.format, "abcde", ("", "nowhere", "b", "e", "d"), (1, 2, 3, 4, 5)))
+    root = read(f"<model name='m'><pose relative_to='lost'>9 0 0 0 0 0</pose>{links}</model>").root
+    model = root.child("world").child("model")
+    assert model.Get(GzPose, "pose").pos.x == 9.0
+    assert [found.Get(GzPose, "pose").pos.x for found in model.named("link")] == [1, 2, 3, 4, 5]
+
+
+def test_a_canonical_link_that_is_not_there_is_replaced_by_the_first_one(caplog):
+    frame = "<frame name='f'/><joint name='j' type='fixed'><parent>world</parent><child>f</child></joint>"
+    text = f"<sdf version='1.7'><model name='m' canonical_link='x'>{LINK}{frame}</model></sdf>"
+    with libgz.World.from_string(text) as world:
+        assert world.model("m").sdf_joints["j"].child is world.model("m").links["l"]
+    assert "canonical_link is 'x'; it must be a link; the first one is used" in caplog.text
 
 
 def test_documents_have_plain_poses_afterwards():
@@ -135,7 +147,7 @@ def test_a_thousand_frames_in_a_chain():
     endless = body.replace("f149'/>", "f3999'/>") + "".join(
         f"<frame name='f{i}' attached_to='f{i - 1}'/>" for i in range(150, 160)
     )
-    assert all("w.sdf:" in error for error in errors(endless))
+    assert all("w.sdf:" in warning for warning in warnings(endless))
 
 
 def test_saved_worlds_have_no_frames(tmp_path):

@@ -144,10 +144,7 @@ SENSOR = "<link name='k'><sensor name='s' type='{}'>{}</sensor></link>"
 @pytest.mark.parametrize(
     ("inside", "said"),
     [
-        ("<joint name='j' type='fixed'><parent>l</parent><child>nowhere</child></joint>", "names link 'nowhere'"),
-        ("<joint name='j' type='rigid'><parent>world</parent><child>l</child></joint>", "rigid"),
         (SENSOR.format("camera", "<camera><image><width>99999</width></image></camera>"), "<width>: is 99999"),
-        ("<link name='l'/>", "has a link 'l' already"),
     ],
 )
 def test_the_check_reports_errors_of_building(tmp_path, inside, said):

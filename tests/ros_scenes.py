@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from libgz.ros.types import message_type
+
 IMAGE, INFO, CLOUD = "sensor_msgs/Image", "sensor_msgs/CameraInfo", "sensor_msgs/PointCloud2"
 ODOMETRY, SCAN, IMU, RANGE = "nav_msgs/Odometry", "sensor_msgs/LaserScan", "sensor_msgs/Imu", "sensor_msgs/Range"
 JOINTS, TF, WRENCH = "sensor_msgs/JointState", "tf2_msgs/TFMessage", "geometry_msgs/WrenchStamped"
@@ -18,13 +20,15 @@ class Scene(NamedTuple):
         body: the content of <world> beside a plane.
         topics: names of topics -> their types.
         commands: (topic, type, values by the paths of fields): sent before the first step.
+        calls: names of services of std_srvs/Empty: called before it.
         seconds: sim time.
         tolerances: parts of `topic:field` -> how far apart numbers may be, and which share of an array may be farther.
     """
 
     body: str
     topics: dict[str, str]
-    commands: tuple[tuple[str, str, dict[str, float]], ...] = ()
+    commands: tuple[tuple[str, str, dict[str, Any]], ...] = ()
+    calls: tuple[str, ...] = ()
     seconds: float = 2.0
     tolerances: dict[str, tuple[float, float]] = {}
 
@@ -75,6 +79,24 @@ def two_wheels(name: str, y: float, plugin: str) -> str:
 {wheel("right", 0.06, -0.12)}<plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>left_joint</leftJoint><rightJoint>right_joint</rightJoint><wheelSeparation>0.24</wheelSeparation>
   <wheelDiameter>0.1</wheelDiameter>{plugin}</plugin></model>"""
+
+
+def tricycle(name: str, y: float, plugin: str) -> str:
+    """A robot whose front wheel is steered and driven."""
+    front = wheel("front_wheel", 0.12, 0.0).replace("<parent>base</parent>", "<parent>fork</parent>")
+    return f"""<model name="{name}"><pose>0 {y} 0 0 0 0.2</pose>{chassis(caster=False)}
+<link name="fork"><pose>0.12 0 0.09 0 0 0</pose>{inertial(0.2, 0.1)}</link>
+<joint name="front_steering_joint" type="revolute"><parent>base</parent><child>fork</child>
+  <axis><xyz>0 0 1</xyz></axis></joint>{front}{wheel("left_wheel", -0.1, 0.14)}{wheel("right_wheel", -0.1, -0.14)}
+<plugin name="drive" filename="libgazebo_ros_tricycle_drive.so"><actuatedWheelDiameter>0.1</actuatedWheelDiameter>
+  <encoderWheelDiameter>0.1</encoderWheelDiameter><encoderWheelSeparation>0.28</encoderWheelSeparation>
+  <wheelTorque>20</wheelTorque>{plugin}</plugin></model>"""
+
+
+def truth(link: str, topic: str) -> str:
+    """The poses of a link."""
+    return f"""<plugin name="{topic}" filename="libgazebo_ros_p3d.so"><bodyName>{link}</bodyName>
+  <topicName>{topic}</topicName></plugin>"""
 
 
 def twist(x: float, yaw: float, y: float = 0.0) -> dict[str, float]:
@@ -435,6 +457,137 @@ SCENES: dict[str, Scene] = {
         ),
         {"/sonar": RANGE, "/bot/ir": RANGE},
     ),
+    "tricycle_drive": Scene(
+        tricycle(
+            "encoders",
+            0.0,
+            """<robotNamespace>/encoders</robotNamespace><odometrySource>encoder</odometrySource>
+  <updateRate>50</updateRate><publishWheelTF>true</publishWheelTF>
+  <publishWheelJointState>true</publishWheelJointState>""",
+        )
+        + tricycle("plain", 3.0, "<steeringSpeed>1</steeringSpeed>"),
+        {
+            "/encoders/odom": ODOMETRY,
+            "/encoders/joint_states": JOINTS,
+            "/plain/odom": ODOMETRY,
+            "/tf": TF,
+        },
+        (
+            ("/encoders/cmd_vel", "geometry_msgs/Twist", twist(0.3, 0.4)),
+            ("/plain/cmd_vel", "geometry_msgs/Twist", twist(0.3, 0.4)),
+        ),
+        tolerances={
+            "/encoders/odom": (0.04, 0.0),
+            "/encoders/joint_states:position": (0.3, 0.0),
+            "/encoders/joint_states:velocity": (0.17, 0.0),
+            "/plain/odom": (0.006, 0.0),
+            "/tf:transforms.0.transform": (0.05, 0.0),
+        },
+    ),
+    "vacuum_gripper": Scene(
+        f"""<model name="hand"><pose>0 0 1 0 0 0</pose><link name="palm">{inertial(5, 0.2)}</link>
+<joint name="fixed" type="fixed"><parent>world</parent><child>palm</child></joint>
+<plugin name="vacuum" filename="libgazebo_ros_vacuum_gripper.so"><robotNamespace>/hand</robotNamespace>
+  <bodyName>palm</bodyName><topicName>grasping</topicName></plugin></model>
+<model name="thing"><pose>0.03 0.01 0.98 0 0 0</pose><link name="link">{inertial(1, 0.1)}</link>
+{truth("link", "thing")}</model>
+<model name="other"><pose>0.2 0 1 0 0 0</pose><link name="link">{inertial(1, 0.1)}</link>
+{truth("link", "other")}</model>""",
+        {"/hand/grasping": "std_msgs/Bool", "/thing": ODOMETRY, "/other": ODOMETRY},
+        calls=("/hand/on",),
+        seconds=1.0,
+    ),
+    "hand_of_god": Scene(
+        f"""<model name="god"><pose>0 0 1 0 0 0.3</pose><link name="hand">{inertial(2, 0.2)}</link>
+<plugin name="hog" filename="libgazebo_ros_hand_of_god.so"><linkName>hand</linkName><kl>20</kl><ka>1</ka></plugin>
+{truth("hand", "truth")}</model>""",
+        {"/tf": TF, "/truth": ODOMETRY},
+        (
+            (
+                "/tf",
+                "tf2_msgs/TFMessage",
+                {
+                    "transforms.0.header.frame_id": "world",
+                    "transforms.0.child_frame_id": "hog_desired",
+                    "transforms.0.transform.translation.x": 0.5,
+                    "transforms.0.transform.translation.z": 1.2,
+                    "transforms.0.transform.rotation.z": 0.6,
+                    "transforms.0.transform.rotation.w": 0.8,
+                },
+            ),
+        ),
+        seconds=1.0,
+        tolerances={
+            "": (0.0015, 0.0),
+        },
+    ),
+    "multicamera": Scene(
+        WALL
+        + stand(
+            f"""<sensor name="stereo" type="multicamera"><always_on>1</always_on><update_rate>20</update_rate>
+  {camera(64, 48).replace("<camera>", '<camera name="left">')}
+  {camera(64, 48).replace("<camera>", '<camera name="right"><pose>0 -0.1 0 0 0 0</pose>')}
+  <plugin name="p" filename="libgazebo_ros_multicamera.so"><cameraName>stereo</cameraName>
+  <frameName>stereo_frame</frameName><imageTopicName>image_raw</imageTopicName>
+  <cameraInfoTopicName>camera_info</cameraInfoTopicName><hackBaseline>0.1</hackBaseline>{LENS}</plugin></sensor>"""
+        ),
+        {
+            "/stereo/left/image_raw": IMAGE,
+            "/stereo/left/camera_info": INFO,
+            "/stereo/right/image_raw": IMAGE,
+            "/stereo/right/camera_info": INFO,
+        },
+        tolerances={
+            ":data": (2.0, 0.2),
+        },
+    ),
+    "elevator": Scene(
+        f"""<model name="lift"><pose>1 0 0.05 0 0 0</pose><link name="car">{inertial(800, 2.0)}</link>
+<joint name="rail" type="prismatic"><parent>world</parent><child>car</child>
+  <axis><xyz>0 0 1</xyz><limit><lower>0</lower><upper>10</upper><effort>100000</effort></limit></axis></joint>
+<link name="door"><pose>0.5 0 0.5 0 0 0</pose>{inertial(5, 0.5)}</link>
+<joint name="slider" type="prismatic"><parent>car</parent><child>door</child>
+  <axis><xyz>0 1 0</xyz><limit><lower>0</lower><upper>1</upper><effort>100</effort></limit></axis></joint>
+<plugin name="e" filename="libgazebo_ros_elevator.so"><robotNamespace>/bot</robotNamespace><topic>floor</topic>
+  <lift_joint>lift::rail</lift_joint><door_joint>lift::slider</door_joint><floor_height>1</floor_height>
+  <door_wait_time>0.5</door_wait_time></plugin>{truth("car", "car")}{truth("door", "door")}</model>""",
+        {"/car": ODOMETRY, "/door": ODOMETRY},
+        (("/bot/floor", "std_msgs/String", {"data": "1"}),),
+    ),
+    "harness": Scene(
+        f"""<model name="load"><pose>0 0 3 0 0 0</pose><link name="link">{inertial(5, 0.3)}</link>
+<plugin name="h" filename="libgazebo_ros_harness.so">
+  <joint name="winch" type="prismatic"><parent>world</parent><child>link</child>
+    <axis><xyz>0 0 1</xyz><limit><lower>-10</lower><upper>10</upper></limit>
+    <dynamics><damping>10</damping></dynamics></axis></joint>
+  <winch><joint>winch</joint><pos_gain><p>0</p><i>0</i><d>0</d><i_max>0</i_max><i_min>0</i_min></pos_gain>
+    <vel_gain><p>10000</p><i>0</i><d>0</d><i_max>0</i_max><i_min>0</i_min><cmd_max>10000</cmd_max>
+    <cmd_min>-10000</cmd_min></vel_gain></winch><detach>winch</detach></plugin>{truth("link", "truth")}</model>""",
+        {"/truth": ODOMETRY},
+        (("/load/harness/velocity", "std_msgs/Float32", {"data": -0.5}),),
+    ),
+    "joint_pose_trajectory": Scene(
+        pendulum(
+            plugins="""<plugin name="t" filename="libgazebo_ros_joint_pose_trajectory.so">
+  <topicName>/bot/play</topicName></plugin>
+<plugin name="all" filename="libgazebo_ros_joint_state_publisher.so"><jointName>hinge</jointName></plugin>"""
+        ),
+        {"/pendulum/joint_states": JOINTS},
+        (
+            (
+                "/bot/play",
+                "trajectory_msgs/JointTrajectory",
+                {
+                    "header.frame_id": "world",
+                    "joint_names": ["hinge"],
+                    "points.0.positions": [0.3],
+                    "points.0.time_from_start.secs": 1,
+                    "points.1.positions": [0.6],
+                    "points.1.time_from_start.secs": 1,
+                },
+            ),
+        ),
+    ),
     "states": Scene(
         pendulum(),
         {
@@ -447,12 +600,17 @@ SCENES: dict[str, Scene] = {
 }
 
 
-def values_of(command: dict[str, float], message: Any) -> Any:
-    """Set fields of a message by their paths."""
+def values_of(command: dict[str, Any], message: Any) -> Any:
+    """Set fields of a message by their paths; a number in a path is that of a message in a list."""
     for path, value in command.items():
         *way, last = path.split(".")
-        part = message
+        part, kind = message, message.kind.name
         for name in way:
-            part = getattr(part, name)
+            if isinstance(part, list):
+                part += [message_type(kind)() for _ in range(len(part), int(name) + 1)]
+                part = part[int(name)]
+            else:
+                kind = next((one.kind for one in part.kind.fields if one.name == name), "")
+                part = getattr(part, name)
         setattr(part, last, value)
     return message

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from ros_messages import Tap, differences, digest, last_time
-from ros_peers import Talker, ask, wait_for
+from ros_peers import Service, Talker, ask, wait_for
 from ros_scenes import SCENES, values_of
 
 from libgz.ros.packing import codec
@@ -41,6 +41,15 @@ def send_commands(master, ros, commands):
     return talkers
 
 
+def call(master, ros, name):
+    """Call a service of std_srvs/Empty before the first step."""
+    service = Service(master, name)
+    service.send(b"")
+    wait_for(lambda: ros.requests)
+    ros.deliver()
+    assert service.answer() == (True, b"")
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_topics_say_what_those_of_gazebo_say(name, master, start):
     scene, there = SCENES[name], RECORDED[name]
@@ -48,6 +57,8 @@ def test_topics_say_what_those_of_gazebo_say(name, master, start):
     wait_for(lambda: set(scene.topics) <= set(master.publishers))
     tap = listen(master, scene.topics)
     talkers = send_commands(master, ros, scene.commands)
+    for service in scene.calls:
+        call(master, ros, service)
     wait_for(lambda: all(ros.node.publication(topic).readers for topic in scene.topics))
     for _ in range(round((scene.seconds + 0.2) * 200)):  # with 10 Hz or more, each topic has said something after it
         core.step(5)

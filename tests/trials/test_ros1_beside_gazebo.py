@@ -77,6 +77,10 @@ def answers():
     return False
 
 
+def call(service):
+    subprocess.run(["chroot", ROOT, "rosservice", "call", service], env=ENVIRONMENT, check=True, capture_output=True)
+
+
 def said(scene, world):
     """What Gazebo says in a world: the topics' digests."""
     with contextlib.ExitStack() as stack:
@@ -99,11 +103,11 @@ def said(scene, world):
             talker = Talker(master, topic, kind.name, kind.md5)
             stack.callback(talker.close)
             talker.send(codec(kind).pack(values_of(values, kind())))
+        for service in scene.calls:
+            wait_until(lambda service=service: service in known(2))
+            call(service)
         time.sleep(1.0)  # the command is taken by another thread of Gazebo, which does not say when
-        subprocess.run(
-            ["chroot", ROOT, "rosservice", "call", "/gazebo/unpause_physics"],
-            env=ENVIRONMENT, check=True, capture_output=True,
-        )  # fmt: skip
+        call("/gazebo/unpause_physics")
         end = time.monotonic() + 60.0
         while min(last_time(tap.messages[topic]) for topic in scene.topics) < scene.seconds:
             assert time.monotonic() < end, {topic: len(found) for topic, found in tap.messages.items()}

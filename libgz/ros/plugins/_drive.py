@@ -123,15 +123,15 @@ class Drive(RosPlugin):
             (turn.x, turn.y, turn.z, turn.w),
         )
 
-    def send_wheel_transforms(self, joints: list[Joint]) -> None:
-        """Publish the poses of wheels on /tf."""
+    def send_wheel_transforms(self, joints: list[Joint], of_joints: bool = False) -> None:
+        """Publish the poses of wheels on /tf; their frames are named after them, or after their joints."""
         for joint in joints:
             pose = joint.GetChild().RelativePose()
             w, x, y, z = pose.Rot()
             self.ros.send_transform(
                 self.odometry.header.stamp,
                 self.frame(joint.GetParent().GetName()),
-                self.frame(joint.GetChild().GetName()),
+                self.frame((joint if of_joints else joint.GetChild()).GetName()),
                 tuple(pose.Pos()),
                 (x, y, z, w),
             )

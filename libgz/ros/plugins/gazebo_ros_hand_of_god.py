@@ -21,24 +21,26 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 WORLD = "world"
+MOST_FRAMES, LONGEST_CHAIN = 1000, 64  # that are kept; between the world and the desired frame
 
 
 class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
     """Pulls a link, without gravity, to the frame ``<frame>_desired``, and publishes ``<frame>_actual``, both in world.
 
-    Transforms from world to the desired frame are obeyed; not chains of transforms.
+    The desired frame is that of the last transforms that came, also by way of others between it and the world.
     """
 
-    STATE = ("desired",)
+    STATE = ("frames",)
 
     parameters = (
         Parameter("linkName", str, "the link"),
-        Parameter("frameId", "world", "frames are named after it: hog for hog_desired and hog_actual"),
+        Parameter("frameId", "hog", "frames are named after it: hog for hog_desired and hog_actual", ros2="world"),
         Parameter("kl", 200.0, "force of the spring [N/m]"),
         Parameter("ka", 200.0, "torque of the spring [N m/rad]"),
     )
     endpoints = (
         Endpoint("subscribes", "/tf", "tf2_msgs/TFMessage"),
+        Endpoint("subscribes", "/tf_static", "tf2_msgs/TFMessage"),
         Endpoint("publishes", "/tf", "tf2_msgs/TFMessage"),
     )
 
@@ -58,35 +60,51 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
         self.link.SetGravityMode(False)
         inertial = self.link.GetInertial()
         self.damping = 2.0 * math.sqrt(given.kl * inertial.GetMass()), 2.0 * math.sqrt(given.ka * inertial.IXX())
-        self.desired: Pose3d | None = None
+        self.frames: dict[str, tuple[str, tuple[float, ...], tuple[float, ...]]] = {}  # parent, place, turn
         self.stamp = message_type("std_msgs/Header")().stamp
-        self.transforms = self.subscribe("/tf", "tf2_msgs/TFMessage", self.OnTransforms, 100)
+        self.actual = self.ros.transforms  # advertised at once, as the original does
+        self.transforms = [
+            self.subscribe(topic, "tf2_msgs/TFMessage", self.OnTransforms, 100) for topic in ("/tf", "/tf_static")
+        ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def OnTransforms(self, message: Any) -> None:
         """Transforms have come."""
         for one in message.transforms:
-            names = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
-            if names == (WORLD, f"{self.given.frameId}_desired") and finite(one):
-                place, turn = one.transform.translation, one.transform.rotation
-                rotation = Quaterniond(turn.w, turn.x, turn.y, turn.z)
-                rotation.Normalize()
-                self.desired = Pose3d(Vector3d(place.x, place.y, place.z), rotation)
+            child, place, turn = one.child_frame_id.lstrip("/"), one.transform.translation, one.transform.rotation
+            if finite(one) and (child in self.frames or len(self.frames) < MOST_FRAMES):
+                values = (place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z)
+                self.frames[child] = (one.header.frame_id.lstrip("/"), *values)
 
     def Reset(self) -> None:
         """Let it loose until the next transform."""
-        self.desired = None
+        self.frames.clear()
+
+    def desired(self) -> Pose3d | None:
+        """The pose of the desired frame in the world; None as long as it is not known."""
+        frame, found = f"{self.given.frameId}_desired", Pose3d()
+        for _ in range(LONGEST_CHAIN):
+            if frame == WORLD:
+                return found
+            if frame not in self.frames:
+                break
+            frame, place, turn = self.frames[frame]
+            rotation = Quaterniond(*turn)
+            rotation.Normalize()
+            found = Pose3d(Vector3d(*place) + rotation.RotateVector(found.Pos()), rotation * found.Rot())
+        return None
 
     def OnUpdate(self, info: UpdateInfo) -> None:
-        """Pull, and publish the pose."""
-        pose = self.link.WorldPose()
-        if self.desired is not None:
-            given, (linear, angular) = self.given, self.damping
-            away = self.desired.Pos() - pose.Pos()
-            turn = (pose.Rot().Inverse() * self.desired.Rot()).Log()
-            rate = pose.Rot().RotateVectorReverse(self.link.WorldAngularVel())
-            self.link.AddForce(away * given.kl - self.link.WorldLinearVel() * linear)
-            self.link.AddRelativeTorque(Vector3d(turn.X(), turn.Y(), turn.Z()) * given.ka - rate * angular)
+        """Pull, and publish the pose, once it is known where to."""
+        pose, desired = self.link.WorldPose(), self.desired()
+        if desired is None:
+            return
+        given, (linear, angular) = self.given, self.damping
+        away = desired.Pos() - pose.Pos()
+        turn = (pose.Rot().Inverse() * desired.Rot()).Log()
+        rate = pose.Rot().RotateVectorReverse(self.link.WorldAngularVel())
+        self.link.AddForce(away * given.kl - self.link.WorldLinearVel() * linear)
+        self.link.AddRelativeTorque(Vector3d(turn.X(), turn.Y(), turn.Z()) * given.ka - rate * angular)
         set_stamp(self.stamp, self.world.core.GetSimTime())
         w, x, y, z = pose.Rot()
         self.ros.send_transform(self.stamp, WORLD, f"{self.given.frameId}_actual", tuple(pose.Pos()), (x, y, z, w))

@@ -19,9 +19,14 @@ log = logging.getLogger("libgz.ros")
 
 
 class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
-    """Sets the positions of a JointTrajectory, point after point: each after the times of those before it."""
+    """Sets the positions of a JointTrajectory, point after point: each after the times of those before it.
 
-    STATE = ("points", "names", "due")
+    In ROS 1, physics is disabled until the time of the last point is over, unless a request says otherwise.
+    """
+
+    STATE = ("points", "names", "due", "holds")
+
+    holds = False  # whether it has disabled physics
 
     due = Number(math.inf)  # sim time of the next point [s]
 
@@ -47,22 +52,29 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
 
     def Reset(self) -> None:
         """Forget the trajectory."""
+        self._hold(False)
         self.points: list[tuple[float, list[float]]] = []
         self.names: list[str] = []
         self.due = math.inf
 
     def OnSet(self, request: Any) -> Any:
         """A trajectory by the service."""
-        good, text = self._take(request.joint_trajectory)
+        good, text = self._take(request.joint_trajectory, request.disable_physics_updates)
         return self.service.kind.response(success=good, status_message=text)
 
     def OnTrajectory(self, message: Any) -> None:
         """A trajectory by the topic."""
-        good, text = self._take(message)
+        good, text = self._take(message, not self.two)
         if not good:
             log.error("%s: %s", self.handleName, text)
 
-    def _take(self, message: Any) -> tuple[bool, str]:
+    def _hold(self, holds: bool) -> None:
+        """Disable physics, or enable it again."""
+        if holds != self.holds and (self.holds or self.world.PhysicsEnabled()):
+            self.world.SetPhysicsEnabled(not holds)
+            self.holds = holds
+
+    def _take(self, message: Any, holds: bool) -> tuple[bool, str]:
         names = list(message.joint_names)
         unknown = [name for name in names if self.model.GetJoint(name) is None]
         if unknown:
@@ -72,6 +84,7 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
         points = [(point.time_from_start.seconds, list(map(float, point.positions))) for point in message.points]
         self.points, self.names = points, names
         self.due = max(message.header.stamp.seconds, self.world.core.GetSimTime()) if points else math.inf
+        self._hold(holds and bool(points))
         return True, "trajectory set"
 
     @law
@@ -80,13 +93,17 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
         return self.world.core.clock.sim_time >= self.due
 
     def work(self, now: float) -> None:
-        """Set the positions of the next point."""
+        """Set the positions of the next point; after the last one, enable physics again."""
+        if not self.points:
+            self.due = math.inf
+            self._hold(False)
+            return
         wait, positions = self.points.pop(0)
         for name, position in zip(self.names, positions, strict=True):
             joint = self.model.GetJoint(name)
             if joint is not None:
                 joint.SetPosition(0, position, True)
-        self.due = self.due + wait if self.points else math.inf
+        self.due += wait
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointPoseTrajectory)

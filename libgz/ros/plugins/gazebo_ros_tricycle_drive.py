@@ -33,9 +33,11 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
         Parameter("actuatedWheelDiameter", 0.15, "[m]"),
         Parameter("encoderWheelDiameter", 0.15, "[m]"),
         Parameter("encoderWheelSeparation", 0.5, "[m]"),
-        Parameter("wheelTorque", 5.0, "of both motors [N m]"),
-        Parameter("wheelAcceleration", 0.0, "most change of the wheel's rate [rad/s^2]; 0: at once"),
-        Parameter("wheelDeceleration", 0.0, "the same where it becomes slower; 0: that of wheelAcceleration"),
+        Parameter("wheelTorque", 5.0, "of both motors [N m]", ros2=0.15),
+        Parameter(
+            "wheelAcceleration", 0.0, "most change of the wheel's rate where it sinks [rad/s^2]; in ROS 2, grows"
+        ),
+        Parameter("wheelDeceleration", 0.0, "the same where it grows; in ROS 2, sinks; 0: that of wheelAcceleration"),
         Parameter("wheelSpeedTolerance", 0.01, "[rad/s]"),
         Parameter("steeringSpeed", 0.0, "[rad/s]; 0: the angle is set at once"),
         Parameter("steeringAngleTolerance", 0.01, "[rad]"),
@@ -76,19 +78,24 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
         """Add the ways of the rear wheels since the last iteration."""
         if self.encoders:
             given = self.given
-            left, right = (joint.GetVelocity(0) for joint in (self.left, self.right))
+            # As in the original, whose worlds may have swapped the joints for it: turns to the left count to the right.
+            right, left = (joint.GetVelocity(0) for joint in (self.left, self.right))
             self.pose.move(now, left, right, given.encoderWheelDiameter / 2.0, given.encoderWheelSeparation)
 
     def work(self, now: float) -> None:
         """Run the motors; publish."""
         self.stamp(now)
-        self.measure_encoders(self.pose) if self.encoders else self.measure_world()
+        if self.encoders:
+            self.measure_encoders(self.pose)
+            self._turn_twist(self.odometry.twist.twist.linear)
+        else:
+            self.measure_world()
         self.send_odometry_transform()
         if self.publication.listened:
             self.publication.publish(self.odometry)
         joints = [self.steering, self.wheel, self.left, self.right]
         if self.given.publishWheelTF:
-            self.send_wheel_transforms(joints)
+            self.send_wheel_transforms(joints, of_joints=True)
         if self.joint_states is not None and self.joint_states.listened:
             message = message_type("sensor_msgs/JointState")()
             message.header.stamp = self.odometry.header.stamp
@@ -99,16 +106,26 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
             self.joint_states.publish(message)
         self._run(1.0 / self.given.updateRate if self.given.updateRate > 0.0 else self.world.core.engine.step_time)
 
+    def _turn_twist(self, linear: Any) -> None:
+        """Encoders give the velocity in the frame of the odometry, as in the original."""
+        pose = self.pose
+        if pose.elapsed > 0.0:
+            speed, ahead = pose.way / pose.elapsed, pose.yaw - pose.turn / 2.0
+            linear.x, linear.y = speed * math.cos(ahead), speed * math.sin(ahead)
+
     def _run(self, period: float) -> None:
         """Set the speed of the wheel, and its angle."""
         given = self.given
         speed, _, angle = self.command
         wanted, present = speed / (given.actuatedWheelDiameter / 2.0), self.wheel.GetVelocity(0)
-        if given.wheelAcceleration > 0.0:
-            slower = given.wheelDeceleration or given.wheelAcceleration
-            most = (given.wheelAcceleration if abs(wanted) > abs(present) else slower) * period
-            if abs(wanted - present) > given.wheelSpeedTolerance:
-                wanted = max(present - most, min(present + most, wanted))
+        up, down = given.wheelAcceleration, given.wheelDeceleration or given.wheelAcceleration
+        if up > 0.0 or (self.two and down > 0.0):
+            if not self.two:  # ROS 1 has them the other way round
+                up, down = down, up
+            if abs(wanted - present) < given.wheelSpeedTolerance:
+                wanted = present
+            else:
+                wanted = max(present - down * period, min(present + up * period, wanted))
         self.wheel.SetParam("vel", 0, wanted)
         angle = max(-math.pi / 2.0, min(math.pi / 2.0, angle))
         error = angle - self.steering.Position(0)

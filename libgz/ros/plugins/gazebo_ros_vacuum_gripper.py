@@ -24,7 +24,10 @@ TOUCHING = 0.01  # [m]; nearer links are moved into the gripper
 
 
 class GazeboRosVacuumGripper(Periodic, ModelPlugin):
-    """While it is on, a force of 1 N m / distance, at most 20 N, pulls links of other models that are near."""
+    """While it is on, a force of 1 N m / distance, at most 20 N, pulls links of other models that are near.
+
+    They move as the gripper does; one that touches it is held. In ROS 2, a force of 1 N pulls them, and nothing else.
+    """
 
     STATE = ("enabled",)
 
@@ -88,12 +91,18 @@ class GazeboRosVacuumGripper(Periodic, ModelPlugin):
         """Pull all links within reach; whether there are any."""
         found, pose = False, self.link.WorldPose()
         for model in self.world.Models():
-            if model.GetName() in self.fixed or model.IsStatic():
+            if model.GetName() in self.fixed:
                 continue
             for link in model.GetLinks():
                 away = pose.Pos() - link.WorldPose().Pos()
                 distance = away.Length()
                 if distance >= self.given.maxDistance:
+                    continue
+                found = True
+                if model.IsStatic():
+                    continue
+                if self.two:
+                    link.AddForce(away.Normalized())
                     continue
                 link.SetLinearVel(self.link.WorldLinearVel())
                 link.SetAngularVel(self.link.WorldAngularVel())
@@ -101,7 +110,6 @@ class GazeboRosVacuumGripper(Periodic, ModelPlugin):
                     link.SetWorldPose(Pose3d(pose.Pos(), link.WorldPose().Rot()))
                 if distance > 0.0:
                     link.AddForce(away / distance * min(1.0 / distance, STRONGEST))
-                found = True
         return found
 
 

@@ -207,24 +207,28 @@ def test_an_elevator_comes_opens_waits_and_closes(run):
     assert kept
 
 
-def test_an_elevator_keeps_a_bounded_number_of_requests(run):
+def test_an_elevator_ignores_requests_while_it_is_busy(run):
     lift, doors = slider("lift", "0 0 1", 0, 10, 100.0), slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
-    element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors", topic="~/elevator")
+    element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors")
     core, world = run(f"<model name='house'>{lift}{doors}{element}</model>")
     elevator = world.server.plugins.of_model(world.ModelByName("house"))[0].plugin
-    for floor in ("9" * 400, "-1000001", *["1"] * 2000):
+    for floor in ("9" * 400, "-1000001", "one", *["1"] * 2000, "2"):
         elevator.OnRequest(msgs.GzString(data=floor))
-    assert elevator.requests == [1] * 1000
+    assert (elevator.wanted, len(elevator.steps)) == (1, 5)
     core.run(0.01)
 
 
-def test_an_elevator_without_gains_has_the_default_ones(run, caplog):
-    lift, doors = slider("lift", "0 0 1", 0, 10, 100.0), slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
-    element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors", topic="~/elevator")
+def test_an_elevator_without_gains_has_those_of_gazebo(run, caplog):
+    lift, doors = slider("lift", "0 0 1", 0, 10, 800.0), slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
+    element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors", floor_height=1.0)
     core, world = run(f"<model name='house'>{lift}{doors}{element}</model>")
     kept = send("~/elevator", msgs.GzString(data="1"))
-    core.run(5.0)
-    assert world.ModelByName("house").GetJoint("lift").Position(0) == pytest.approx(3.0, abs=0.05)
+    core.run(10.0)
+    house = world.ModelByName("house")
+    elevator = world.server.plugins.of_model(house)[0].plugin
+    assert house.GetJoint("lift").Position(0) == pytest.approx(1.0, abs=1e-3)
+    assert (elevator.lift_pid.GetPGain(), elevator.lift_pid.GetDGain()) == (1e5, 1e5)
+    assert elevator.door_pid.GetPGain() == 2.0
     assert kept
     assert not caplog.records
 

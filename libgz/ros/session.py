@@ -27,7 +27,7 @@ __all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite
 log = logging.getLogger("libgz.ros")
 
 LATEST = 2.0**31 - 1.0  # [s] of a stamp
-MOST_REQUESTS, MOST_REQUEST_BYTES = 256, 1 << 26  # that may wait for the step, or for their answers
+MOST_REQUESTS, MOST_REQUEST_BYTES = 256, 1 << 26  # that may wait for the step; as many may wait for their answers
 
 _sessions: list[Session] = []
 
@@ -50,10 +50,14 @@ class Later:
         poll: called after each step; the answer, or None as long as there is none.
         patience: how long it may take [s], of real time.
         overdue: the answer if it takes longer.
+        most: how many of them may wait at one service; with one more, the first one is overdue.
     """
 
-    def __init__(self, poll: Callable[[], Message | None], patience: float, overdue: Message) -> None:
+    def __init__(
+        self, poll: Callable[[], Message | None], patience: float, overdue: Message, most: int = MOST_REQUESTS
+    ) -> None:
         self.poll, self.deadline, self.overdue = poll, time.monotonic() + patience, overdue
+        self.most = most
 
 
 class Publication:
@@ -164,7 +168,7 @@ class Service:
 
     def _received(self, body: bytes, answer: Callable[[bool, bytes], None]) -> bool:
         waiting = self._session.requests
-        if len(waiting) + len(self._session.later) >= MOST_REQUESTS:
+        if len(waiting) >= MOST_REQUESTS:
             return False
         if sum(len(one) for _, one, _ in tuple(waiting)) + len(body) > MOST_REQUEST_BYTES:
             return False
@@ -184,10 +188,15 @@ class Service:
             log.exception("service %s failed", self.name)
             answer(False, str(error).encode())
             return
-        if isinstance(result, Later):
-            self._session.later.append((self, result, answer))
-        else:
+        if not isinstance(result, Later):
             self.answer(result, answer)
+        elif len(self._session.later) >= MOST_REQUESTS:
+            answer(False, b"too many requests wait for their answers")
+        else:
+            present = [one for service, one, _ in self._session.later if service is self and one.deadline > -math.inf]
+            if len(present) >= result.most:
+                present[0].deadline = -math.inf
+            self._session.later.append((self, result, answer))
 
     def answer(self, response: Message, answer: Callable[[bool, bytes], None]) -> None:
         """Send a response."""

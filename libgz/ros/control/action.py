@@ -17,6 +17,7 @@ MOST_KEPT = 20  # goals that are over
 STATUS_RATE = 5.0  # [Hz] in ROS 1
 STATUSES = {1: 2, 2: 5, 3: 4, 4: 6, 5: 6}  # of goals in ROS 1 -> in ROS 2
 KEPT = 900.0  # [s] that a client of ROS 2 may ask for a result later
+MOST_ASKING = 8  # that wait for results of one action at the same time: a client asks once for each goal
 NONE_TO_CANCEL = 1  # of action_msgs/CancelGoal
 
 
@@ -243,7 +244,8 @@ class _Services(ActionServer):
             status, result = self._over[identity]
             return self._asked.response(status=status, result=result)  # type: ignore[no-any-return]
 
-        return Later(poll, KEPT, self._asked.response()) if known else self._asked.response()
+        nothing = self._asked.response()
+        return Later(poll, KEPT, nothing, MOST_ASKING) if known else nothing  # type: ignore[no-any-return]
 
     def _info(self, goal: Goal) -> Any:
         info = message_type("action_msgs/GoalInfo", 2)()

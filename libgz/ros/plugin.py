@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -28,8 +29,10 @@ __all__ = [
     "Endpoint",
     "Parameter",
     "Periodic",
+    "Rate",
     "RosPlugin",
     "Ticks",
+    "bounded_rate",
     "noise",
     "set_point",
     "set_pose",
@@ -37,10 +40,16 @@ __all__ = [
     "set_twist",
 ]
 
+log = logging.getLogger("libgz.ros")
+
 SAME = object()  # as in ROS 1
-MOST_RATE = 1e9  # [Hz]; what is faster ticks at each call
+MOST_RATE = 1e9  # [Hz]; what is faster, or as fast, ticks at each call
 TICK_SLACK = 1e-6  # periods; sim times are sums of steps
 TRUE, FALSE = ("true", "1", "yes"), ("false", "0", "no")
+
+
+class Rate(float):
+    """A rate among parameters [Hz]; 0: no limit, or as the parameter says."""
 
 
 class Parameter(NamedTuple):
@@ -208,6 +217,23 @@ class RosPlugin:
         return f"{self.space}/{within}" if within else self.space
 
 
+def bounded_rate(rate: float, what: str) -> float:
+    """A rate that can be kept [Hz]: from 0 to 1e9, which is faster than any step; another one is replaced and reported.
+
+    Args:
+        rate: a number, even one that no float can hold [Hz].
+        what: names the parameter, and where it is.
+    """
+    try:
+        value = float(rate)
+    except OverflowError:
+        value = math.inf if rate > 0 else -math.inf
+    taken = min(max(value, 0.0), MOST_RATE) if value == value else 0.0
+    if taken != value:
+        log.warning("%s is %g; %g Hz is taken", what, value, taken)
+    return taken
+
+
 class Periodic(RosPlugin):
     """A plugin that works at a rate of sim time; native code leaves only those steps to Python.
 
@@ -270,11 +296,24 @@ def _value(sdf: Element, parameter: Parameter, version: int) -> Any:
         if text.lower() not in (*TRUE, *FALSE):
             raise ParameterError(f"{sdf.where}: <{parameter.name}> is {text!r}; it must be true or false")
         return text.lower() in TRUE
+    if kind is Rate:
+        return bounded_rate(
+            _number(sdf, parameter.name, text), f"{sdf.child(parameter.name).where}: <{parameter.name}>"
+        )
     if kind is str:
         return text
     if kind is list:
         return [part.strip() for one in sdf.named(parameter.name) for part in one.Get(str).split(",") if part.strip()]
     return sdf.Get(kind, parameter.name)
+
+
+def _number(sdf: Element, name: str, text: str) -> float:
+    """The number of an element.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    return math.nan if text.lower().lstrip("+-") == "nan" else float(sdf.Get(float, name))
 
 
 def noise(deviation: float) -> float:

@@ -16,7 +16,7 @@ from libgz.ros.legacy.api import LegacyApi, list_links, list_models
 from libgz.ros.legacy.api2 import LegacyApi2
 from libgz.ros.legacy.device import Devices
 from libgz.ros.metrics import Metrics
-from libgz.ros.plugin import Ticks
+from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.services import Services
 from libgz.ros.session import Session, set_stamp
 from libgz.ros.states import Listed, States
@@ -222,8 +222,8 @@ def _rate(session: Session, name: str, default: float) -> float:
     """A rate among the parameters [Hz]."""
     value = session.parameter(name, default)
     try:
-        return float(value)
-    except (TypeError, ValueError, OverflowError):
+        return bounded_rate(value if isinstance(value, int) else float(value), f"ROS: parameter {name}")
+    except (TypeError, ValueError):
         log.warning("ROS: parameter %s is %r; it must be a number", name, value)
         return default
 

@@ -13,7 +13,7 @@ import socket
 import threading
 import time
 import xmlrpc.client
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 from urllib.parse import urlsplit
 from xml.parsers import expat
@@ -60,13 +60,11 @@ def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any
         if place.scheme != "http" or not place.hostname:
             raise XmlRpcError(f"{shown(uri)!r} is no address of XML-RPC; it must begin with http://")
         body = xmlrpc.client.dumps(values, method, allow_none=True).encode()
-        connection = http.client.HTTPConnection(place.hostname, place.port or 80, timeout=patience)
+        connection = _Connection(place.hostname, place.port or 80, timeout=patience)
         try:
-            connection.connect()
-            with _shut_down_after(connection.sock, patience):
-                connection.request("POST", place.path or "/RPC2", body, {"Content-Type": "text/xml"})
-                answer = connection.getresponse()
-                data = answer.read(MOST_ANSWER + 1)
+            connection.request("POST", place.path or "/RPC2", body, {"Content-Type": "text/xml"})
+            answer = connection.getresponse()
+            data = answer.read(MOST_ANSWER + 1)
         finally:
             connection.close()
         if answer.status != http.HTTPStatus.OK:
@@ -81,21 +79,39 @@ def shown(value: Any) -> str:
     return value[:LONGEST_SHOWN] if isinstance(value, str) else reprlib.repr(value)
 
 
-@contextlib.contextmanager
-def _shut_down_after(sock: socket.socket, patience: float) -> Iterator[None]:
-    """End a connection that takes too long in all: a peer that sends byte by byte is never late with one of them."""
+class _Connection(http.client.HTTPConnection):
+    """A connection whose timeout is that of all together: a peer that sends byte by byte is never late with a byte."""
 
-    def end() -> None:
-        with contextlib.suppress(OSError):
-            sock.shutdown(socket.SHUT_RDWR)
+    def connect(self) -> None:
+        """Connect."""
+        deadline = time.monotonic() + (self.timeout or 0.0)
+        super().connect()
+        self.sock = _TimedSocket(self.sock.detach(), deadline)
+        self.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
-    timer = threading.Timer(patience, end)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
+
+class _TimedSocket(socket.socket):
+    """A connected socket that is used until a time [s], as `time.monotonic` counts."""
+
+    def __init__(self, descriptor: int, deadline: float) -> None:
+        super().__init__(fileno=descriptor)
+        self._deadline = deadline
+
+    def _wait(self) -> None:
+        left = self._deadline - time.monotonic()
+        if left <= 0.0:
+            raise TimeoutError("timed out")
+        self.settimeout(left)
+
+    def sendall(self, *values: Any) -> None:
+        """Send all."""
+        self._wait()
+        super().sendall(*values)
+
+    def recv_into(self, *values: Any) -> int:
+        """Receive what comes next."""
+        self._wait()
+        return super().recv_into(*values)
 
 
 def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:

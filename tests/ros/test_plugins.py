@@ -14,7 +14,7 @@ from ros_peers import Talker, open_topic, wait_for
 
 from libgz import World
 from libgz.ros.packing import codec
-from libgz.ros.plugin import Ticks
+from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.reference import page
 from libgz.ros.types import message_type
 from libgz.simulation.stepping import Stepping
@@ -391,3 +391,28 @@ def test_an_elevator_and_a_harness_obey_their_topics(master, start, caplog):
 def test_a_rate_beyond_all_bounds_ticks_at_each_call():
     for rate in (math.inf, 1e308):
         assert [Ticks(rate).due(now) for now in (0.0, 0.001, 5.0)] == [True] * 3
+    assert bounded_rate(10**400, "a parameter") == bounded_rate(math.inf, "a parameter") == 1e9
+
+
+RATED = """<sdf version='1.6'><world name='default'><model name='m'>
+<link name='base'><inertial><mass>5</mass></inertial></link><link name='arm'><pose>1 0 0 0 0 0</pose></link>
+<joint name='j' type='revolute'><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz></axis></joint>
+{}</model></world></sdf>"""
+RATES = {"9" * 400: ("inf", "1e+09"), "inf": ("inf", "1e+09"), "nan": ("nan", "0"), "-5": ("-5", "0")}
+RATES["1e308"] = ("1e+308", "1e+09")
+
+
+@pytest.mark.parametrize("text", RATES)
+def test_rates_that_cannot_be_kept_are_replaced_and_reported_with_their_lines(master, start, caplog, text):
+    names = {"p3d": "updateRate", "imu": "updateRate", "diff_drive": "updateRate", "planar_move": "odometryRate"}
+    rows = [
+        f"<plugin name='{name}' filename='libgazebo_ros_{name}.so'>\n<{tag}>{text}</{tag}><bodyName>base</bodyName>"
+        f"<leftJoint>j</leftJoint><rightJoint>j</rightJoint><topicName>/{name}</topicName></plugin>\n"
+        for name, tag in names.items()
+    ]
+    node = Node(master, *start(RATED.format("".join(rows))))
+    place = node.topic("/p3d", "nav_msgs/Odometry")
+    assert seconds(place()) + 0.001 == pytest.approx(seconds(place()))  # each iteration
+    given, taken = RATES[text]
+    for number, tag in enumerate(names.values()):
+        assert f"test.world:{5 + 2 * number}: <{tag}> is {given}; {taken} Hz is taken" in caplog.text

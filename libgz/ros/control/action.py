@@ -245,7 +245,7 @@ class _Services(ActionServer):
             return self._asked.response(status=status, result=result)  # type: ignore[no-any-return]
 
         nothing = self._asked.response()
-        return Later(poll, KEPT, nothing, MOST_ASKING) if known else nothing  # type: ignore[no-any-return]
+        return Later(poll, KEPT, nothing, MOST_ASKING) if known else nothing
 
     def _info(self, goal: Goal) -> Any:
         info = message_type("action_msgs/GoalInfo", 2)()

@@ -11,7 +11,7 @@ from libgz.ros.control.action import ActionServer, Goal, serve_action
 from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
 from libgz.ros.control.pid import RosPid, number_of
 from libgz.ros.control.trajectory import Trajectory
-from libgz.ros.plugin import Ticks
+from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.session import Service, Session, Subscription, finite, set_stamp
 
 __all__ = ["CONTROLLERS", "Controller"]
@@ -124,7 +124,7 @@ class JointStates(Controller):
         rate = number_of(self.values, "publish_rate", math.nan, self.name)
         if not rate > 0.0:
             raise ParameterError(f"controller {self.name}: parameter publish_rate is missing or not positive")
-        self._ticks = Ticks(rate)
+        self._ticks = Ticks(bounded_rate(rate, f"parameter {self.name}/publish_rate"))
         self.space = self.space or self.name.rpartition("/")[0]
         self._publication = self.session.publish(f"{self.space}/joint_states", "sensor_msgs/JointState", 4)
 
@@ -285,7 +285,8 @@ class JointTrajectories(Follower):
         constraints = self.values.get("constraints")
         self._constraints: Mapping[str, Any] = constraints if isinstance(constraints, Mapping) else {}
         self._trajectory: Trajectory | None = None
-        self._ticks = Ticks(number_of(self.values, "state_publish_rate", 50.0, self.name))
+        rate = number_of(self.values, "state_publish_rate", 50.0, self.name)
+        self._ticks = Ticks(bounded_rate(rate, f"parameter {self.name}/state_publish_rate"))
         session, name = self.session, self.name
         self._action = serve_action(
             session,

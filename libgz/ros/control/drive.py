@@ -10,7 +10,7 @@ from typing import Any
 from libgz.base.errors import ParameterError
 from libgz.ros.control.controllers import Controller
 from libgz.ros.control.pid import number_of
-from libgz.ros.plugin import Ticks
+from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.session import finite, set_stamp
 from libgz.ros.types import Stamp
 
@@ -105,7 +105,7 @@ class DiffDrive(Controller):
         self._limits = [Limiter(_nested(values, *keys), name) for keys in (("linear", "x"), ("angular", "z"))]
         window = int(_clamp(self._number("velocity_rolling_window_size", 10.0), 1.0, MOST_WINDOW))
         self._speeds: deque[tuple[float, float]] = deque(maxlen=window)
-        self._ticks = Ticks(self._number("publish_rate", 50.0))
+        self._ticks = Ticks(bounded_rate(self._number("publish_rate", 50.0), f"parameter {name}/publish_rate"))
         self._wanted, self._came = (0.0, 0.0), -math.inf
         self._x = self._y = self._heading = 0.0
         self._before = [0.0, 0.0]

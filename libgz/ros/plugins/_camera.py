@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from libgz.ros.plugin import Endpoint, Parameter
+from libgz.ros.plugin import Endpoint, Parameter, Rate
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.session import Publication
 from libgz.ros.types import Message, message_type
@@ -28,7 +28,7 @@ CAMERA = (
     Parameter("frameName", "", "frame of the images"),
     Parameter("imageTopicName", "image_raw", "images"),
     Parameter("cameraInfoTopicName", "camera_info", "calibration"),
-    Parameter("updateRate", 0.0, "at most so many images a second [Hz]; 0: all"),
+    Parameter("updateRate", Rate(0.0), "at most so many images a second [Hz]; 0: all"),
     Parameter("Cx", 0.0, "principal point [px]; 0: (width + 1) / 2"),
     Parameter("Cy", 0.0, "principal point [px]; 0: (height + 1) / 2"),
     Parameter("CxPrime", 0.0, "accepted without effect, as in the original"),

@@ -10,7 +10,7 @@ from libgz.base.errors import GazeboError
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.ros.control.ros2 import SERVICES, ControllerManager2, RobotHardware2
 from libgz.ros.parameters import Parameters
-from libgz.ros.plugin import Endpoint, Parameter
+from libgz.ros.plugin import Endpoint, Parameter, bounded_rate
 from libgz.ros.plugins._control import RobotControl
 
 if TYPE_CHECKING:
@@ -57,7 +57,8 @@ class GazeboRos2Control(RobotControl):
         self.description = self.ros.subscribe(
             topic, "std_msgs/String", self.OnDescription, durability="transient_local", **more
         )
-        self.run(float(rate) if isinstance(rate, int | float) else UPDATE_RATE)
+        what = f"parameter {self.space}/controller_manager/update_rate"
+        self.run(bounded_rate(rate, what) if isinstance(rate, int | float) else UPDATE_RATE)
 
     def OnDescription(self, message: Any) -> None:
         """The robot description has come."""

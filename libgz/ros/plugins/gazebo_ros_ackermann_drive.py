@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._ackermann import AckermannDrive
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive
 from libgz.ros.types import message_type
 
@@ -26,7 +26,7 @@ class GazeboRosAckermannDrive(Drive, AckermannDrive):
 
     parameters = (
         *COMMANDS,
-        Parameter("updateRate", 100.0, "of odometry [Hz]"),
+        Parameter("updateRate", Rate(100.0), "of odometry [Hz]"),
         Parameter("publishTf", False, "publish odometry (in ROS 2 publish_odom)"),
         Parameter("publishOdomTF", False, "publish its transform"),
         Parameter("publishWheelTF", False, "publish the wheels' transforms"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
-from libgz.ros.plugin import NOISE, Endpoint, Parameter
+from libgz.ros.plugin import NOISE, Endpoint, Parameter, Rate
 from libgz.ros.plugins._cloud import directions, scan_points
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
@@ -23,7 +23,7 @@ class GazeboRosBlockLaser(RosSensor, SensorPlugin):
         Parameter("topicName", "/world", "points"),
         Parameter("frameName", "/world", "frame of the points"),
         NOISE,
-        Parameter("updateRate", 0.0, "at most so many clouds a second [Hz]; 0: each scan"),
+        Parameter("updateRate", Rate(0.0), "at most so many clouds a second [Hz]; 0: each scan"),
     )
     endpoints = (Endpoint("publishes", "<topicName>", "sensor_msgs/PointCloud"),)
 

@@ -9,7 +9,7 @@ from libgz.base.errors import GazeboError
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.ros.control.hardware import RobotHardware
 from libgz.ros.control.manager import SERVICES, ControllerManager
-from libgz.ros.plugin import Endpoint, Parameter, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Ticks, bounded_rate
 from libgz.ros.plugins._control import RobotControl
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class GazeboRosControl(RobotControl):
         if self.manager is None:
             log.warning("gazebo_ros_control waits for model URDF in parameter [%s]", self.given.robotParam)
         period = self.given.controlPeriod
-        self.run(1.0 / period if period > 0.0 else 0.0)
+        self.run(bounded_rate(1.0 / period, f"{sdf.where}: 1 / <controlPeriod>") if period > 0.0 else 0.0)
 
     def look(self, now: float) -> None:
         """Look for the robot description, if it is time."""

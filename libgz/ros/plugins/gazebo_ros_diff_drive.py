@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import ParameterError
 from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
 from libgz.ros.types import message_type
 
@@ -32,7 +32,7 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         Parameter("wheelDiameter", 0.15, "[m]"),
         Parameter("wheelAcceleration", 0.0, "most change of a wheel's speed [m/s^2]; 0: at once"),
         Parameter("wheelTorque", 5.0, "of each motor [N m]"),
-        Parameter("updateRate", 100.0, "of commands and odometry [Hz]"),
+        Parameter("updateRate", Rate(100.0), "of commands and odometry [Hz]"),
         Parameter("odometrySource", "world", "world or encoder; in ROS 2, 1 or 0"),
         Parameter("publishTf", True, "publish odometry (in ROS 2 publish_odom)", ros2=False),
         Parameter("publishOdomTF", True, "publish its transform (in ROS 2 publish_odom_tf)", ros2=False),

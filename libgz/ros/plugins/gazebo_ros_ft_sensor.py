@@ -9,7 +9,7 @@ from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint, named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, Endpoint, Parameter, Periodic, Ticks, set_point
+from libgz.ros.plugin import NOISE, Endpoint, Parameter, Periodic, Rate, Ticks, set_point
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -28,7 +28,7 @@ class GazeboRosFT(Periodic, ModelPlugin):
         Parameter("bodyName", "", "or the joint's child"),
         Parameter("topicName", "wrench", "wrenches"),
         NOISE,
-        Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
+        Parameter("updateRate", Rate(0.0), "[Hz]; 0: each iteration"),
     )
     endpoints = (Endpoint("publishes", "<topicName>", "geometry_msgs/WrenchStamped"),)
 

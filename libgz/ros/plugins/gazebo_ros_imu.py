@@ -9,7 +9,18 @@ from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Periodic, Ticks, noise, set_point, set_quaternion
+from libgz.ros.plugin import (
+    NOISE,
+    OFFSETS,
+    Endpoint,
+    Parameter,
+    Periodic,
+    Rate,
+    Ticks,
+    noise,
+    set_point,
+    set_quaternion,
+)
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -32,7 +43,7 @@ class GazeboRosImu(Periodic, ModelPlugin):
         Parameter("serviceName", "/default_imu", "a service for calibration, which does nothing"),
         Parameter("bodyName", str, "the link"),
         Parameter("frameName", "", "the frame of the measurements (the link's name)"),
-        Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
+        Parameter("updateRate", Rate(0.0), "[Hz]; 0: each iteration"),
         NOISE,
         *OFFSETS,
     )

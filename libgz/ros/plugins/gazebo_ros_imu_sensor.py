@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Quaterniond
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, noise, set_point, set_quaternion
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Rate, noise, set_point, set_quaternion
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
 
@@ -21,7 +21,7 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
     parameters = (
         Parameter("topicName", "imu_data", "measurements", ros2="~/out"),
         Parameter("frameName", str, "the frame of the measurements (in ROS 2 the link's name)", ros2=""),
-        Parameter("updateRateHZ", 1.0, "at most so many a second [Hz]; 0: each measurement", ros2=0.0),
+        Parameter("updateRateHZ", Rate(1.0), "at most so many a second [Hz]; 0: each measurement", ros2=Rate(0.0)),
         NOISE,
         *OFFSETS,
         Parameter("initialOrientationAsReference", False, "orientations relative to the one at the start"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -24,7 +24,7 @@ class GazeboRosJointStatePublisher(Periodic, ModelPlugin):
     own_namespace = True
     parameters = (
         Parameter("jointName", [], "names of joints, separated by commas; none: all that move"),
-        Parameter("updateRate", 100.0, "[Hz]; 0: each iteration"),
+        Parameter("updateRate", Rate(100.0), "[Hz]; 0: each iteration"),
     )
     endpoints = (Endpoint("publishes", "joint_states", "sensor_msgs/JointState"),)
 

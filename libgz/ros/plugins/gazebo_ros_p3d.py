@@ -10,7 +10,18 @@ from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Periodic, Ticks, set_point, set_quaternion, set_twist
+from libgz.ros.plugin import (
+    NOISE,
+    OFFSETS,
+    Endpoint,
+    Parameter,
+    Periodic,
+    Rate,
+    Ticks,
+    set_point,
+    set_quaternion,
+    set_twist,
+)
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -30,7 +41,7 @@ class GazeboRosP3D(Periodic, ModelPlugin):
         Parameter("bodyName", str, "the link"),
         Parameter("topicName", str, "the poses", ros2="odom"),
         Parameter("frameName", "world", "the world, or a link of the model whose frame they are in"),
-        Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
+        Parameter("updateRate", Rate(0.0), "[Hz]; 0: each iteration"),
         NOISE,
         *OFFSETS,
         Parameter("xyzOffsets", Vector3d(), "in ROS 2: as xyzOffset"),

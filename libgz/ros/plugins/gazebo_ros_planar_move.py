@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Parameter, Ticks, set_pose
+from libgz.ros.plugin import Parameter, Rate, Ticks, set_pose
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ class GazeboRosPlanarMove(Drive, ModelPlugin):
 
     parameters = (
         *COMMANDS,
-        Parameter("odometryRate", 20.0, "of odometry [Hz]; 0: none"),
+        Parameter("odometryRate", Rate(20.0), "of odometry [Hz]; 0: none"),
         Parameter("cmdTimeout", -1.0, "the model stops when no command has come for this time [s]; negative: never"),
     )
     endpoints = (COMMAND, *ODOMETRY)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
-from libgz.ros.plugin import NOISE, Endpoint, Parameter, noise
+from libgz.ros.plugin import NOISE, Endpoint, Parameter, Rate, noise
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
 
@@ -24,7 +24,7 @@ class GazeboRosRange(RosSensor, SensorPlugin):
         Parameter("radiation", "ultrasound", "ultrasound or infrared"),
         Parameter("fov", 0.05, "field of view in the message [rad]"),
         NOISE,
-        Parameter("updateRate", 0.0, "at most so many messages a second [Hz]; 0: each measurement"),
+        Parameter("updateRate", Rate(0.0), "at most so many messages a second [Hz]; 0: each measurement"),
     )
     endpoints = (Endpoint("publishes", "<topicName>", "sensor_msgs/Range"),)
 

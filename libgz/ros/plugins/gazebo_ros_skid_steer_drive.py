@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from libgz.base.errors import ParameterError
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Parameter, Periodic, Ticks
+from libgz.ros.plugin import Parameter, Periodic, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, drive_joint
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
         Parameter("wheelSeparation", 0.4, "between left and right [m]"),
         Parameter("wheelDiameter", 0.15, "[m]"),
         Parameter("torque", 5.0, "of each motor [N m]"),
-        Parameter("updateRate", 100.0, "of commands and odometry [Hz]"),
+        Parameter("updateRate", Rate(100.0), "of commands and odometry [Hz]"),
         Parameter("broadcastTF", False, "publish the transform of the odometry"),
         Parameter("covarianceX", 1e-4, "variance of x; also covariance_x"),
         Parameter("covarianceY", 1e-4, "variance of y; also covariance_y"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.ros.api2 import STATES, StateApi
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
 from libgz.ros.states import Listed, States
 from libgz.ros.world import classic_links, classic_models
 
@@ -21,7 +21,7 @@ class GazeboRosState(Periodic, WorldPlugin):
 
     STATE = ("ticks",)
 
-    parameters = (Parameter("updateRate", 100.0, "[Hz]; 0: each iteration"),)
+    parameters = (Parameter("updateRate", Rate(100.0), "[Hz]; 0: each iteration"),)
     endpoints = (
         Endpoint("publishes", "model_states", "gazebo_msgs/ModelStates"),
         Endpoint("publishes", "link_states", "gazebo_msgs/LinkStates"),

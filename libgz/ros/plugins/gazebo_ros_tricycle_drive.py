@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import ParameterError
 from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
 from libgz.ros.types import message_type
 
@@ -41,7 +41,7 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
         Parameter("wheelSpeedTolerance", 0.01, "[rad/s]"),
         Parameter("steeringSpeed", 0.0, "[rad/s]; 0: the angle is set at once"),
         Parameter("steeringAngleTolerance", 0.01, "[rad]"),
-        Parameter("updateRate", 100.0, "of commands and odometry [Hz]"),
+        Parameter("updateRate", Rate(100.0), "of commands and odometry [Hz]"),
         Parameter("odometrySource", "world", "world or encoder; in ROS 2, 1 or 0"),
         Parameter("publishWheelTF", False, "publish the wheels' transforms"),
         Parameter("publishWheelJointState", False, "publish the wheels' joint states"),

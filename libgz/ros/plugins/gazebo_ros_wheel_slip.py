@@ -8,7 +8,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._wheelslip import Tire, WheelSlipPlugin
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Rate, RosPlugin, Ticks
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
     """A WheelSlipPlugin, with its elements, that publishes the slips [m/s] in ROS 2."""
 
-    parameters = (Parameter("publisherUpdateRate", 100.0, "of the slips [Hz]"),)
+    parameters = (Parameter("publisherUpdateRate", Rate(100.0), "of the slips [Hz]"),)
     endpoints = (Endpoint("in ROS 2 publishes", "wheel_slip", "gazebo_msgs/WheelSlip"),)
 
     def Load(self, model: Model, sdf: Element) -> None:

@@ -9,7 +9,7 @@ from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import OFFSETS, Endpoint, Parameter, Periodic, Ticks, set_point, set_quaternion
+from libgz.ros.plugin import OFFSETS, Endpoint, Parameter, Periodic, Rate, Ticks, set_point, set_quaternion
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -28,7 +28,7 @@ class HectorGazeboRosImu(Periodic, ModelPlugin):
         Parameter("serviceName", "", "a service for calibration, which does nothing (the topic's with /calibrate)"),
         Parameter("bodyName", str, "the link"),
         Parameter("frameId", "", "the frame of the measurements (the link's name)"),
-        Parameter("updateRate", 0.0, "[Hz]; 0: each iteration"),
+        Parameter("updateRate", Rate(0.0), "[Hz]; 0: each iteration"),
         Parameter("accelGaussianNoise", Vector3d(), "standard deviations [m/s^2]"),
         Parameter("rateGaussianNoise", Vector3d(), "standard deviations [rad/s]"),
         *OFFSETS,

@@ -17,9 +17,11 @@ from libgz.base.errors import ClosedError, LibraryError, ParameterError, nearest
 from libgz.base.extras import install
 from libgz.base.geometry import GzPose
 from libgz.front import World
+from libgz.gym.outcome import Outcome
 from libgz.ode.context import HeldEffort
 from libgz.ode.crew import Task
 from libgz.physics.check import finite
+from libgz.simulation.updates import LawCall
 from libgz.study.distribution import Distribution
 from libgz.study.signals import Command, Reading, activate, commands_of, reading_of
 from libgz.study.variant import Variant
@@ -64,7 +66,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         observations: key -> fields that are observed, or a table of fields with bounds, to which they are clipped. The
             observation is a Dict with a Box for each, named ``key/field``, with the type of the field, and its own
             bounds where none are given. Instead of fields, or of the whole table, a pair of a function of the world
-            and the space of its values.
+            and the space of its values; or a Box, of a subclass whose `measure` computes observation, reward and end.
         reward: ``reward(world, observation, action)``, after each step; None for 0.
         terminated: ``terminated(world, observation)``: whether the episode has ended; None for never.
         start: ``start(world, random, options)``, called at each reset: it brings the world to where an episode begins,
@@ -90,6 +92,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     Attributes:
         world: the present world; a reset may replace it where `randomise` is used.
         sampled: the values that `randomise` chose at the last reset.
+        outcome: what `measure` computes.
 
     Raises:
         WorldFileError: there is no such world, or it has errors.
@@ -103,7 +106,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self,
         world: str | os.PathLike[str],
         actions: Mapping[str, Fields],
-        observations: Mapping[str, Fields | Observe] | Observe,
+        observations: Mapping[str, Fields | Observe] | Observe | spaces.Box,
         reward: Callable[[World, Any, NDArray[Any]], float] | None = None,
         terminated: Callable[[World, Any], bool] | None = None,
         *,
@@ -139,6 +142,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._started = False
         self._steps = 0  # of this episode
         self.sampled: dict[str, Any] = {}
+        self.outcome = Outcome(0, 0)  # until its sizes are known
+        self._law: LawCall | None = None
         self.world = self._load(self._sampled(np.random.default_rng(0)), 0)  # so that wrong paths fail here
         try:
             self._prepare(period, settle, time_limit)
@@ -188,6 +193,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _tables(self) -> tuple[dict[tuple[str, str], tuple[float, float] | None], dict[str, Observe]]:
         """(key, field) of what is read by name, with bounds if some are given, and the functions by their names."""
+        if isinstance(self._observations, spaces.Box):
+            return {}, {"": (self._measure_now, self._observations)}
         if not isinstance(self._observations, Mapping):
             return {}, {"": _checked(self._observations, "observations")}
         named: dict[tuple[str, str], tuple[float, float] | None] = {}
@@ -240,6 +247,36 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         held = joints if len(set(joints)) == len(commands) else []  # two commands on one joint add up, step by step
         self._efforts = (HeldEffort * len(held))()
         self._held = list(zip(held, self._efforts, strict=True))
+        if isinstance(self._observations, spaces.Box):
+            self._bind_law(self._observations)
+
+    def _bind_law(self, box: spaces.Box) -> None:
+        """Have `measure` computed of the present world."""
+        if type(self).measure is WorldEnv.measure:
+            raise ParameterError(f"observations is a Box; {type(self).__name__} must have a method `measure` then")
+        if self._law is None:
+            self.outcome = Outcome(len(self._commands), int(np.prod(box.shape, dtype=int)))
+        if self._law is None or self._law.world is not self.world:
+            self._law = LawCall(self.world, self.measure)
+
+    def measure(self) -> None:
+        """Set `outcome`; for subclasses that observe a Box.
+
+        It is called after the steps of a period, and at a reset for the observation alone. Where it is a law, see
+        `libgz.base.law`, native code computes it, for the environments of `make_vec` beside each other.
+        """
+
+    def _measure_now(self, world: World) -> NDArray[Any]:
+        """The observation that `measure` computes now."""
+        if self._law is not None:
+            with world.lock:
+                self._law()
+        return self._observation()
+
+    def _observation(self) -> NDArray[Any]:
+        """The one that `measure` computed last."""
+        space: Any = self.observation_space
+        return np.array(self.outcome.seen, space.dtype).reshape(space.shape)
 
     def _space(self) -> spaces.Space[Any]:
         if "" in self._made:
@@ -310,14 +347,16 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         world = self.world
         for count in self._act(self._clipped(action)):
             world.step(count)
-        return self._outcome(action)
+        return self._outcome(action, self._observe())
 
     def step_beside(self, action: Any) -> Task[Any]:
         """`step`, for environments whose worlds step beside each other in a `Crew`."""
-        world = self.world
+        world, law = self.world, self._law
+        measured = False
         for count in self._act(self._clipped(action)):
-            yield from world.step_beside(count)
-        return self._outcome(action)
+            measured = count == self._count
+            yield from world.step_beside(count, law if measured else None)
+        return self._outcome(action, self._observation() if law is not None and measured else self._observe())
 
     def _act(self, values: Sequence[Any]) -> Iterator[int]:
         """Write an action; gives the numbers of steps that are then to be made."""
@@ -326,6 +365,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             raise gymnasium.error.ResetNeeded("call reset() before the first step()")
         if self._update is not None:
             self._update(self.world)
+        if self._law is not None:
+            self.outcome.action[:] = values
         if self._lasting:
             for write, value in zip(self._writers, values, strict=True):
                 write(value)
@@ -345,13 +386,15 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
                     write(value)
                 yield 1
 
-    def _outcome(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def _outcome(self, action: Any, seen: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """What `step` returns, after the steps."""
         world = self.world
         self._steps += 1
-        seen = self._observe()
-        reward = 0.0 if self._reward is None else float(self._reward(world, seen, action))
-        ended = self._terminated is not None and bool(self._terminated(world, seen))
+        if self._law is not None:
+            reward, ended = self.outcome.reward, self.outcome.ended != 0.0
+        else:
+            reward = 0.0 if self._reward is None else float(self._reward(world, seen, action))
+            ended = self._terminated is not None and bool(self._terminated(world, seen))
         truncated = self._most is not None and self._steps >= self._most
         if self.render_mode == "human":
             self.render()

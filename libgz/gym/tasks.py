@@ -20,6 +20,7 @@ from libgz.base.geometry import (
     GzVectorAdd,
     rotate,
 )
+from libgz.base.law import Number, atan2, clamp, cos, hypot, law, least, sin, where
 from libgz.front import World
 from libgz.gym.env import WorldEnv
 from libgz.models.pantilt import EYE
@@ -60,16 +61,15 @@ class ReachGoal(WorldEnv):
     REACHED, LOST, FARTHEST = 0.35, 8.0, 16.0  # [m]
     space = _box((0.0, FARTHEST), (-1.0, 1.0), (-1.0, 1.0), (-3.0, 3.0), (-10.0, 10.0))
 
+    goal_x, goal_y = Number(), Number()  # [m]
+
     def __init__(self, **options: Any) -> None:
-        self._before = 0.0  # distance [m]
         super().__init__(
             WORLDS / "reach_goal.world",
             {"position.robot1": {"cmd_vel_pos[0]": (-0.5, 0.7), "cmd_vel_rot[2]": (-1.5, 1.5)}},
-            (self.observe, self.space),
-            self.score,
-            self.ended,
+            self.space,
             start=self.begin,
-            info=lambda world: {"reached": self._before < self.REACHED},
+            info=lambda world: {"reached": bool(self.outcome.seen[0] < self.REACHED)},
             **{
                 "time_limit": 30.0,
                 "camera": GzPosePointAt((-6.0, -6.0, 8.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
@@ -85,35 +85,28 @@ class ReachGoal(WorldEnv):
             x, y = (finite(float(number), "goal [m]") for number in goal)
         except (TypeError, ValueError):
             raise ParameterError(f"goal is {goal!r}; it must be two finite numbers, x and y [m]") from None
-        self._goal = x, y
+        self.goal_x, self.goal_y = x, y
         marker = world.model("goal")
         marker.GetBody().SetGravityMode(False)
         world.SetModelPose(marker, _flat_pose(x, y, 1.2, 0.0))
         robot = world.model("robot1")
         world.SetModelPose(robot, _flat_pose(0.0, 0.0, robot.GetPose().pos.z, yaw))
         self._chassis = robot.GetBody()
-        self._before = math.hypot(x, y)
 
-    def observe(self, world: World) -> Array:
-        """What the robot sees."""
-        body = self._chassis
-        (x, y, _), rotation = body.GetPosition(), body.GetRotation()
-        yaw = GzQuaternToEuler(rotation).z
-        east, north = self._goal[0] - x, self._goal[1] - y
-        bearing = math.atan2(north, east) - yaw
-        velocity = body.GetLinearVel()
-        speed = velocity.x * math.cos(yaw) + velocity.y * math.sin(yaw)
-        turn = body.GetAngularRate().z
-        return _clipped((math.hypot(east, north), math.cos(bearing), math.sin(bearing), speed, turn), self.space)
-
-    def score(self, world: World, seen: Array, action: Any) -> float:
-        """The reward."""
-        before, self._before = self._before, float(seen[0])
-        return before - self._before - 0.01 + (10.0 if self._before < self.REACHED else 0.0)
-
-    def ended(self, world: World, seen: Array) -> bool:
-        """Whether the goal is reached or lost."""
-        return not self.REACHED <= seen[0] <= self.LOST
+    @law
+    def measure(self) -> None:
+        """What the robot sees, how much nearer it is, and whether the goal is reached or lost."""
+        now, pose = self.outcome, self._chassis.GetPose()
+        yaw = GzQuaternToEuler(pose.rot).z
+        east, north = self.goal_x - pose.pos.x, self.goal_y - pose.pos.y
+        bearing = atan2(north, east) - yaw
+        velocity = self._chassis.GetLinearVel()
+        speed = velocity.x * cos(yaw) + velocity.y * sin(yaw)
+        turn = self._chassis.GetAngularRate().z
+        before, distance = now.seen[0], least(hypot(east, north), self.FARTHEST)
+        now.seen[:] = (distance, cos(bearing), sin(bearing), clamp(speed, 3.0), clamp(turn, 10.0))
+        now.reward = before - distance - 0.01 + where(distance < self.REACHED, 10.0, 0.0)
+        now.ended = where((distance < self.REACHED) | (distance > self.LOST), 1.0, 0.0)
 
 
 class FollowWall(WorldEnv):
@@ -178,16 +171,13 @@ class Balance(WorldEnv):
     space = _box((-math.pi, math.pi), (-20.0, 20.0), (-10.0, 10.0), (-10.0, 10.0))
 
     def __init__(self, **options: Any) -> None:
-        self._pitch = self._travel = 0.0  # to either side, when scored [rad], [m]
         super().__init__(
             WORLDS / "balance.world",
             {
                 "robot1::left": {"effort": (-self.TORQUE, self.TORQUE)},
                 "robot1::right": {"effort": (-self.TORQUE, self.TORQUE)},
             },
-            (self.observe, self.space),
-            self.score,
-            lambda world, seen: self._pitch > self.LARGEST_PITCH or self._travel > self.FARTHEST,
+            self.space,
             start=self.begin,
             **{"period": 0.05, "settle": 0.0, "time_limit": 10.0, **options},
         )
@@ -202,20 +192,19 @@ class Balance(WorldEnv):
         world.interface("position", "robot1").enable_motors(False)
         self._base = robot.GetBody()
 
-    def observe(self, world: World) -> Array:
-        """What the robot measures."""
-        base = self._base
-        position, rotation, velocity = base.GetPosition(), base.GetRotation(), base.GetLinearVel()
-        pitch = GzQuaternToEuler(rotation).y
-        return _clipped((pitch, base.GetAngularRate().y, position.x, velocity.x), self.space)
-
-    def score(self, world: World, seen: Array, action: Any) -> float:
-        """The reward."""
-        pitch, _, travel, _ = seen.tolist()
-        self._pitch, self._travel = abs(pitch), abs(travel)
-        left, right = (min(abs(float(one)), self.TORQUE) for one in action)
-        effort = (left**2 + right**2) / self.TORQUE**2
-        return float(1.0 - (pitch / self.LARGEST_PITCH) ** 2 - 0.1 * (travel / self.FARTHEST) ** 2 - 0.01 * effort)
+    @law
+    def measure(self) -> None:
+        """What the robot measures, the reward, and whether it has fallen or is too far away."""
+        now, base = self.outcome, self._base
+        pose = base.GetPose()
+        pitch, travel = GzQuaternToEuler(pose.rot).y, clamp(pose.pos.x, 10.0)
+        rate, speed = base.GetAngularRate().y, base.GetLinearVel().x
+        now.seen[:] = (pitch, clamp(rate, 20.0), travel, clamp(speed, 10.0))
+        left, right = now.action[0], now.action[1]
+        effort = (left * left + right * right) / self.TORQUE**2
+        lean, away = pitch / self.LARGEST_PITCH, travel / self.FARTHEST
+        now.reward = 1.0 - lean * lean - 0.1 * (away * away) - 0.01 * effort
+        now.ended = where((abs(pitch) > self.LARGEST_PITCH) | (abs(travel) > self.FARTHEST), 1.0, 0.0)
 
 
 class TrackBall(WorldEnv):
@@ -285,8 +274,7 @@ class PendulumSwingUp(WorldEnv):
         super().__init__(
             WORLDS / "pendulum.world",
             {"pendulum::pivot": ["effort"]},
-            (self.observe, self.space),
-            self.score,
+            self.space,
             start=self.begin,
             **{"period": 0.05, "time_limit": 10.0, **options},
         )
@@ -298,16 +286,14 @@ class PendulumSwingUp(WorldEnv):
         self._joint.set_position(angle)
         self._joint.set_velocity(rate)
 
-    def observe(self, world: World) -> Array:
-        """What is measured."""
-        angle = self._joint.position()
-        return _clipped((math.cos(angle), math.sin(angle), self._joint.velocity()), self.space)
-
-    def score(self, world: World, seen: Array, action: Any) -> float:
-        """The reward."""
-        cosine, sine, rate = seen.tolist()
-        angle, torque = math.atan2(sine, cosine), min(abs(float(action[0])), 2.0)
-        return float(-(angle**2 + 0.1 * rate**2 + 0.001 * torque**2))
+    @law
+    def measure(self) -> None:
+        """What is measured, and the reward."""
+        now, rate = self.outcome, clamp(self._joint.velocity(), 16.0)
+        cosine, sine = cos(self._joint.position()), sin(self._joint.position())
+        now.seen[:] = (cosine, sine, rate)
+        angle, torque = atan2(sine, cosine), now.action[0]
+        now.reward = -(angle * angle + 0.1 * (rate * rate) + 0.001 * (torque * torque))
 
 
 class DoublePendulum(WorldEnv):
@@ -324,13 +310,10 @@ class DoublePendulum(WorldEnv):
     space = _box((-3.0, 3.0), *[(-1.0, 1.0)] * 4, (-20.0, 20.0), (-50.0, 50.0), (-50.0, 50.0))
 
     def __init__(self, **options: Any) -> None:
-        self._sunk = self._away = 0.0  # tip below its highest place, cart from the middle, when scored [m]
         super().__init__(
             WORLDS / "double_pendulum.world",
             {"robot::rail": ["effort"]},
-            (self.observe, self.space),
-            self.score,
-            lambda world, seen: self._sunk > self.SUNK or self._away > self.END,
+            self.space,
             start=self.begin,
             **{"period": 0.02, "time_limit": 10.0, **options},
         )
@@ -342,20 +325,18 @@ class DoublePendulum(WorldEnv):
         for joint, place in zip(self._joints, random.uniform(-0.03, 0.03, 3).tolist(), strict=True):
             joint.set_position(place)
 
-    def observe(self, world: World) -> Array:
-        """What is measured."""
-        rail, shoulder, elbow = self._joints
-        one, two = shoulder.position(), elbow.position()
-        angles = (math.sin(one), math.cos(one), math.sin(two), math.cos(two))
-        rates = (rail.velocity(), shoulder.velocity(), elbow.velocity())
-        return _clipped((rail.position(), *angles, *rates), self.space)
-
-    def score(self, world: World, seen: Array, action: Any) -> float:
-        """The reward."""
-        place, sine, cosine, sine2, cosine2, *_ = seen.tolist()
-        self._sunk = self.ROD * (2.0 - cosine - (cosine * cosine2 - sine * sine2))
-        self._away = abs(place)
-        return float(1.0 - self._sunk / self.SUNK - 0.1 * (place / self.END) ** 2)
+    @law
+    def measure(self) -> None:
+        """What is measured, the reward, and whether the tip has sunk or the cart is near an end."""
+        now, (rail, shoulder, elbow) = self.outcome, self._joints
+        place, one, two = clamp(rail.position(), 3.0), shoulder.position(), elbow.position()
+        sine, cosine, sine2, cosine2 = sin(one), cos(one), sin(two), cos(two)
+        rates = (clamp(rail.velocity(), 20.0), clamp(shoulder.velocity(), 50.0), clamp(elbow.velocity(), 50.0))
+        now.seen[:] = (place, sine, cosine, sine2, cosine2, *rates)
+        sunk = self.ROD * (2.0 - cosine - (cosine * cosine2 - sine * sine2))
+        away = place / self.END
+        now.reward = 1.0 - sunk / self.SUNK - 0.1 * (away * away)
+        now.ended = where((sunk > self.SUNK) | (abs(place) > self.END), 1.0, 0.0)
 
 
 def _joints(world: World, model: str) -> dict[str, SdfJoint]:

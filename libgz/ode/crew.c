@@ -11,7 +11,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-int64_t gz_updates_repeat(const void *updates, int64_t count, int64_t *steps, double seconds, const void *pace);
+void gz_updates_work(job *j);
 
 enum { WAKING = 4 }; /* jobs for which a thread is woken */
 
@@ -46,8 +46,6 @@ static job *take(job_list *l)
     return j;
 }
 
-static void run(job *j) { j->row = gz_updates_repeat(j->updates, j->count, j->steps, j->seconds, NULL); }
-
 /* NULL without memory. */
 crew *gz_crew_new(void)
 {
@@ -71,7 +69,7 @@ void gz_crew_work(crew *c)
             continue;
         }
         pthread_mutex_unlock(&c->lock);
-        run(j);
+        gz_updates_work(j);
         pthread_mutex_lock(&c->lock);
         put(&c->over, j);
         pthread_cond_signal(&c->done);
@@ -113,7 +111,7 @@ job *gz_crew_next(crew *c)
     }
     pthread_mutex_unlock(&c->lock);
     if (undone)
-        run(j);
+        gz_updates_work(j);
     return j;
 }
 

@@ -216,6 +216,14 @@ int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, doubl
     return count;
 }
 
+/* Do a job of a crew. */
+void gz_updates_work(job *j)
+{
+    const updates *u = j->updates;
+    j->row = gz_updates_repeat(u, j->count, j->steps, j->seconds, NULL);
+    j->obeyed = j->law && j->row == j->count && *j->steps <= 0 && obey(u->tables, u->clock, j->law);
+}
+
 /* The sizes of the structs that records.py mirrors, in its order; ends with 0. */
 const int64_t *gz_updates_sizes(void)
 {

@@ -87,6 +87,7 @@ class EngineState:
     def __init__(self, engine: Any, context: StepContext) -> None:
         self._owner = weakref.ref(engine)
         self._context = context
+        self._sound: tuple[Any, ...] = ()  # what was found sound last
         self._settings = memoryview(context).cast("B")[_FIRST : _FIRST + _FIELDS.size]
 
     @property
@@ -214,7 +215,10 @@ class EngineState:
         parts, distance = self._parts(blocks), numbers[_DISTANCE]
         if distance not in (2.0 * FAR, 2.0 * LARGEST):
             raise StateError(f"the state is damaged: bodies may be {distance} m from the origin")
-        check_memory(parts, blocks, memory, engine.native.get_state(parts), distance)
+        checked = (state["objects"], parts.handles, blocks, memory, distance)
+        if checked != self._sound:
+            check_memory(parts, blocks, memory, engine.native.get_state(parts), distance)
+            self._sound = checked
         self._restore_settings(state, numbers)
         if not engine.native.set_state(parts, memory):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")

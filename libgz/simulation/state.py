@@ -66,14 +66,15 @@ class Reader:
 
     Attributes:
         fields: what the values are called: the names; an empty one for what SaveState returns.
+        ours: whether the class is one of libgz's.
     """
 
-    __slots__ = ("_ours", "_read", "fields", "places", "saves")
+    __slots__ = ("_read", "fields", "ours", "places", "saves")
 
     def __init__(self, names: Sequence[str], saves: bool, ours: bool) -> None:
         read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
         self._read: Callable[[Any], tuple[Any, ...]] = (lambda thing: (read(thing),)) if len(names) == 1 else read
-        self._ours = ours
+        self.ours = ours
         self.saves = saves
         self.fields = (*names, "") if saves else tuple(names)
         parts = [name.rpartition(".") for name in self.fields]
@@ -82,7 +83,7 @@ class Reader:
     def get(self, thing: Any) -> list[Any]:
         """The values of an object, in the order of `fields`."""
         values = [*self._read(thing), thing.SaveState()] if self.saves else [*self._read(thing)]
-        return values if self._ours or SCALARS.issuperset(map(type, values)) else [*map(guarded, values)]
+        return values if self.ours or SCALARS.issuperset(map(type, values)) else [*map(guarded, values)]
 
     def set(self, thing: Any, values: Sequence[Any]) -> None:
         """Give an object the decoded values that `get` returned of it, or of one that was made in the same way.
@@ -107,7 +108,7 @@ class Reader:
             same += 1
         for place, value in zip(self.places[same:], values[same:], strict=True):
             try:
-                _set(thing, place, value, self._ours)
+                _set(thing, place, value, self.ours)
             except StateError as error:
                 raise _of_attribute(StateError, place[1], error) from error
             except RecursionError as error:

@@ -17,7 +17,7 @@ from libgz.simulation.problems import NOTED, note
 from libgz.simulation.running_code import names
 
 if TYPE_CHECKING:
-    from libgz.simulation.updates import UpdateRows
+    from libgz.simulation.updates import LawCall, UpdateRows
     from libgz.simulation.world import World
 
 __all__ = ["Stepping"]
@@ -51,13 +51,24 @@ class Stepping:
             return self._finish(free, self.world.rows.run_all(pace))
         return self._run_in_python()
 
-    def run_beside(self, most: int) -> Generator[JobRecord, None, int]:
-        """`run`, for a world that steps beside others: resumed when the job that it yields is done."""
+    def run_beside(self, most: int, last: LawCall | None) -> Generator[JobRecord, None, int]:
+        """`run`, for a world that steps beside others: resumed when the job that it yields is done.
+
+        Args:
+            most: steps.
+            last: a law that is computed after all of them.
+        """
         if free := self._prepare(most):
             job = self.world.rows.job
+            job.law = last.address if last is not None and free == most else None
             yield job
-            return self._finish(free, job.row)
-        return self._run_in_python()
+            made = self._finish(free, job.row)
+            obeyed = job.obeyed
+        else:
+            made, obeyed = self._run_in_python(), 0
+        if last is not None and made == most and not obeyed:
+            last()
+        return made
 
     def _prepare(self, most: int) -> int:
         """How many of the next steps native code may do, at least until a row stops it."""
@@ -148,13 +159,8 @@ class Stepping:
     def _build_rows(self) -> None:
         """Describe a step as rows, and find out which entities have something to do in it."""
         world = self.world
-        times = Exchange(world.sim)
-        if world.sim.link.memory:
-            for name in ("sim_time", "pause_time"):
-                times.assign(times.field(name), times.number(world.clock, name))
-            times.real_time("real_time")
         with world.rows.building() as rows:
-            rows.share(lambda _: None, world.buttons.exchange())
+            rows.share(lambda _: None, rows.exchange("buttons", world.sim, world.buttons.exchange))
             rows.begin_step(FALL_PERIOD, world.era.counts_at_start, lambda _: self._begin_step())
             self._laws = self._begin.entries
             if self._begin.obeys_laws:
@@ -172,7 +178,7 @@ class Stepping:
                 plan = Plan()
                 companion.plan_end(plan)
                 rows.follow(plan)
-            rows.share(lambda _: self._write_times(), times)
+            rows.share(lambda _: self._write_times(), rows.exchange("times", world.sim, self._times))
             if world.publication is not None:
                 publication = world.publication
                 rows.publish(lambda _: publication.publish(paused=False), publication.record)
@@ -219,6 +225,15 @@ class Stepping:
         if self.world.publication is not None:
             self.world.publication.publish(paused)
         self.world.gz_server.post()
+
+    def _times(self) -> Exchange:
+        """Native code's part of `_write_times`."""
+        times, clock = Exchange(self.world.sim), self.world.clock
+        if self.world.sim.link.memory:
+            for name in ("sim_time", "pause_time"):
+                times.assign(times.field(name), times.number(clock, name))
+            times.real_time("real_time")
+        return times
 
     def _write_times(self) -> None:
         clock = self.world.clock

@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 from libgz.base.errors import USER_ERRORS, pass_interrupt
-from libgz.base.law import LeftToPython
+from libgz.base.law import LeftToPython, is_law
 from libgz.base.records import BeginRecord, JobRecord, Kind, LawRecord, PublishRecord, Row, UpdatesRecord
 from libgz.ode.step import LONGEST
 from libgz.physics.engine import Engine
@@ -27,7 +27,7 @@ from libgz.simulation.running_code import names
 from libgz.transport.interface import Interface
 from libgz.transport.server import LocalServer
 
-__all__ = ["UpdateRows", "run_exchanges"]
+__all__ = ["LawCall", "UpdateRows", "run_exchanges"]
 
 
 class Updated(Protocol):
@@ -93,6 +93,7 @@ class UpdateRows:
         job: what `run_all` does, for a `Crew`.
         steps: how many steps `run_all` makes at most, and then how many of them are left; a ctypes number.
         count: of all rows.
+        builds: how often they were built.
         native: whether native code does the rows.
     """
 
@@ -101,13 +102,13 @@ class UpdateRows:
         self.valid = False
         self._enabled = True
         self.updating: list[Any] = []
-        self.begin = self.end = self.physics = self.tail = self.count = 0
+        self.begin = self.end = self.physics = self.tail = self.count = self.builds = 0
         self.steps = ctypes.c_int64(1)
         self._run, self._prepare = world.engine.native.updates()
         self.native = True
         self._entity: Updated | None = None
-        self._recorded: dict[Any, Recorder] = {}  # the laws of the rows, by what they are of
-        self._recording: dict[Any, Recorder] = {}  # those of the rows that are being built
+        self._recorded: dict[Any, Any] = {}  # the laws of the rows, by what they are of
+        self._recording: dict[Any, Any] = {}  # those of the rows that are being built
         self.clear()
 
     def close(self) -> None:
@@ -251,6 +252,12 @@ class UpdateRows:
         self._lines.append(_Line(self._entity, twin))
         self._kept.append((part, kept))
 
+    def exchange(self, name: str, interface: Interface[Any], make: Callable[[], Exchange]) -> Exchange:
+        """An exchange of the world itself, which stays the same as long as the interface has the same memory."""
+        key = (name, id(interface), interface.link.memory)
+        found = self._recording[key] = self._recorded.get(key) or make()
+        return found
+
     # What the world adds ---------------------------------------------------------------------------------------------
 
     @contextmanager
@@ -261,6 +268,7 @@ class UpdateRows:
         self._recording = {}
         yield self
         self._recorded = self._recording
+        self.builds += 1
         self.count = len(self._rows)
         rows = (Row * self.count)(*self._rows)
         tables, clock = self.world.engine.tables.record, self.world.clock
@@ -387,6 +395,61 @@ def run_exchanges(world: HasRows, exchanges: Sequence[tuple[Exchange, Callable[[
             number = run(number + 1)
 
     return exchange_all
+
+
+class LawCall:
+    """A law that is computed between steps: natively where that is possible, else in Python.
+
+    It is recorded again when what it takes as constant has changed and the rows of the world have been built again
+    since, as those of laws that are done in steps.
+
+    Args:
+        world: of the bodies and joints that it uses.
+        method: the law, a method without arguments that uses no interface. Python always computes one that is none.
+
+    Attributes:
+        world: the world.
+    """
+
+    def __init__(self, world: HasRows, method: Callable[[], object]) -> None:
+        self.world, self._method = world, method
+        self._run, _ = world.engine.native.updates()
+        self._recorder: Recorder | None = None
+        self._record: LawRecord | None = None
+        self._table: Any = None
+        self._kept: object = None
+        self._builds = -1  # of the rows when it was recorded
+
+    @property
+    def address(self) -> int:
+        """Of its `LawRecord`, for a job; 0 where Python has to compute it now."""
+        rows = self.world.rows
+        if not (rows.native and rows.valid and is_law(self._method)):
+            return 0
+        if self._builds != rows.builds:
+            self._builds = rows.builds
+            self._record_again()
+        return 0 if self._record is None else ctypes.addressof(self._record)
+
+    def _record_again(self) -> None:
+        recorder = Recorder()
+        if self._recorder is not None and recorder.take(self._recorder):
+            return
+        self._recorder = self._record = None
+        try:
+            recorder.record(self._method)
+        except LeftToPython:
+            return
+        self._recorder, (self._record, kept) = recorder, recorder.result()
+        row = (Row * 1)(Row(Kind.LAW, 0, ctypes.addressof(self._record)))
+        tables, clock = self.world.engine.tables.record, self.world.clock
+        self._table = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, row)))
+        self._kept = (kept, row)
+
+    def __call__(self) -> None:
+        """Compute it; the caller holds the world's lock."""
+        if not self.address or not self._run(ctypes.byref(self._table), 0, 1):
+            self._method()
 
 
 def _is_known(rate: UpdateRate) -> bool:

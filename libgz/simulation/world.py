@@ -54,7 +54,7 @@ from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
 from libgz.simulation.state import undeclared
 from libgz.simulation.stepping import Stepping
-from libgz.simulation.updates import UpdateRows
+from libgz.simulation.updates import LawCall, UpdateRows
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import LocalServer, Server
@@ -614,8 +614,13 @@ class World(Closing):
                     lock.pass_on()
                 count -= self._steps_alone(count)
 
-    def step_beside(self, count: int) -> Generator[JobRecord, None, None]:
-        """`step`, for `Worlds`: a generator, resumed when the job of native code is done that it yields."""
+    def step_beside(self, count: int, last: LawCall | None = None) -> Generator[JobRecord, None, None]:
+        """`step`, for a `Crew`: a generator, resumed when the job of native code is done that it yields.
+
+        Args:
+            count: steps.
+            last: a law that is computed after them.
+        """
         lock = self.lock
         with lock:
             while count > 0:
@@ -623,7 +628,8 @@ class World(Closing):
                     lock.pass_on()
                 self._begin_steps()
                 try:
-                    count -= yield from self._stepping.run_beside(count if self._rewind is None else 1)
+                    most = count if self._rewind is None else 1
+                    count -= yield from self._stepping.run_beside(most, last if most == count else None)
                 finally:
                     self._inside = self.agenda.stepping = False
                 self._end_steps()

@@ -336,11 +336,7 @@ def _known(world: World) -> Iterable[str]:
 
 
 def _sensors(world: World, key: str) -> list[Sensor]:
-    if world.sdf is None or not world.sdf.busy:
-        return []
-    from libgz.classic.server import attach  # only worlds with sensors need it
-
-    manager = attach(world).sensors
+    manager = world.facade.server.sensors if world.facade is not None else None
     return list(manager.find(key)) if manager is not None else []
 
 

@@ -28,9 +28,14 @@ log = logging.getLogger("libgz.ros")
 CHECK_PERIOD = 0.5  # [s] between two looks whether the master is there and knows this node
 CLOSING_PATIENCE = 5.0  # [s] for all calls at the end
 MOST_PUBLISHERS = 64  # of one topic that are read at the same time
+MOST_ENDING = 10_000  # topics and services that have ended, and of which a master that is gone may know yet
 LONGEST_URI = 1000  # characters of the address of a node
 CONNECT_PATIENCE = 3.0  # [s]
 PARAMETER_PATIENCE = 10.0  # [s]; the description of a robot is long
+
+
+class RefusalError(XmlRpcError):
+    """A master that answers that it does not do what it is asked for."""
 
 
 class Publisher:
@@ -126,6 +131,7 @@ class Node:
         self._services: dict[str, ServiceServer] = {}
         self._lock = threading.RLock()  # reentrant, because Python may collect a publication within
         self._tasks: queue.SimpleQueue[Callable[[], object] | None] = queue.SimpleQueue()
+        self._ending: dict[tuple[str, str], Publisher | Subscriber | ServiceServer] = {}  # that the master may know yet
         self._known = self._ended = False
         self._complained = False
         self._connecting = threading.BoundedSemaphore(MOST_PUBLISHERS)
@@ -194,7 +200,7 @@ class Node:
             publisher.users -= 1
             if publisher.users > 0:
                 return
-        self._remove(publisher)
+            self._remove(publisher)
         for reader in publisher.readers:
             self._loop.call(reader.connection.close)
 
@@ -219,7 +225,7 @@ class Node:
             subscriber.receivers = tuple(one for one in subscriber.receivers if one != received)
             if subscriber.receivers:
                 return
-        self._remove(subscriber)
+            self._remove(subscriber)
         for feed in list(subscriber.publishers.values()):
             if feed is not None:
                 self._loop.call(feed.close)
@@ -237,7 +243,7 @@ class Node:
             if name in self._services:
                 raise ParameterError(f"service {name} is served already")
             self._services[name] = service
-        self._soon(self._register_service, service)
+            self._soon(self._register_service, service)
         return service
 
     def stop_serving(self, service: ServiceServer) -> None:
@@ -245,13 +251,31 @@ class Node:
         self._remove(service)
 
     def _remove(self, one: Publisher | Subscriber | ServiceServer) -> None:
-        table, key, method, values = self._entry(one)
+        """Take one off its table. The master hears of it under the lock, so that nothing overtakes a registration."""
+        table, key, _, _ = self._entry(one)
         with self._lock:
-            if table.get(key) is not one:
-                return
-            del table[key]
-        if not self._ended:
-            self._soon(lambda _: self._ask(method, key, *values), one)
+            if table.get(key) is one and not self._ended:  # at the end, all that is in the tables is unregistered
+                del table[key]
+                self._tasks.put(lambda: self._unregister(one))
+
+    def _unregister(self, one: Publisher | Subscriber | ServiceServer) -> None:
+        """Tell the master that something has ended; if it cannot be reached now, when it is there again."""
+        _, key, method, _ = self._entry(one)
+        if self.registered and len(self._ending) < MOST_ENDING:
+            self._ending[method, key] = one
+        if self._known:
+            self._tell_endings()
+
+    def _tell_endings(self) -> None:
+        while self._ending:
+            name = next(iter(self._ending))
+            table, key, method, values = self._entry(self._ending[name])
+            if key not in table:  # else it has begun again
+                try:
+                    self._ask(method, key, *values)
+                except RefusalError as error:
+                    log.warning("ROS: %s", error)
+            del self._ending[name]
 
     def _entry(self, one: Any) -> tuple[dict[str, Any], str, str, tuple[str, ...]]:
         """(table, key, method that unregisters it, its last argument)."""
@@ -323,7 +347,8 @@ class Node:
         """Call a method of the master; the value of its answer.
 
         Raises:
-            XmlRpcError: there is no master, or it refuses.
+            RefusalError: it refuses.
+            XmlRpcError: there is no master.
         """
         answer = call(self.master, method, self.name, *values, patience=patience)
         try:
@@ -331,7 +356,7 @@ class Node:
         except (TypeError, ValueError):
             raise XmlRpcError(f"{method} of {self.master}: {shown(answer)} is no answer of a master") from None
         if code != 1:
-            raise XmlRpcError(f"{method} of {self.master}: {shown(text)}")
+            raise RefusalError(f"{method} of {self.master}: {shown(text)}")
         return value
 
     def _soon(self, function: Callable[[Any], object], one: Any) -> None:
@@ -355,6 +380,7 @@ class Node:
                 task()
             except XmlRpcError as error:
                 log.warning("ROS: %s", error)
+                self._known = self._known and isinstance(error, RefusalError)  # else all is registered again
             except Exception:
                 log.exception("ROS: a call of the master failed")
 
@@ -386,6 +412,7 @@ class Node:
             self._register_subscriber(subscriber)
         for service in self._all_services():
             self._register_service(service)
+        self._tell_endings()
         self.registered += 1
         log.info("ROS: registered as %s with the master at %s", self.name, self.master)
 

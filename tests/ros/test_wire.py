@@ -548,3 +548,46 @@ def test_a_topic_that_is_collected_within_a_lock_ends(start):
     _, ros = start()
     publisher = ros.node.advertise("/a", message_type("std_msgs/Float64"))
     assert within(ros.node._lock, lambda: ros.node.withdraw(publisher))
+
+
+def test_an_end_does_not_overtake_the_next_beginning_at_the_master(node, master):
+    wire, tasks = node.node, node.node._tasks
+    begin = threading.Thread(target=lambda: wire.subscribe("/s", STRING, bool))
+
+    class Slow:
+        get = staticmethod(tasks.get)
+
+        def put(self, task):
+            if not begin.ident:  # the first one, which is to end the subscription
+                begin.start()
+                begin.join(0.2)
+            tasks.put(task)
+
+    first = wire.subscribe("/s", STRING, bool)
+    wait_for(lambda: master.subscribers.get("/s"))
+    wire._tasks = Slow()
+    wire.unsubscribe(first, bool)
+    begin.join()
+    service = wire.serve("/last", service_type("std_srvs/Empty"), lambda *_: True)
+    wait_for(lambda: service.name in master.services)  # all before it has been done
+    assert wire._subscribers["/s"] is not first
+    assert master.subscribers["/s"]
+
+
+def test_a_master_that_did_not_answer_hears_later_of_what_began_and_ended(node, master, monkeypatch):
+    wire, lost = node.node, []
+    old = wire.advertise("/old", STRING)
+    wait_for(lambda: master.publishers.get("/old"))
+
+    def call(uri, method, *values, **more):
+        if method in ("registerSubscriber", "unregisterPublisher") and method not in lost:
+            lost.append(method)
+            raise xmlrpc_module.XmlRpcError("no answer in time")
+        return original(uri, method, *values, **more)
+
+    original = node_module.call
+    monkeypatch.setattr(node_module, "call", call)
+    wire.withdraw(old)
+    wire.subscribe("/new", STRING, lambda _: None)
+    wait_for(lambda: not master.publishers["/old"] and master.subscribers.get("/new"))
+    assert "unregisterPublisher" in lost

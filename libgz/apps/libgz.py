@@ -56,6 +56,7 @@ COMMANDS = {
     "upgrade": "convert a worldfile of 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF 1.0 to 1.5 or URDF to SDF 1.6",
     "world": "pause, step and reset a running SDF world",
     "worlds": "list the worlds that are installed with libgz",
+    "xacro": "print a robot description with its macros expanded, as ROS's command of this name does",
 }
 
 # Commands of Gazebo's `gz` that have no counterpart, and what serves instead.

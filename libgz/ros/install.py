@@ -92,6 +92,8 @@ SCRIPTS = {
     "gazebo_ros/scripts/spawn_model": ("spawn_model",),
     "controller_manager/scripts/spawner": ("spawn_controllers",),
 }
+# Found only where ROS has no package of this name itself, as in Debian.
+SPARE_SCRIPTS = dict.fromkeys(("xacro/xacro", "xacro/xacro.py"), ("libgz", "xacro"))
 PACKAGES = {
     "control_toolbox": "The PID controller of C++ plugins.",
     "controller_manager": "Starts controllers of robots in libgz.",
@@ -99,6 +101,7 @@ PACKAGES = {
     "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
     "gazebo_ros_control": "Controllers of robots, which libgz has.",
 }
+SPARE_PACKAGES = {"xacro": "Expands the macros of robot descriptions."}
 MESSAGES = ("control_msgs", "controller_manager_msgs", "gazebo_msgs")  # which Debian does not have
 
 # Packages of messages in Python, made by the user's own genpy from the texts of the types when they are imported.
@@ -144,7 +147,7 @@ for _name, _values in SERVICES.items():
 
 SETUP = """\
 # Read by a shell: . {prefix}/setup.sh
-export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}
+export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}:{prefix}/spare
 export PYTHONPATH={prefix}/python${{PYTHONPATH:+:$PYTHONPATH}}
 export CMAKE_PREFIX_PATH={prefix}${{CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}}
 export CPATH={prefix}/include${{CPATH:+:$CPATH}}
@@ -170,14 +173,17 @@ def default_prefix() -> Path:
 def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     """Paths below the prefix -> (text, whether it is a program)."""
     share, found = "share/gazebo_ros", {}
-    for name, text in {**PACKAGES, **dict.fromkeys(MESSAGES, "Messages and services.")}.items():
-        found[f"share/{name}/package.xml"] = PACKAGE.format(name=name, version=_release(), about=text), False
+    messages = dict.fromkeys(MESSAGES, "Messages and services.")
+    for folder, packages in (("share", {**PACKAGES, **messages}), ("spare", SPARE_PACKAGES)):
+        for name, text in packages.items():
+            found[f"{folder}/{name}/package.xml"] = PACKAGE.format(name=name, version=_release(), about=text), False
     found[f"{share}/launch/empty_world.launch"] = EMPTY_WORLD, False
     for name in WORLDS:
         found[f"{share}/launch/{name}_world.launch"] = OTHER_WORLD.format(name=name), False
-    for name, (module, *words) in SCRIPTS.items():
-        command = shlex.join(run_module(f"libgz.apps.{module}", *words))
-        found[f"share/{name}"] = SCRIPT.format(command=command), True
+    for folder, scripts in (("share", SCRIPTS), ("spare", SPARE_SCRIPTS)):
+        for name, (module, *words) in scripts.items():
+            command = shlex.join(run_module(f"libgz.apps.{module}", *words))
+            found[f"{folder}/{name}"] = SCRIPT.format(command=command), True
     for package in MESSAGES:
         found |= _messages(package)
     found["include/control_toolbox/pid.h"] = PID, False

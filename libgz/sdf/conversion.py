@@ -20,7 +20,17 @@ from libgz.base.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
 from libgz.sdf.urdf import sdf_of
 from libgz.sdf.xacro.expansion import expand, has_macros
-from libgz.sdf.xml import PLACE, ROBOT, ROOTS, child_of, copy_place, line_of, local_name, parse_document
+from libgz.sdf.xml import (
+    PLACE,
+    ROBOT,
+    ROOTS,
+    child_of,
+    copy_place,
+    document_text,
+    line_of,
+    local_name,
+    parse_document,
+)
 
 __all__ = ["OLDEST", "Change", "convert", "upgrade_document"]
 
@@ -104,11 +114,10 @@ def upgrade_document(
         robot = expand(root, label, diagnostics, path=path, arguments=arguments) if has_macros(root, path) else root
         sdf = sdf_of(robot, label, diagnostics)
         diagnostics.raise_errors()
-        for element in sdf.iter(etree.Element):
-            element.attrib.pop(PLACE, "")
-        etree.cleanup_namespaces(sdf)
-        text = etree.tostring(sdf, encoding="utf-8", xml_declaration=True, pretty_print=True)
-        return text, [Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"), *diagnostics.warnings]
+        return document_text(sdf), [
+            Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"),
+            *diagnostics.warnings,
+        ]
     version = root.get("version", OLDEST if local_name(root) == "gazebo" else "")
     if local_name(root) not in ROOTS or not version:
         raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: the root must be <sdf version='...'>")

@@ -19,6 +19,7 @@ __all__ = [
     "ROOTS",
     "child_of",
     "copy_place",
+    "document_text",
     "line_of",
     "local_name",
     "parse_document",
@@ -73,6 +74,15 @@ def parse_document(data: bytes, label: str, diagnostics: Diagnostics) -> etree._
     check_attributes(root, label)
     _replace_entities(root, label, diagnostics)
     return root
+
+
+def document_text(root: etree._Element) -> bytes:
+    """A document that was made from others, without the places that its elements come from."""
+    for element in root.iter(etree.Element):
+        element.attrib.pop(PLACE, "")
+    etree.cleanup_namespaces(root)
+    etree.indent(root)
+    return etree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
 
 
 def _replace_entities(root: etree._Element, label: str, diagnostics: Diagnostics) -> None:

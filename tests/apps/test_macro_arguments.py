@@ -1,6 +1,7 @@
 """NAME:=VALUE of commands that read robot descriptions: arguments of their macros, as the command xacro takes them."""
 
 import pytest
+from lxml import etree
 
 from libgz import World
 from libgz.apps import gazebo, gzserver
@@ -50,3 +51,24 @@ def test_servers_take_them_and_leave_those_of_ros():
         assert options.arguments == {"mass": "a:=b"}
         assert "__name:=gazebo" in unknown
     assert make_parser("model").parse_args(["model", "-f", "r.xacro", "a:="]).arguments == {"a": ""}
+
+
+def test_xacro_prints_the_expanded_description(robot, tmp_path, capfdbinary):
+    assert run_words("libgz", ["xacro", "--inorder", str(robot), "mass:=7"]) == 0
+    found = etree.fromstring(capfdbinary.readouterr().out)
+    assert found.find("link/inertial/mass").attrib == {"value": "7"}
+    assert [element.tag for element in found] == ["link"]
+    assert not found.nsmap
+    assert run_words("libgz", ["xacro", str(robot), "-o", str(tmp_path / "out.urdf")]) == 0
+    assert '<mass value="1"/>' in (tmp_path / "out.urdf").read_text()
+
+
+def test_xacro_refuses_what_is_wrong_and_warns_of_what_is_left_out(tmp_path, capfd):
+    (tmp_path / "wrong.xacro").write_text(ROBOT.replace("$(arg mass)", "${1 +}"))
+    assert run_words("libgz", ["xacro", str(tmp_path / "wrong.xacro")]) == 1
+    assert "wrong.xacro:2: <mass>: " in capfd.readouterr().err
+    (tmp_path / "wrong.urdf").write_text(ROBOT.replace("<link", "<xacro:none/><link"))
+    assert run_words("libgz", ["xacro", str(tmp_path / "wrong.urdf")]) == 0
+    assert "wrong.urdf:2: <xacro:none>: " in capfd.readouterr().err
+    assert run_words("libgz", ["xacro", "-q", str(tmp_path / "wrong.urdf")]) == 0
+    assert capfd.readouterr().err == ""

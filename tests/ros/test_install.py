@@ -1,6 +1,7 @@
 """The packages for launch files, and spawn_model, which they start."""
 
 import ast
+import os
 import re
 import shutil
 import subprocess
@@ -174,14 +175,27 @@ def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
         assert (package / "scripts" / name).stat().st_mode & 0o111 == 0o111
     done = subprocess.run([package / "scripts" / "spawn_model", "--help"], capture_output=True, text=True, check=True)
     assert "-param" in done.stdout
+    (tmp_path / "r.xacro").write_text(
+        "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'><link name='${1 + 1}'/></robot>"
+    )
+    done = subprocess.run(
+        [prefix / "spare/xacro/xacro", "--inorder", tmp_path / "r.xacro"], capture_output=True, text=True, check=True
+    )
+    assert '<link name="2"/>' in done.stdout
     action = message_type("control_msgs/FollowJointTrajectoryAction")
     assert action.md5 == "bc4f9b743838566551c0390c65f1a248"  # which actionlib's clients compare
     assert "_action_goal_type" in (prefix / "include" / f"{action.name}.h").read_text()
     assert ast.parse((prefix / "python" / "gazebo_msgs" / "__init__.py").read_text())
     found = subprocess.run(
-        ["sh", "-c", f". '{prefix}/setup.sh' && echo $PYTHONPATH"], capture_output=True, text=True, check=True
+        ["sh", "-c", f". '{prefix}/setup.sh' && echo $PYTHONPATH && echo $ROS_PACKAGE_PATH"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "ROS_PACKAGE_PATH": "/mine"},
     )
-    assert found.stdout.startswith(f"{prefix}/python")
+    python, packages = found.stdout.splitlines()
+    assert python.startswith(f"{prefix}/python")
+    assert packages == f"{prefix}/share:/mine:{prefix}/spare"  # a xacro of ROS's own comes first
     (package / "mine.launch").touch()
     assert main(["ros", "install", "--uninstall", str(prefix)]) == 0
     assert [path for path in prefix.rglob("*") if path.is_file()] == [package / "mine.launch"]

@@ -140,7 +140,8 @@ def decode(body):
 
 
 def open_topic(master, topic, **fields):
-    """(socket, header) of a subscription to a topic."""
+    """(socket, header) of a subscription to a topic, once it is published."""
+    wait_for(lambda: master.publishers.get(topic))
     ((_, uri),) = master.publishers[topic].values()
     code, text, (_, host, port) = ask(uri, "requestTopic", "/tester", topic, [["TCPROS"]])
     assert code == 1, text
@@ -151,9 +152,10 @@ def open_topic(master, topic, **fields):
 
 
 class Service:
-    """A persistent connection to a service."""
+    """A persistent connection to a service, once it is served."""
 
     def __init__(self, master, name, **fields):
+        wait_for(lambda: name in master.services)
         host, port = master.services[name].removeprefix("rosrpc://").split(":")
         self.socket = socket.create_connection((host, int(port)), PATIENCE)
         master.sockets.append(self.socket)
@@ -170,9 +172,10 @@ class Service:
 
 
 class Talker:
-    """Publishes one topic: a node with one connection at a time."""
+    """Publishes one topic, once it is subscribed to: a node with one connection at a time."""
 
     def __init__(self, master, topic, kind, md5):
+        wait_for(lambda: master.subscribers.get(topic))  # else nobody is told of it
         self.topic, self.kind, self.md5 = topic, kind, md5
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.server = SimpleXMLRPCServer(("127.0.0.1", 0), Quiet, allow_none=True, logRequests=False)

@@ -337,8 +337,9 @@ def test_the_other_plugins_publish(master, start):
     assert found["/skid"].pose.covariance[::7].tolist() == [1e-4, 1e-4, 1e12, 1e12, 1e12, 1e-2]
     assert found["/gazebo_ros_imu"].header.frame_id == "base"
     assert not found["/gazebo_ros_vacuum_gripper"].data
-    assert {"/gazebo_ros_force", "/gazebo_ros_joint_pose_trajectory", "/cmd_vel"} <= set(master.subscribers)
-    assert {"/on", "/off", "/default_imu", "/hector_gazebo_ros_imu/calibrate"} <= set(master.services)
+    subscribed = {"/gazebo_ros_force", "/gazebo_ros_joint_pose_trajectory", "/cmd_vel"}
+    served = {"/on", "/off", "/default_imu", "/hector_gazebo_ros_imu/calibrate"}
+    wait_for(lambda: subscribed <= set(master.subscribers) and served <= set(master.services))
 
 
 def slider(name, direction, mass, parent):

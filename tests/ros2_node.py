@@ -125,6 +125,23 @@ class Tester:
         found = result.result()
         return [True, found.status, found.result.error_code, len(feedback)]
 
+    def grip(self, action, position):
+        """Send a goal to the action of a gripper: whether it was accepted, its status, and the position it came to."""
+        kind = find("control_msgs/action/GripperCommand")
+        client = ActionClient(self.node, kind, action)
+        if not self.spin(client.server_is_ready):
+            return None
+        goal = kind.Goal()
+        goal.command.position = position
+        sent = client.send_goal_async(goal)
+        self.spin(sent.done)
+        if not sent.result().accepted:
+            return [False, 0, 0.0]
+        result = sent.result().get_result_async()
+        self.spin(result.done)
+        found = result.result()
+        return [True, found.status, found.result.position]
+
     def graph(self):
         """Nodes, topics and services."""
         self.spin(lambda: False, 1.0)

@@ -34,9 +34,8 @@ WHEELS = (
 )
 TOOLS = ("catkin_pkg", "empy<4", "lark")  # of the generators
 
-# Types and actions whose packages have no wheels, beside those of SERVICES2. The action GripperCommand is left out: it
-# is a message, too, which the wheels' generators mix up.
-ACTIONS = ("control_msgs/FollowJointTrajectory",)
+# Types and actions whose packages have no wheels, beside those of SERVICES2.
+ACTIONS = ("control_msgs/FollowJointTrajectory", "control_msgs/GripperCommand")
 TYPES = (
     "control_msgs/DynamicJointState",
     "control_msgs/JointTrajectoryControllerState",

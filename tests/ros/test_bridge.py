@@ -20,6 +20,7 @@ from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, WHEEL, wagon
 from ros_bridge import ANSWER, DECLARE, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
 from ros_peers import read_exactly, wait_for, within
 from ros_types import JAZZY
+from topics import Heard
 
 from libgz import World
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
@@ -669,7 +670,11 @@ PAIR = """<sdf version='1.6'><world name='default'><model name='m'><static>true<
   <plugin name='pair_driver' filename='libgazebo_ros_camera.so'><hack_baseline>0.1</hack_baseline></plugin></sensor>
   <sensor name='still' type='camera'><update_rate>10</update_rate><camera><image><width>8</width><height>8</height>
   </image></camera><plugin name='still_driver' filename='libgazebo_ros_camera.so'><triggered>true</triggered></plugin>
-  </sensor></link></model></world></sdf>"""
+  </sensor><sensor name='duo' type='multicamera'><update_rate>10</update_rate>
+  <camera name='left'><image><width>8</width><height>8</height></image></camera>
+  <camera name='right'><image><width>8</width><height>8</height></image></camera>
+  <plugin name='duo_driver' filename='libgazebo_ros_camera.so'><triggered>true</triggered></plugin></sensor>
+  </link></model></world></sdf>"""
 
 
 def test_cameras_of_ros2_are_several_or_triggered(start, graph):
@@ -677,16 +682,32 @@ def test_cameras_of_ros2_are_several_or_triggered(start, graph):
     assert server.topic("/pair/left/image_raw").width == 16
     right = server.topic("/pair/right/camera_info")
     assert right.P[3] == pytest.approx(-0.1 * right.P[0])
-    graph.listen("/still/image_raw")
+    images = ("/still/image_raw", "/duo/left/image_raw", "/duo/right/image_raw")
+    for topic in images:
+        graph.listen(topic)
     for _ in range(500):
         server.core.Step()
-    assert not graph.received["/still/image_raw"]
+    assert not any(graph.received[topic] for topic in images)
     kind = message_type("std_msgs/Empty", 2)
-    graph.publish("/still/image_trigger", cdr(kind, fields("std_msgs/Empty", "msg")[0]).pack(kind()))
-    wait_for(lambda: graph.received["/still/image_raw"], server.core.Step)
+    for topic in ("/still/image_trigger", "/duo/image_trigger"):
+        graph.publish(topic, cdr(kind, fields("std_msgs/Empty", "msg")[0]).pack(kind()))
+    wait_for(lambda: all(graph.received[topic] for topic in images), server.core.Step)
     for _ in range(500):
         server.core.Step()
-    assert len(graph.received["/still/image_raw"]) == 1
+    assert [len(graph.received[topic]) for topic in images] == [1, 1, 1]
+
+
+def test_switches_of_projectors_reach_their_topic_of_gazebo(start, graph):
+    server = start(
+        f"""<sdf version='1.6'><world name='default'><model name='m'><static>true</static>{BOX}
+      <plugin name='p' filename='libgazebo_ros_projector.so'><projector_link>l</projector_link>
+      <projector_name>beam</projector_name></plugin></model></world></sdf>"""
+    )
+    heard = Heard("~/m/l/beam")
+    kind = message_type("std_msgs/Bool", 2)
+    graph.publish("/switch", cdr(kind, fields("std_msgs/Bool", "msg")[0]).pack(kind(data=True)))
+    wait_for(lambda: heard, server.core.Step)
+    assert (heard[0].name, heard[0].enabled) == ("texture_projector", True)
 
 
 def test_what_a_bridge_nests_too_deeply_is_nothing():

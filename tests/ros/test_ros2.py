@@ -235,12 +235,38 @@ def test_a_diff_drive_controller_drives(serve, tmp_path):
     assert node.first(topic="/states/dynamic_joint_states", kind="control_msgs/msg/DynamicJointState") is not None
 
 
+# Topics of legacy.world: types, and frames without numbers.
+DEVICES = {
+    "/robot/odom": ("nav_msgs/msg/Odometry", "robot/odom"),
+    "/robot/sonar": ("sensor_msgs/msg/Range", "robot/sonar_"),
+    "/laser/scan": ("sensor_msgs/msg/LaserScan", "laser"),
+    "/gps/fix": ("sensor_msgs/msg/NavSatFix", "gps"),
+    "/head/image_raw": ("sensor_msgs/msg/Image", "head_optical"),
+    "/head/joint_states": ("sensor_msgs/msg/JointState", "head"),
+}
+
+
 @pytest.mark.trial
 def test_a_legacy_world_is_served(serve):
     node = serve(HERE / "legacy.world", "-s", str(os.getpid()), command="gazebo")  # beside other servers
     names = node.call(service="/get_model_list", kind="gazebo_msgs/srv/GetModelList", values={})["model_names"]
-    assert names
+    assert {"robot", "laser", "head", "gps", "gripper"} <= set(names)
     assert node.first(topic="/clock", kind="rosgraph_msgs/msg/Clock", best_effort=True) is not None
+    found = {topic: node.first(topic=topic, kind=kind) for topic, (kind, _) in DEVICES.items()}
+    assert {topic: one["header"]["frame_id"].rstrip("0123456789") for topic, one in found.items()} == {
+        topic: frame for topic, (_, frame) in DEVICES.items()
+    }
+    assert found["/laser/scan"]["angle_max"] == pytest.approx(1.5708, abs=1e-4)
+    assert found["/gps/fix"]["latitude"] == pytest.approx(48.753, abs=1e-3)
+    assert found["/head/joint_states"]["position"] == pytest.approx([0.0, 0.0, 1.5708], abs=1e-3)
+    assert node.publish(topic="/robot/cmd_vel", kind="geometry_msgs/msg/Twist", values={"linear": {"x": 0.3}})
+    assert node.publish(topic="/head/pan/command", kind="std_msgs/msg/Float64", values={"data": 0.5})
+    assert node.grip(action="/gripper/gripper_cmd", position=0.0) == [True, 4, pytest.approx(0.0, abs=0.05)]
+    assert node.grip(action="/gripper/gripper_cmd", position=1.0) == [True, 4, pytest.approx(1.0, abs=0.05)]
+    odometry = node.first(topic="/robot/odom", kind="nav_msgs/msg/Odometry")
+    assert odometry["twist"]["twist"]["linear"]["x"] == pytest.approx(0.3, abs=0.01)
+    head = node.first(topic="/head/joint_states", kind="sensor_msgs/msg/JointState")
+    assert head["position"][0] == pytest.approx(0.5, abs=0.02)
 
 
 @pytest.mark.trial

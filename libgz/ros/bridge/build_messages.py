@@ -46,15 +46,24 @@ def generate(folder: Path, package: str, share: Path) -> None:
         for sort in ("msg", "srv", "action")
         for path in sorted((source / sort).glob(f"*.{sort}"))
     ]
+    # That of C looks for types by their names alone, and an action may have the name of a message.
+    actions = [one for one in files if one.endswith(".action")]
+    sets = [part for part in ([one for one in files if one not in actions], actions) if part]
     for module, name in GENERATORS.items():
         generator = getattr(importlib.import_module(f"{module}.cli"), name)(module)
         out = folder / module / package
         out.mkdir(parents=True)
-        generator.generate(package, files, [str(share)], output_path=out)
-    out = folder / "rosidl_generator_c" / package
-    shutil.copytree(out / "tmp", share / package, dirs_exist_ok=True)  # definitions that other packages use
+        for part in sets if module == "rosidl_generator_c" else [files]:
+            generator.generate(package, part, [str(share)], output_path=out)
+            if module == "rosidl_generator_c":
+                install_definitions(out, share / package)
+
+
+def install_definitions(out: Path, target: Path) -> None:
+    """Install what other types, and other packages, use."""
+    shutil.copytree(out / "tmp", target, dirs_exist_ok=True)
     for path in out.glob("*/*.json"):
-        shutil.copy(path, share / package / path.parent.name)
+        shutil.copy(path, target / path.parent.name)
 
 
 def flags(folder: Path) -> list[str]:

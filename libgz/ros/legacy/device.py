@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Device", "Devices"]
 
 WORLD = "world"  # the frame of what is attached to no other device
+DEPTH, RANGES = 10, 100  # of queues of messages: one for each of a robot's sonars comes at once
 
 
 class Device:
@@ -45,8 +46,9 @@ class Device:
         self._time = math.nan  # of the sample that was published last [s]
         self._waiting: dict[str, tuple[Obey, Any]] = {}  # commands, as long as a client holds the lock
         self._streams = [
-            (stream, session.publish(stream.topic, stream.kind, 10, space=self.id), message_type(stream.kind)())
+            (stream, session.publish(stream.topic, stream.kind, depth, space=self.id), message_type(stream.kind)())
             for stream in kind.streams
+            for depth in (RANGES if stream.kind == "sensor_msgs/Range" else DEPTH,)
         ]
         self._commands: list[Subscription | Service] = [
             *map(self._subscribe, kind.orders),

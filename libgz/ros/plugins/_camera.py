@@ -176,6 +176,10 @@ class RosCamera(RosSensor):
             self.send_compressed()
         if self.infos.listened:
             self.infos.publish(self.info())
+        self.count_image()
+
+    def count_image(self) -> None:
+        """A trigger has got its image."""
         if self.wanted is not None:
             self.wanted -= 1
             self.match_activity()

@@ -17,7 +17,7 @@ class GazeboRosCamera(DepthCloud, SensorPlugin):
     """Publishes the images of a camera, and its calibration.
 
     In ROS 2, it also publishes depths and points of a depth camera, and images of the cameras of a multicamera; with
-    `<triggered>`, one image for each message of `image_trigger`.
+    `<triggered>`, one image of each camera for each message of `image_trigger`.
     """
 
     parameters = (*CAMERA, *DEPTH, Parameter("triggered", False, "in ROS 2: publish images for triggers only"))
@@ -34,20 +34,24 @@ class GazeboRosCamera(DepthCloud, SensorPlugin):
         several = self.two and sensor.Type() == "multicamera"
         self.parts = open_each(self, sensor, sdf) if several else []
         self.deep = self.two and sensor.Type() == "depth"
-        if not several:
+        if several:
+            self.camera_space = self.given.cameraName or sensor.Name()
+        else:
             self.open_camera(sensor.Camera())
         if self.deep:
             self.open_depths()
-        if self.two and self.given.triggered and not several:
+        if self.two and self.given.triggered:
             self.open_trigger("image_trigger")
         self.begin()
 
     def send(self) -> None:
         """Publish all that has subscribers."""
-        for part in self.parts:
-            part.send()
         if not self.parts:
             (DepthCloud if self.deep else RosCamera).send(self)
+        elif self.wanted != 0:
+            for part in self.parts:
+                part.send()
+            self.count_image()
 
 
 GZ_REGISTER_SENSOR_PLUGIN(GazeboRosCamera)

@@ -259,14 +259,14 @@ class Node:
                 self._tasks.put(lambda: self._unregister(one))
 
     def _unregister(self, one: Publisher | Subscriber | ServiceServer) -> None:
-        """Tell the master that something has ended; if it cannot be reached now, when it is there again."""
+        """Report to the master that something has ended; if it cannot be reached now, when it is there again."""
         _, key, method, _ = self._entry(one)
         if self.registered and len(self._ending) < MOST_ENDING:
             self._ending[method, key] = one
         if self._known:
-            self._tell_endings()
+            self._report_endings()
 
-    def _tell_endings(self) -> None:
+    def _report_endings(self) -> None:
         while self._ending:
             name = next(iter(self._ending))
             table, key, method, values = self._entry(self._ending[name])
@@ -412,7 +412,7 @@ class Node:
             self._register_subscriber(subscriber)
         for service in self._all_services():
             self._register_service(service)
-        self._tell_endings()
+        self._report_endings()
         self.registered += 1
         log.info("ROS: registered as %s with the master at %s", self.name, self.master)
 

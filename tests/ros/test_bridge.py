@@ -26,7 +26,7 @@ from libgz import World
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.classic.server import attach
 from libgz.ros import bridged, metrics, session
-from libgz.ros.control.drive import DiffDrive
+from libgz.ros.control.drive import DiffDrive2
 from libgz.ros.control.hardware import VELOCITY
 from libgz.ros.control.ros2 import JointStates2, JointTrajectories2
 from libgz.ros.environment import find_python
@@ -785,7 +785,7 @@ GOOD = {"left_wheel_names": ["left"], "right_wheel_names": ["right"], "wheel_sep
 )
 def test_a_diff_drive_controller_says_which_parameter_is_wrong(wrong, why):
     with pytest.raises(ParameterError, match=why):
-        DiffDrive("/drive", GOOD | wrong, MagicMock(), MagicMock(), lambda: 0.0, VELOCITY)
+        DiffDrive2("/drive", GOOD | wrong, MagicMock(), MagicMock(), lambda: 0.0, VELOCITY)
 
 
 @pytest.mark.parametrize(

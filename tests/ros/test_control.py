@@ -3,9 +3,11 @@
 import math
 import signal
 import threading
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from ros2_robots import wagon
 from ros_peers import Service, Talker, open_topic, read_block, wait_for
 
 from libgz.apps.spawn_controllers import main as spawner
@@ -42,9 +44,9 @@ PARAMETERS = {
 class Arm:
     """The arm, and its controller manager."""
 
-    def __init__(self, master, core):
+    def __init__(self, master, core, name="arm"):
         self.master, self.core = master, core
-        self.model = core.facade.ModelByName("arm")
+        self.model = core.facade.ModelByName(name)
 
     def call(self, name, kind, /, **values):
         """Call a service of the controller manager."""
@@ -76,6 +78,12 @@ class Arm:
         talker = Talker(self.master, topic, message.kind.name, message.kind.md5)
         talker.send(codec(message.kind).pack(message))
         return talker
+
+    def read(self, topic):
+        """A function that reads the next message of a topic."""
+        wait_for(lambda: topic in self.master.publishers, self.core.Step)
+        sock, _ = open_topic(self.master, topic)
+        return lambda kind: codec(message_type(kind)).unpack(read_block(sock))
 
     def position(self, joint):
         return self.model.GetJoint(joint).Position(0)
@@ -223,3 +231,57 @@ def test_polynomials_pass_through_their_points():
         before, now = found.at(2.0 - step)[0][0], found.at(2.0 + step)[0][0]
         assert (now - before) / (2.0 * step) == pytest.approx(found.at(2.0)[1][0], abs=1e-5)
     assert math.isclose(trajectory().at(2.0)[0][0], 1.5)
+
+
+WHEELS = "".join(
+    f"<joint name='{side}' type='continuous'><parent link='base'/><child link='{side}'/><origin xyz='0 {y} 0'/></joint>"
+    f"<link name='{side}'><collision><geometry><cylinder radius='0.1' length='0.05'/></geometry></collision></link>"
+    + DRIVE.format(side, "Velocity")
+    for side, y in (("left", 0.2), ("right", -0.2))
+)
+ROVER = f"<robot name='rover'><link name='base'/>{WHEELS}</robot>"
+LIMITS = {"has_acceleration_limits": True, "max_acceleration": 1.0, "has_velocity_limits": True, "max_velocity": 0.5}
+BASE = {
+    "type": "diff_drive_controller/DiffDriveController",
+    "left_wheel": "left",
+    "right_wheel": ["right"],
+    "linear": {"x": LIMITS},
+    "publish_cmd": True,
+    "pose_covariance_diagonal": [0.1] * 6,
+    "twist_covariance_diagonal": [0.2] * 6,
+}
+
+
+def test_a_diff_drive_controller_drives_with_the_sizes_of_the_description(master, start):
+    master.parameters |= {"/arm/base": BASE, "/robot_description": ROVER}
+    plugin = "<plugin name='control' filename='libgazebo_ros_control.so'><robotNamespace>/arm</robotNamespace>"
+    world = wagon("").replace(
+        "<plugin name='control' filename='libgazebo_ros2_control.so'><parameters></parameters>", plugin
+    )
+    core, _ = start(world)
+    rover = Arm(master, core, "wagon")
+    assert rover.load("base")
+    sockets = {topic: rover.read(f"/arm/base/{topic}") for topic in ("odom", "cmd_vel_out")}
+    transforms = rover.read("/tf")
+    command = message_type("geometry_msgs/Twist")()
+    command.linear.x, command.angular.z = 2.0, 0.5
+    talker = rover.send("/arm/base/cmd_vel", command)
+    speeds, begin = [], core.GetSimTime()
+    while core.GetSimTime() < begin + 1.5:
+        talker.send(codec(command.kind).pack(command))
+        core.Step()
+        speeds.append(sockets["cmd_vel_out"]("geometry_msgs/TwistStamped").twist.linear.x)
+    assert all(after - before < 0.1 for before, after in pairwise(speeds))
+    assert speeds[-1] == pytest.approx(0.5)
+    found, pose = None, rover.model.WorldPose()
+    while found is None or found.header.stamp.seconds < core.GetSimTime() - 0.03:
+        found = sockets["odom"]("nav_msgs/Odometry")
+    assert found.twist.twist.linear.x == pytest.approx(0.5, abs=0.03)
+    assert found.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
+    at = found.pose.pose.position
+    assert (at.x, at.y) == (pytest.approx(pose.Pos().X(), abs=0.03), pytest.approx(pose.Pos().Y(), abs=0.03))
+    assert (found.header.frame_id, found.child_frame_id) == ("odom", "base_link")
+    assert (found.pose.covariance[7], found.twist.covariance[7]) == (0.1, 0.2)
+    assert transforms("tf2_msgs/TFMessage").transforms[0].child_frame_id == "base_link"
+    talker.close()
+    wait_for(lambda: abs(rover.model.WorldLinearVel().X()) < 0.01, core.Step)  # commands are too old

@@ -8,18 +8,27 @@ from typing import Any
 
 from libgz.base.errors import ParameterError
 from libgz.ros.control.action import ActionServer, Goal, serve_action
-from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
+from libgz.ros.control.hardware import EFFORT, POSITION, RobotHardware, SimJoint
 from libgz.ros.control.pid import RosPid, number_of
 from libgz.ros.control.trajectory import Trajectory
 from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.session import Service, Session, Subscription, finite, set_stamp
 
-__all__ = ["CONTROLLERS", "Controller"]
+__all__ = [
+    "Commands",
+    "Controller",
+    "Gripper",
+    "GroupCommands",
+    "GroupPositionCommands",
+    "JointStates",
+    "JointTrajectories",
+    "PositionCommands",
+    "VelocityCommands",
+]
 
 ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3  # of actionlib_msgs/GoalStatus
 COMMANDS = {1: "command", 2: "commands"}  # topics in ROS 1 and 2
 TRAJECTORIES = {1: ("command", "state", 1), 2: ("joint_trajectory", "controller_state", 10)}  # and the depth of states
-INTERFACES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
 
 
 class Controller:
@@ -510,21 +519,3 @@ class Gripper(Follower):
                 result |= {"reached_goal": reached, "stalled": not reached}
                 goal.end(SUCCEEDED if good else ABORTED, "", **result)
         self._action.update()
-
-
-# Types of controllers -> class, interface of its joints.
-CONTROLLERS: dict[str, tuple[type[Controller], str]] = {
-    "joint_state_controller/JointStateController": (JointStates, ""),
-    "effort_controllers/JointEffortController": (Commands, EFFORT),
-    "effort_controllers/JointGroupEffortController": (GroupCommands, EFFORT),
-    "effort_controllers/JointGroupPositionController": (GroupPositionCommands, EFFORT),
-    "effort_controllers/JointPositionController": (PositionCommands, EFFORT),
-    "effort_controllers/JointVelocityController": (VelocityCommands, EFFORT),
-    "position_controllers/JointGroupPositionController": (GroupCommands, POSITION),
-    "position_controllers/JointPositionController": (Commands, POSITION),
-    "velocity_controllers/JointGroupVelocityController": (GroupCommands, VELOCITY),
-    "velocity_controllers/JointPositionController": (PositionCommands, VELOCITY),
-    "velocity_controllers/JointVelocityController": (Commands, VELOCITY),
-    **{f"{name}_controllers/JointTrajectoryController": (JointTrajectories, one) for name, one in INTERFACES.items()},
-    **{f"{name}_controllers/GripperActionController": (Gripper, one) for name, one in INTERFACES.items()},
-}

@@ -1,4 +1,4 @@
-"""DiffDrive: the diff_drive_controller of ros2_controllers."""
+"""DiffDrive: the diff_drive_controller of ros_controllers and of ros2_controllers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from lxml import etree
+
 from libgz.base.errors import ParameterError
 from libgz.ros.control.controllers import Controller
 from libgz.ros.control.pid import number_of
@@ -14,7 +16,7 @@ from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.session import finite, set_stamp
 from libgz.ros.types import Stamp
 
-__all__ = ["DiffDrive"]
+__all__ = ["DiffDrive", "DiffDrive2"]
 
 MOST_WINDOW = 10_000  # velocities whose mean is taken
 
@@ -71,34 +73,34 @@ def _limits(values: Mapping[str, Any], name: str, where: str) -> tuple[float, fl
 class DiffDrive(Controller):
     """Drives wheels on two sides by the topic ``cmd_vel``, and publishes odometry from their motion.
 
-    Commands that are older than ``cmd_vel_timeout`` stop the robot.
+    Commands that are older than ``cmd_vel_timeout`` stop the robot. Without ``wheel_separation`` or ``wheel_radius``
+    they are those of the robot description: between the joints of the first wheels, and of the first left wheel's
+    collision.
+
+    Attributes:
+        limited: the parameter that asks for the topic ``cmd_vel_out``.
     """
+
+    limited = "publish_cmd"
 
     def load(self) -> None:
         """Find the wheels, subscribe and advertise."""
         values, name, session = self.values, self.name, self.session
-        self._left, self._right = (self.find(values.get(f"{side}_wheel_names")) for side in ("left", "right"))
+        self._left, self._right = (self.find(self.wheel_names(side)) for side in ("left", "right"))
         if len(self._left) != len(self._right):
             raise ParameterError(
                 f"controller {name}: there are {len(self._left)} left wheels, {len(self._right)} right"
             )
         self.joints = [*self._left, *self._right]
-        self._separation = self._number("wheel_separation") * self._number("wheel_separation_multiplier", 1.0)
-        self._radii = [
-            self._number("wheel_radius") * self._number(f"{side}_wheel_radius_multiplier", 1.0)
-            for side in ("left", "right")
-        ]
+        self._separation = self.wheel_separation() * self._number("wheel_separation_multiplier", 1.0)
+        radius = self.wheel_radius()
+        self._radii = [radius * self.radius_multiplier(side) for side in ("left", "right")]
         if not all(0.0 < one < math.inf for one in (self._separation, *self._radii)):
             raise ParameterError(f"controller {name}: wheel_separation and wheel_radius must be given and positive")
         self._patience = self._number("cmd_vel_timeout", 0.5)
-        self._open_loop, self._by_position, self._stamped, self._transforms = (
+        self._open_loop, self._by_position, self._transforms = (
             bool(values.get(key, default))
-            for key, default in (
-                ("open_loop", False),
-                ("position_feedback", True),
-                ("use_stamped_vel", True),
-                ("enable_odom_tf", True),
-            )
+            for key, default in (("open_loop", False), ("position_feedback", True), ("enable_odom_tf", True))
         )
         self._frames = [str(values.get("odom_frame_id", "odom")), str(values.get("base_frame_id", "base_link"))]
         self._covariances = [_diagonal(values, f"{key}_covariance_diagonal", name) for key in ("pose", "twist")]
@@ -107,14 +109,56 @@ class DiffDrive(Controller):
         self._speeds: deque[tuple[float, float]] = deque(maxlen=window)
         self._ticks = Ticks(bounded_rate(self._number("publish_rate", 50.0), f"parameter {name}/publish_rate"))
         self._wanted, self._came = (0.0, 0.0), -math.inf
+        self.applied = (0.0, 0.0)
         self._x = self._y = self._heading = 0.0
         self._before = [0.0, 0.0]
-        topic, kind = ("cmd_vel", "TwistStamped") if self._stamped else ("cmd_vel_unstamped", "Twist")
         self._odometry = session.publish(f"{name}/odom", "nav_msgs/Odometry", 10)
         self._limited = None
-        if values.get("publish_limited_velocity", False):
+        if values.get(self.limited, False):
             self._limited = session.publish(f"{name}/cmd_vel_out", "geometry_msgs/TwistStamped", 10)
+        topic, kind = self.command_topic()
         self.listening = [session.subscribe(f"{name}/{topic}", f"geometry_msgs/{kind}", self._on_command)]
+
+    # What the two eras do differently ----------------------------------------------------------------------------
+
+    def wheel_names(self, side: str) -> Any:
+        """The parameter that names the wheels of a side, as a list."""
+        given = self.values.get(f"{side}_wheel")
+        return [given] if isinstance(given, str) else given
+
+    def wheel_separation(self) -> float:
+        """The distance between left and right wheels [m]."""
+        if "wheel_separation" in self.values:
+            return self._number("wheel_separation")
+        left, right = (self._described("joint", wheels[0].name) for wheels in (self._left, self._right))
+        return math.dist(*(_numbers(joint, "origin", "xyz", 3) for joint in (left, right)))
+
+    def wheel_radius(self) -> float:
+        """The radius of all wheels [m]."""
+        if "wheel_radius" in self.values:
+            return self._number("wheel_radius")
+        joint = self._described("joint", self._left[0].name)
+        child = joint.find("child") if joint is not None else None
+        link = self._described("link", child.get("link", "")) if child is not None else None
+        return _numbers(link, "collision/geometry/*[@radius]", "radius", 1)[0]
+
+    def radius_multiplier(self, side: str) -> float:
+        """What the radius of a side's wheels is multiplied by."""
+        if "wheel_radius_multiplier" in self.values:
+            return self._number("wheel_radius_multiplier")
+        return self._number(f"{side}_wheel_radius_multiplier", 1.0)
+
+    def command_topic(self) -> tuple[str, str]:
+        """(name of the topic of commands, type of its messages)."""
+        return "cmd_vel", "Twist"
+
+    def believed(self, _wanted: tuple[float, float]) -> tuple[float, float]:
+        """The velocities of odometry in an open loop: those that were applied last."""
+        return self.applied
+
+    def _described(self, kind: str, name: str) -> etree._Element | None:
+        """The joint or link of a name in the robot description."""
+        return next((found for found in self.hardware.description.findall(kind) if found.get("name") == name), None)
 
     def _number(self, key: str, default: float = 0.0) -> float:
         return number_of(self.values, key, default, self.name)
@@ -123,7 +167,8 @@ class DiffDrive(Controller):
         if not finite(message):
             self.session.log_refusal(self.name, "a number is not finite")
             return
-        stamp, twist = (message.header.stamp.seconds, message.twist) if self._stamped else (0.0, message)
+        stamped = hasattr(message, "header")
+        stamp, twist = (message.header.stamp.seconds, message.twist) if stamped else (0.0, message)
         self._wanted, self._came = (twist.linear.x, twist.angular.z), stamp or self.now()
 
     def starting(self) -> None:
@@ -131,6 +176,7 @@ class DiffDrive(Controller):
         self._wanted, self._came = (0.0, 0.0), -math.inf
         self._before = self._travelled()
         self._speeds.clear()
+        self.applied = (0.0, 0.0)
         for limiter in self._limits:
             limiter.reset()
         self.stopping()
@@ -158,6 +204,7 @@ class DiffDrive(Controller):
             set_stamp(message.header.stamp, now)
             message.twist.linear.x, message.twist.angular.z = linear, angular
             self._limited.publish(message)
+        self.applied = linear, angular
         turn = 0.5 * angular * self._separation
         for joints, speed, radius in zip(
             (self._left, self._right), (linear - turn, linear + turn), self._radii, strict=True
@@ -170,7 +217,7 @@ class DiffDrive(Controller):
         if elapsed <= 0.0:
             return
         if self._open_loop:
-            linear, angular = wanted
+            linear, angular = self.believed(wanted)
         else:
             if self._by_position:
                 present = self._travelled()
@@ -211,8 +258,49 @@ class DiffDrive(Controller):
             self.session.send_transform(stamp, parent, child, (self._x, self._y, 0.0), turn)
 
 
+class DiffDrive2(DiffDrive):
+    """The controller of ros2_controllers: other names of parameters, and commands with a time."""
+
+    limited = "publish_limited_velocity"
+
+    def wheel_names(self, side: str) -> Any:
+        """The parameter that names the wheels of a side."""
+        return self.values.get(f"{side}_wheel_names")
+
+    def wheel_separation(self) -> float:
+        """The distance between left and right wheels [m]."""
+        return self._number("wheel_separation")
+
+    def wheel_radius(self) -> float:
+        """The radius of all wheels [m]."""
+        return self._number("wheel_radius")
+
+    def radius_multiplier(self, side: str) -> float:
+        """What the radius of a side's wheels is multiplied by."""
+        return self._number(f"{side}_wheel_radius_multiplier", 1.0)
+
+    def command_topic(self) -> tuple[str, str]:
+        """(name of the topic of commands, type of its messages)."""
+        stamped = bool(self.values.get("use_stamped_vel", True))
+        return ("cmd_vel", "TwistStamped") if stamped else ("cmd_vel_unstamped", "Twist")
+
+    def believed(self, wanted: tuple[float, float]) -> tuple[float, float]:
+        """The velocities of odometry in an open loop: those that are wanted."""
+        return wanted
+
+
 def _mean(values: Sequence[float]) -> float:
     return sum(values) / len(values) if values else 0.0
+
+
+def _numbers(element: etree._Element | None, path: str, key: str, size: int) -> list[float]:
+    """The numbers of an attribute in a robot description; zeros where there are none."""
+    found = element.find(path) if element is not None else None
+    try:
+        numbers = [float(word) for word in found.get(key, "").split()] if found is not None else []
+    except ValueError:
+        numbers = []
+    return numbers if len(numbers) == size else [0.0] * size
 
 
 def _nested(values: Mapping[str, Any], *keys: str) -> Mapping[str, Any]:

@@ -23,6 +23,7 @@ log = logging.getLogger("libgz.ros")
 
 INTERFACES = ("EffortJointInterface", "PositionJointInterface", "VelocityJointInterface")
 EFFORT, POSITION, VELOCITY = (f"hardware_interface/{name}" for name in INTERFACES)
+SHORT_NAMES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
 SIMPLE = "transmission_interface/SimpleTransmission"
 
 
@@ -162,6 +163,10 @@ class RobotHardware:
         session: for gains of joints.
         space: the namespace of the robot.
 
+    Attributes:
+        description: the root of the URDF.
+        joints: by name.
+
     Raises:
         ParameterError: it names a joint or an interface that does not exist.
         WorldFileError: the text is no XML.
@@ -171,6 +176,7 @@ class RobotHardware:
         diagnostics = Diagnostics()
         root = parse_document(description.encode(), "robot_description", diagnostics)
         diagnostics.raise_errors()
+        self.description = root
         described = {one.get("name", ""): one for one in root.findall("joint")}
         gains = session.parameter(f"{space}/gazebo_ros_control/pid_gains", {})
         self.joints: dict[str, SimJoint] = {}

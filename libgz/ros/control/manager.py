@@ -7,8 +7,19 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 from libgz.base.errors import GazeboError, nearest
-from libgz.ros.control.controllers import CONTROLLERS, Controller
-from libgz.ros.control.hardware import RobotHardware
+from libgz.ros.control.controllers import (
+    Commands,
+    Controller,
+    Gripper,
+    GroupCommands,
+    GroupPositionCommands,
+    JointStates,
+    JointTrajectories,
+    PositionCommands,
+    VelocityCommands,
+)
+from libgz.ros.control.drive import DiffDrive
+from libgz.ros.control.hardware import EFFORT, POSITION, SHORT_NAMES, VELOCITY, RobotHardware
 from libgz.ros.session import Session
 from libgz.ros.types import message_type, service_type
 
@@ -25,6 +36,24 @@ SERVICES = {
     "reload_controller_libraries": "ReloadControllerLibraries",
     "switch_controller": "SwitchController",
     "unload_controller": "UnloadController",
+}
+
+# Types of controllers -> class, interface of its joints.
+CONTROLLERS: dict[str, tuple[type[Controller], str]] = {
+    "joint_state_controller/JointStateController": (JointStates, ""),
+    "diff_drive_controller/DiffDriveController": (DiffDrive, VELOCITY),
+    "effort_controllers/JointEffortController": (Commands, EFFORT),
+    "effort_controllers/JointGroupEffortController": (GroupCommands, EFFORT),
+    "effort_controllers/JointGroupPositionController": (GroupPositionCommands, EFFORT),
+    "effort_controllers/JointPositionController": (PositionCommands, EFFORT),
+    "effort_controllers/JointVelocityController": (VelocityCommands, EFFORT),
+    "position_controllers/JointGroupPositionController": (GroupCommands, POSITION),
+    "position_controllers/JointPositionController": (Commands, POSITION),
+    "velocity_controllers/JointGroupVelocityController": (GroupCommands, VELOCITY),
+    "velocity_controllers/JointPositionController": (PositionCommands, VELOCITY),
+    "velocity_controllers/JointVelocityController": (Commands, VELOCITY),
+    **{f"{name}_controllers/JointTrajectoryController": (JointTrajectories, one) for name, one in SHORT_NAMES.items()},
+    **{f"{name}_controllers/GripperActionController": (Gripper, one) for name, one in SHORT_NAMES.items()},
 }
 
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import Diagnostics, GazeboError, ParameterError, nearest
 from libgz.ros.control.controllers import Controller, Gripper, GroupCommands, JointStates, JointTrajectories
-from libgz.ros.control.drive import DiffDrive
-from libgz.ros.control.hardware import EFFORT, POSITION, VELOCITY, RobotHardware, SimJoint
+from libgz.ros.control.drive import DiffDrive2
+from libgz.ros.control.hardware import EFFORT, POSITION, SHORT_NAMES, VELOCITY, RobotHardware, SimJoint
 from libgz.ros.control.manager import ControllerManager
 from libgz.ros.parameters import Parameters
 from libgz.ros.session import Session, set_stamp
@@ -25,7 +25,6 @@ __all__ = ["SERVICES", "ControllerManager2", "RobotHardware2"]
 
 log = logging.getLogger("libgz.ros")
 
-INTERFACES = {"position": POSITION, "velocity": VELOCITY, "effort": EFFORT}
 SERVICES = {
     "configure_controller": "ConfigureController",
     "list_controller_types": "ListControllerTypes",
@@ -66,7 +65,7 @@ class RobotHardware2(RobotHardware):
             if joint is None:
                 raise ParameterError(f"<ros2_control> has a joint {name!r}, which is not in model {model.GetName()!r}")
             given = [one.get("name", "") for one in element.findall("command_interface")]
-            self.interfaces[name] = [INTERFACES[one] for one in given if one in INTERFACES]
+            self.interfaces[name] = [SHORT_NAMES[one] for one in given if one in SHORT_NAMES]
             begin = element.findtext("state_interface[@name='position']/param[@name='initial_value']")
             if begin is not None:
                 joint.SetPosition(0, _finite(begin))
@@ -138,7 +137,7 @@ class JointStates2(JointStates):
             message = self._all.kind(joint_names=self._names)
             set_stamp(message.header.stamp, self.now())
             message.interface_values = [
-                self._value(interface_names=list(INTERFACES), values=[one.position, one.velocity, one.effort])
+                self._value(interface_names=list(SHORT_NAMES), values=[one.position, one.velocity, one.effort])
                 for one in self.reported
             ]
             self._all.publish(message)
@@ -164,15 +163,15 @@ class JointTrajectories2(JointTrajectories):
 
 
 def _interface(controller: Controller, name: Any) -> str:
-    if not isinstance(name, str) or name not in INTERFACES:
+    if not isinstance(name, str) or name not in SHORT_NAMES:
         raise ParameterError(
-            f"controller {controller.name}: its interface is {name!r}; it must be one of {', '.join(INTERFACES)}"
+            f"controller {controller.name}: its interface is {name!r}; it must be one of {', '.join(SHORT_NAMES)}"
         )
-    return INTERFACES[name]
+    return SHORT_NAMES[name]
 
 
 CONTROLLERS: dict[str, tuple[type[Controller], str]] = {
-    "diff_drive_controller/DiffDriveController": (DiffDrive, VELOCITY),
+    "diff_drive_controller/DiffDriveController": (DiffDrive2, VELOCITY),
     "effort_controllers/GripperActionController": (Gripper, EFFORT),
     "effort_controllers/JointGroupEffortController": (GroupCommands, EFFORT),
     "forward_command_controller/ForwardCommandController": (ForwardCommands, ""),
@@ -246,14 +245,14 @@ class ControllerManager2(ControllerManager):
 
     def _list_hardware_interfaces(self, _request: Any) -> dict[str, Any]:
         kind = message_type("controller_manager_msgs/HardwareInterface", 2)
-        short = {long: name for name, long in INTERFACES.items()}
+        short = {long: name for name, long in SHORT_NAMES.items()}
         claimed = {(j.name, j.interface) for c in self.controllers.values() if c.state == "running" for j in c.joints}
         commands = [
             kind(name=f"{name}/{short[one]}", is_available=True, is_claimed=(name, one) in claimed)
             for name, given in self._interfaces.items()
             for one in given
         ]
-        states = [kind(name=f"{name}/{one}", is_available=True) for name in self._interfaces for one in INTERFACES]
+        states = [kind(name=f"{name}/{one}", is_available=True) for name in self._interfaces for one in SHORT_NAMES]
         return {"command_interfaces": commands, "state_interfaces": states}
 
     def _load_controller(self, request: Any) -> dict[str, Any]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.law import Number, law, rarely, unrecorded
+from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
 from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Rate, noise, set_point, set_quaternion
@@ -15,8 +17,14 @@ if TYPE_CHECKING:
 
 
 class GazeboRosImuSensor(RosSensor, SensorPlugin):
-    """Publishes each measurement; the orientation is that in the world. Noise is on all ten values."""
+    """Publishes each measurement; the orientation is that in the world. Noise is on all ten values.
 
+    It looks for measurements at the beginning of iterations: native code measures where nobody is called for it.
+    """
+
+    STATE = ("ticks", "last")
+
+    last = Number()  # when what was published last was measured [s]
     own_namespace = True
     parameters = (
         Parameter("topicName", "imu_data", "measurements", ros2="~/out"),
@@ -41,6 +49,30 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
             getattr(message, f"{name}_covariance")[::4] = self.given.gaussianNoise**2
         self.publication = self.advertise(self.given.topicName, "sensor_msgs/Imu")
         self.begin()
+
+    def begin(self) -> None:
+        """Begin; the topic is advertised."""
+        self.match_activity()
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def match_activity(self) -> None:
+        """Let the sensor measure if somebody listens, and publish what it measures from now on."""
+        self.last = self.sensor.schedule.measured
+        super().match_activity()
+
+    @law
+    def OnUpdate(self) -> None:
+        """Publish the last measurement, if it is a new one and it is time."""
+        measured = self.sensor.schedule.measured
+        new = (measured > 0.0) & (measured != self.last)
+        if rarely(self.publication.listened & new & self.ticks.is_due(measured)):
+            self._publish(measured)
+
+    @unrecorded
+    def _publish(self, measured: float) -> None:
+        self.last = measured
+        self.ticks.due(measured)
+        self.send()
 
     def send(self) -> None:
         """Publish the measurement."""

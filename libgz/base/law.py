@@ -188,16 +188,19 @@ class Number:
     @overload
     def __get__(self, owner: object, kind: type) -> float: ...
     def __get__(self, owner: object | None, kind: type) -> Number | float:
-        return self if owner is None else self.cell(owner).value
+        if owner is None:
+            return self
+        found = owner.__dict__.get(self._place)
+        return self._start if found is None else found.value
 
     def __set__(self, owner: object, value: float) -> None:
         self.cell(owner).value = value
 
     def cell(self, owner: object) -> ctypes.c_double:
         """Where the number of an object is."""
-        found = vars(owner).get(self._place)
+        found = owner.__dict__.get(self._place)
         if found is None:
-            found = vars(owner)[self._place] = ctypes.c_double(self._start)
+            found = owner.__dict__[self._place] = ctypes.c_double(self._start)
         return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.ros.plugin import RosPlugin, Ticks
 from libgz.ros.session import Publication, set_stamp
@@ -28,7 +28,7 @@ class RosSensor(RosPlugin):
         publications: all that it publishes.
     """
 
-    STATE = ("ticks",)
+    STATE: ClassVar[tuple[str, ...]] = ("ticks",)
 
     def open_sensor(self, sensor: Any, sdf: Element, rate: float = 0.0) -> None:
         """Read the parameters; at most `rate` measurements a second are published [Hz]."""

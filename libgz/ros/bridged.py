@@ -33,6 +33,7 @@ HEAD = struct.Struct("<IBI")  # length of what follows it, sort, channel
 REST = HEAD.size - 4
 MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
 MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # messages of one topic, or answers of one service, that wait for the bridge
+MOST_TOGETHER = 1 << 26  # bytes of all that wait
 MOST_TEXT = 1 << 20  # bytes of what the bridge says about itself and about types
 START_PATIENCE, END_PATIENCE = 60.0, 3.0  # [s]
 FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again; longer if it lived no longer
@@ -365,7 +366,7 @@ class BridgedNode:
         hurried = sort == MESSAGE and self._loop.hurried()
         if not hurried and not link.messages and link.send_at_once(parts, size):
             return
-        if channel.waiting >= MOST_WAITING or channel.waiting_bytes > MOST_BYTES:
+        if channel.waiting >= MOST_WAITING or channel.waiting_bytes > MOST_BYTES or link.waiting_bytes > MOST_TOGETHER:
             what = "a message" if sort == MESSAGE else "an answer"
             self._loop.warn(
                 f"slow {channel.topic}", "ROS 2: the bridge is too slow for %s; %s is left out", channel.topic, what
@@ -373,6 +374,7 @@ class BridgedNode:
             return
         channel.waiting += 1
         channel.waiting_bytes += size
+        link.waiting_bytes += size
         link.messages.append((channel, size, (b"".join(parts),) if size < LARGE else tuple(kept(parts))))
         if hurried and not link.slow:
             self._loop.note(link)
@@ -458,6 +460,7 @@ class _Link(Connection):
 
     Attributes:
         messages: frames that wait, after those in `queue`, with their channels and sizes.
+        waiting_bytes: the sizes of all of them [byte].
     """
 
     longest = MOST_FRAME
@@ -469,6 +472,7 @@ class _Link(Connection):
         self.deadline = None
         self._node = node
         self.messages: deque[tuple[Channel, int, Frame]] = deque()
+        self.waiting_bytes = 0
 
     def frame(self, body: bytes) -> None:
         """A frame came."""
@@ -490,6 +494,7 @@ class _Link(Connection):
             channel, length, frame = self.messages.popleft()
             channel.waiting -= 1
             channel.waiting_bytes -= length
+            self.waiting_bytes -= length
             parts += frame
             size += length
         return parts
@@ -497,6 +502,7 @@ class _Link(Connection):
     def ended(self) -> None:
         """The bridge is gone."""
         self.messages.clear()
+        self.waiting_bytes = 0
         self._node.lost()
 
 

@@ -284,6 +284,23 @@ def test_a_slow_bridge_costs_no_memory(start, graph, caplog):
     assert "too slow for /clock" in caplog.text
 
 
+def test_a_slow_bridge_costs_no_memory_by_many_topics(start, graph, caplog, monkeypatch):
+    monkeypatch.setattr(bridged, "MOST_TOGETHER", 1 << 22)
+    server = start()
+    for topic in ("/clock", "/model_states", "/link_states"):
+        graph.number(topic)
+    channels = [channel_of(server, topic) for topic in ("/clock", "/model_states", "/link_states")]
+    wait_for(lambda: all(channel.declared for channel in channels))
+    with stopped(server):
+        for channel in channels * 200:
+            channel.publish([bytes(1 << 16)])
+        waiting = server.ros.node._link.waiting_bytes
+        assert (1 << 22) < waiting <= (1 << 22) + (1 << 17)
+        assert sum(channel.waiting_bytes for channel in channels) == waiting
+    assert "too slow for /link_states" in caplog.text
+    wait_for(lambda: not server.ros.node._link.waiting_bytes)
+
+
 def test_what_waits_for_a_bridge_that_is_gone_is_not_counted(start, graph, monkeypatch):
     monkeypatch.setattr(bridged, "FIRST_PAUSE", 60.0)
     server = start()

@@ -346,9 +346,9 @@ class Commands:
             light.SetCastShadows(message.cast_shadows)
         if message.HasField("type"):
             light.core.light.kind = LIGHT_KINDS[max(0, message.type - 1)]
-        light.core.light.spot = tuple(
-            float(getattr(message, f"spot_{key}") if message.HasField(f"spot_{key}") else value)
-            for key, value in zip(("inner_angle", "outer_angle", "falloff"), light.core.light.spot, strict=True)
+        cone = zip(("inner_angle", "outer_angle", "falloff"), light.core.light.spot, strict=True)
+        light.core.light.SetSpot(
+            *(getattr(message, f"spot_{k}") if message.HasField(f"spot_{k}") else value for k, value in cone)
         )
         constant, linear, quadratic = light.Attenuation()
         if message.HasField("attenuation_constant"):

@@ -2,7 +2,8 @@
 
 The memory of a state, see `Parts`, is read as words of 8 bytes. What each of them is follows from the classes of ODE
 0.16 (ode/src/objects.h, joints/*.h). A whole state is checked before any of it reaches ODE. Limits are those of the
-setters (`check`); velocities and efforts are bounded by the step itself, so that here they must only be finite.
+setters (`check`); velocities are bounded by the step itself, so that here they must only be finite, and efforts, too,
+which may be what they are when the sum of several is not finite.
 """
 
 from __future__ import annotations
@@ -241,7 +242,9 @@ def _add_body(words: _Planner, distance: float) -> None:
     words.add(12, -FINITE, FINITE)
     words.note("quaternions")
     words.add(4, -FINITE, FINITE)
-    words.add(20, -FINITE, FINITE)  # velocities, efforts, and an axis that is not used
+    words.add(8, -FINITE, FINITE)  # velocities
+    words.skip(8)  # efforts may be any: the step stops bodies with such ones (begin_motion)
+    words.add(4, -FINITE, FINITE)  # an axis that is not used
     words.add(1, -math.inf, math.inf)  # time until it falls asleep
     words.note("samples")
     words.skip()  # steps until then, and how many samples are averaged

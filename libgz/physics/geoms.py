@@ -520,7 +520,34 @@ class LightGeom(Geom):
         numbers = finite_tuple(factors, 3, "attenuation")
         if min(numbers) < 0.0:
             raise ParameterError(f"attenuation is {numbers}; its numbers must not be negative")
-        self.attenuation = GzVector(*numbers)
+        self.attenuation = GzVector(*(min(number, LARGEST) for number in numbers))
+
+    def SetDirection(self, direction: VectorLike) -> None:
+        """In which directional lights and spots shine, in the body frame.
+
+        Raises:
+            ParameterError: it is not three numbers within +-1e9.
+        """
+        self.direction = GzVector(*finite_tuple(direction, 3, "direction", LARGEST))
+
+    def SetSpot(self, inner: float, outer: float, falloff: float) -> None:
+        """Inner and outer angle of a spot's cone [rad] and the falloff between them, as a power.
+
+        Raises:
+            ParameterError: one is not finite.
+        """
+        inner, outer, falloff = finite_tuple((inner, outer, falloff), 3, "the cone of the light")
+        self.spot = (inner, outer, falloff)
+
+    def SetRange(self, distance: float) -> None:
+        """Beyond which nothing is lit [m]; may be infinite.
+
+        Raises:
+            ParameterError: it is no number.
+        """
+        if math.isnan(distance):
+            raise ParameterError("the range of a light must be a number")
+        self.range = float(distance)
 
     @staticmethod
     def CheckAvailable() -> bool:

@@ -187,18 +187,24 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
     if kind not in KINDS:
         note(element, f"there is no light of type {kind!r}{nearest(kind, KINDS)}; it is shown as a point light")
     light.kind = kind if kind in KINDS else "point"
-    light.direction = element.Get(GzVector, "direction")
+    try:
+        light.SetDirection(element.Get(GzVector, "direction"))
+    except ParameterError as error:
+        note(element, f"{error}; it shines downwards")
     light.cast_shadows = element.Get(bool, "cast_shadows")
     fading = element.child("attenuation")
     try:
         light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
     except ParameterError as error:
         note(fading, f"{error}; the light does not fade")
-    light.range = fading.Get(float, "range")
+    light.SetRange(fading.Get(float, "range"))
     if light.kind == "spot" and not element.HasElement("spot"):
         note(element, "the light has no <spot>; as in Gazebo its cone has an angle of 0, and it lights nothing")
     cone = element.child("spot")
-    light.spot = (cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))
+    try:
+        light.SetSpot(cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))
+    except ParameterError as error:
+        note(cone, f"{error}; its cone has an angle of 0")
 
 
 def link_lights(body: Body, link: Element, note: Note) -> None:

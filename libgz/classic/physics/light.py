@@ -70,7 +70,7 @@ class Light(Entity):
 
     def SetDirection(self, direction: VectorLike) -> None:
         """Set the direction of a directional or spot light."""
-        self.core.light.direction = GzVector(*direction)
+        self.core.light.SetDirection(direction)
 
     def Range(self) -> float:
         """The range [m]."""
@@ -78,7 +78,7 @@ class Light(Entity):
 
     def SetRange(self, distance: float) -> None:
         """Set the range [m]."""
-        self.core.light.range = float(distance)
+        self.core.light.SetRange(distance)
 
     def CastShadows(self) -> bool:
         """Whether bodies cast shadows in its light."""

@@ -271,12 +271,36 @@ def test_a_light_from_the_factory_has_the_values_of_the_message(core, view, send
 
 
 @pytest.mark.parametrize(
-    ("name", "linear", "given"), [("", 0.0, "a light needs a name"), ("new", math.nan, "attenuation is")]
+    ("message", "given"),
+    [
+        (msgs.Light(), "a light needs a name"),
+        (msgs.Light(name="new", attenuation_linear=math.nan), "attenuation is"),
+        (msgs.Light(name="new", range=math.nan), "the range of a light"),
+        (msgs.Light(name="new", spot_outer_angle=math.nan), "the cone of the light is"),
+        (msgs.Light(name="new", direction=msgs.Vector3d(x=1e308, y=0, z=0)), "direction is"),
+        (msgs.Light(name="new", direction=msgs.Vector3d(x=0, y=math.inf, z=0)), "direction is"),
+    ],
 )
-def test_an_invalid_light_is_not_made(view, send, caplog, name, linear, given):
-    send("~/factory/light", msgs.Light(name=name, attenuation_linear=linear))
+def test_an_invalid_light_is_not_made(view, send, caplog, message, given):
+    send("~/factory/light", message)
     assert given in caplog.text
     assert [light.GetName() for light in view.Lights()] == ["lamp"]
+
+
+def test_a_world_with_any_wrenches_and_lights_can_be_brought_back(core, view, send):
+    """A refused state is undone by one of the world itself, which must therefore never be refused."""
+    send("~/light/modify", msgs.Light(name="lamp", attenuation_constant=1e30, range=math.inf))
+    for number in (1e308, -1e308):
+        message = msgs.Wrench()
+        msgs.Set(message.force, Vector3d(number, 0, number))
+        msgs.Set(message.torque, Vector3d(number, number, 0))
+        msgs.Set(message.force_offset, Vector3d(0, 1e9, -1e9))
+        send("~/box/link/wrench", message)
+        send("~/box/link/wrench", message)
+        view.ModelByName("box").GetLink("link").AddForceAtWorldPosition((number, number, number), (1e9, -1e9, 1e9))
+        core.snapshots.restore(core.get_state(), anew=True)
+        core.step(2)
+    assert all(map(math.isfinite, view.ModelByName("box").WorldPose().Pos()))
 
 
 def test_a_model_is_not_suggested_for_a_light(send, caplog):

@@ -181,6 +181,9 @@ class SdfFile:
         given = given.strip()
         if given in VERSIONS:
             return given
+        if not given:
+            self._warn(xml, f"version is empty; {NEWEST} is used")
+            return NEWEST
         try:
             number = tuple(map(int, given.split(".")))
         except ValueError:

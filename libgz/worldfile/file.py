@@ -158,9 +158,12 @@ class WorldFile:
                 f"{self.label}:{root.line}: <{root.tag}>: this is a world of Gazebo 0.8 - 0.10, "
                 "which libgz does not read; worlds of 0.3 - 0.7 have a root like <gz:world>"
             )
-        if root.prefix is None and root.name in OTHER_ROOTS:
+        other = OTHER_ROOTS.get(root.name) if root.prefix is None else None
+        if root.tag == "world" and any(child.tag in ("model", "include") for child in root.children):
+            other = "an SDF world without <sdf version='1.6'> around it"
+        if other is not None:
             raise WorldFileError(
-                f"{self.label}:{root.line}: <{root.tag}>: this is {OTHER_ROOTS[root.name]}, "
+                f"{self.label}:{root.line}: <{root.tag}>: this is {other}, "
                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>"
             )
 

@@ -238,6 +238,7 @@ def test_the_command_reports_invalid_ids_of_interfaces(tmp_path, id):
             "1: <link>: warning: there is no <inertial>, so link 'b' is left out",
         ),
         ("<html><body/></html>", "1: <html>: this is a web page, not a worldfile of 0.3 - 0.7"),
+        ("<world><model name='m'/></world>", "1: <world>: this is an SDF world without <sdf version='1.6'> around it"),
         ("<launch><arg name='x'/></launch>", "1: <launch>: this is a launch file of ROS"),
         ("<package/>", "1: <package>: this is the description of a ROS package, not a worldfile"),
         ("<w xmlns:model='m'><model:SimpleSolid/></w>", ""),

@@ -216,6 +216,7 @@ def test_what_is_not_sdf_is_an_error(text, what):
 def test_other_versions():
     assert "version 1.3 is read as 1.4" in texts(read("", "1.3"))[0]
     assert "version 1.12 is read as 1.9" in texts(read("", "1.12"))[0]
+    assert "version is empty; 1.6 is used" in texts(read("", ""))[0]
     assert texts(read("", "1.9")) == []
     assert "version 'x' is not allowed" in texts(read("", "x"))[0]
 

@@ -4,16 +4,17 @@
 
 Ten robots with lasers drive on a plane: odometry, scans, imu, joint states and true poses of each, a second imu, /tf
 and /clock are 53 streams with 2.1 messages a step of 1 ms; a camera adds 640 x 480 images at 30 Hz. Steps are made as
-fast as possible. Processes with the same world take turns, 15 rounds of blocks; printed are the ratios of processor and
-of real time, with quartiles, and the aims:
+fast as possible. Processes with the same world take turns, 15 rounds of blocks; printed are the times of a step, the
+ratios of real and of processor time, the latter of all threads of a process, with quartiles, and the aims:
 
-    nobody    with ROS and no subscribers / without ROS                    at most  1 %
-    streams   recorded / without ROS                                       at most 10 %
+    nobody    with ROS and no subscribers, without drives / without ROS and without plugins    at most  1 %
+    streams   recorded / without ROS                                                           at most 10 %
               recorded / with ROS, no subscribers, sensors that measure
-    images    the same, with images                                        at most 20 %
+    images    the same, with images                                                            at most 20 %
 
 Without ROS, the plugins of the world publish on topics of Gazebo, and sensors measure for these; with ROS, they measure
-for subscribers only.
+for subscribers only. What only publishes has nothing to do without subscribers: `nobody` compares with a world that
+does not have it, and leaves out the drives, which have.
 
 LIBGZ_ROS1_ROOT names a root with ROS 1 (roscore and rosbag), which is entered by chroot, as root; its rosbag records.
 Without it, a process of this script subscribes to all topics and reads what comes. Needs an idle machine with 2 cores.
@@ -58,8 +59,13 @@ CAMERA = """
 # The world -----------------------------------------------------------------------------------------------------------
 
 
-def world_text(images: bool) -> str:
-    """Ten robots of the tests' world without contact sensors, each in a namespace of its own; one has a second imu."""
+def world_text(images: bool, without: str = "") -> str:
+    """Ten robots of the tests' world without contact sensors, each in a namespace of its own; one has a second imu.
+
+    Args:
+        images: with a camera.
+        without: a path of plugins in a robot that are left out.
+    """
     tree = etree.parse(ROOT / "tests/ros/turtle.world")
     world = tree.getroot().find("world")
     for name in ("robot", "wall"):
@@ -84,6 +90,8 @@ def world_text(images: bool) -> str:
         rates = {"drive": RATES["odom"], "joints": RATES["joint_states"], "truth": RATES["truth"]}
         for name, rate in rates.items():
             etree.SubElement(one.find(f"plugin[@name='{name}']"), "updateRate").text = str(rate)
+        for plugin in one.xpath(without) if without else ():
+            plugin.getparent().remove(plugin)
         world.append(one)
     if images:
         world.append(etree.fromstring(CAMERA))
@@ -241,31 +249,34 @@ def compare(name: str, other: Worker, bases: Mapping[str, Worker]) -> None:
     for number in range(PAIRS):
         order = [*bases.values(), other]
         rounds.append({worker: worker(BLOCK) for worker in (order if number % 2 else order[::-1])})
-    steps = {"with ROS": other, **bases}
-    medians = (
-        f"{title} {statistics.median(one[worker][1] for one in rounds) / BLOCK * 1e6:.0f}"
-        for title, worker in steps.items()
-    )
-    print(f"{name:8} CPU of a step [us]: {', '.join(medians)}", flush=True)
+    for kind, what in enumerate(("real", "processor")):
+        medians = (
+            f"{title} {statistics.median(one[worker][kind] for one in rounds) / BLOCK * 1e6:.0f}"
+            for title, worker in {"with ROS": other, **bases}.items()
+        )
+        print(f"{name:8} {what} time of a step [us]: {', '.join(medians)}", flush=True)
     for title, base in bases.items():
         for kind, what in enumerate(("real", "processor")):
             ratios = [one[other][kind] / one[base][kind] for one in rounds]
             low, middle, high = (100.0 * (value - 1.0) for value in statistics.quantiles(ratios, n=4))
-            aim = f", at most {AIMS[name]:.0f} %" if title == "without ROS" else ""
-            print(f"{name:8} / {title:22} {what:9} {middle:+6.1f} % [{low:+.1f}, {high:+.1f}]{aim}", flush=True)
+            aim = f", at most {AIMS[name]:.0f} %" if title.startswith("without ROS") else ""
+            print(f"{name:8} / {title:31} {what:9} {middle:+6.1f} % [{low:+.1f}, {high:+.1f}]{aim}", flush=True)
 
 
 def run(name: str, folder: Path) -> None:
     """One comparison."""
     path = folder / f"{name}.world"
-    path.write_text(world_text(images=name == "images"))
+    bare = folder / "bare.world"
+    path.write_text(world_text(images=name == "images", without="plugin[@name='drive']" if name == "nobody" else ""))
+    bare.write_text(world_text(images=False, without=".//plugin"))
     root = os.environ.get("LIBGZ_ROS1_ROOT")
     with contextlib.ExitStack() as stack:
         quiet = stack.enter_context(listed_master())
-        bases = {"without ROS": Worker(path, None)}
         if name == "nobody":
+            bases = {"without ROS and without plugins": Worker(bare, None)}
             other = Worker(path, quiet.uri)
         else:
+            bases = {"without ROS": Worker(path, None)}
             bases["sensors that measure"] = Worker(path, quiet.uri, measures=True)
             wait_for(lambda: len(quiet.publishers) >= STREAMS)
             plugins = [topic for topic in quiet.publishers if topic.startswith(("/r", "/clock", "/tf", "/camera"))]

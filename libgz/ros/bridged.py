@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from libgz.base.errors import GazeboError, LibraryError
-from libgz.base.law import Number
 from libgz.ros.loop import SEND_AT_ONCE, Connection, Frame, Loop, kept
 from libgz.ros.names import NodeNames
 from libgz.ros.packing import LARGE, Buffer, Codec, FormatError, read_schema
@@ -59,17 +58,15 @@ class Channel:
     Attributes:
         topic: the full name.
         subscribed: whether there are subscribers, as far as the bridge says.
-        listened: the same, or that the topic keeps its last messages for those that come; 1 or 0.
+        listened: the same, or that the topic keeps its last messages for those that come.
         declared: whether the present bridge has said what the fields of its types are.
         codecs: those of the message, or of request and response; empty until the first bridge has said that.
     """
 
-    listened = Number()
-
     def __init__(self, node: BridgedNode, verb: str, topic: str, kind: MessageType | ServiceType, about: Any) -> None:
         self._node, self.verb, self.topic, self.kind, self.about = node, verb, topic, kind, about
         self.number = 0
-        self.declared = self.subscribed = False
+        self.declared = self.listened = self.subscribed = False
         self.codecs: list[Codec] = []
         self.receive: Callable[[bytes], Any] | None = None
         self.serve: Callable[[bytes, Callable[[bool, bytes], None]], bool] | None = None

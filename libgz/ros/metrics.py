@@ -52,7 +52,7 @@ class Metrics:
     @property
     def listened(self) -> bool:
         """Whether there are subscribers."""
-        return bool(self._publication.listened)
+        return self._publication.listened
 
     def _changed(self) -> None:
         if not self.listened:  # times from before a pause would be in the first rates after it

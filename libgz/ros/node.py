@@ -13,7 +13,6 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from libgz.base.errors import ParameterError
-from libgz.base.law import Number
 from libgz.ros.loop import Listener, Loop
 from libgz.ros.names import NodeNames
 from libgz.ros.packing import Buffer, codec
@@ -42,10 +41,8 @@ class Publisher:
     """What a node publishes on one topic.
 
     Attributes:
-        listened: whether there are subscribers, or the topic keeps its last message for those that come; 1 or 0.
+        listened: whether there are subscribers, or the topic keeps its last message for those that come.
     """
-
-    listened = Number()
 
     def __init__(self, node: Node, topic: str, kind: MessageType, queue: int, latch: bool) -> None:
         self.node, self.topic, self.kind, self.queue, self.latch = node, topic, kind, queue, latch

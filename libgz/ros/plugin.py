@@ -29,6 +29,7 @@ __all__ = [
     "Endpoint",
     "Parameter",
     "Periodic",
+    "Publishing",
     "Rate",
     "RosPlugin",
     "Ticks",
@@ -244,7 +245,7 @@ class Periodic(RosPlugin):
 
     world: World
     ticks: Ticks
-    connection: Connection
+    connection: Connection | None = None
 
     def run(self) -> None:
         """Begin to work; `Load` ends with it."""
@@ -277,6 +278,35 @@ class Periodic(RosPlugin):
     def work(self, now: float) -> None:
         """Do the work, at sim time `now` [s]."""
         raise NotImplementedError
+
+
+class Publishing(Periodic):
+    """A plugin whose work is to publish: steps need nothing of it while nobody listens.
+
+    Attributes:
+        publications: all that it publishes.
+    """
+
+    publications: tuple[Publication, ...] = ()
+
+    def advertise(self, topic: str, kind: str, queue: int = 1) -> Publication:
+        """Publish a topic, and work while somebody listens."""
+        found = self.publish(topic, kind, queue, changed=self.match)
+        self.publications = (*self.publications, found)
+        return found
+
+    def run(self) -> None:
+        """Begin to work, if somebody listens."""
+        self.match()
+
+    def match(self) -> None:
+        """Work while somebody listens."""
+        listened = any(one.listened for one in self.publications)
+        if listened and self.connection is None:
+            super().run()
+        elif not listened and self.connection is not None:
+            self.connection.Disconnect()
+            self.connection = None
 
 
 def _value(sdf: Element, parameter: Parameter, version: int) -> Any:

@@ -14,7 +14,6 @@ import numpy as np
 
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, StateError
-from libgz.base.law import law
 from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
@@ -89,10 +88,9 @@ class Publication:
         self._end = AtEnd(lambda: node.withdraw(publisher))
 
     @property
-    @law
-    def listened(self) -> Any:
+    def listened(self) -> bool:
         """Whether there are subscribers: without any, no message needs to be made."""
-        return self._publisher.listened > 0.0
+        return bool(self._publisher.listened)
 
     @property
     def subscribed(self) -> bool:

@@ -52,7 +52,9 @@ class RosWorld(Stateless):
         self._session, self._core = session, core
         more: dict[str, Any] = {"reliability": "best_effort"} if session.version == 2 else {}
         with unowned():
-            self._clock = session.publish("/clock", "rosgraph_msgs/Clock", 1 if more else 10, **more)
+            self._clock = session.publish(
+                "/clock", "rosgraph_msgs/Clock", 1 if more else 10, changed=core.update_rows_changed, **more
+            )
         self._ticks = Ticks(0.0)
         self._time = message_type("rosgraph_msgs/Clock")()
         self._states: list[States] = []
@@ -106,12 +108,13 @@ class RosWorld(Stateless):
 
     def plan_end(self, plan: Plan) -> None:
         """Add the clock, to be published after those steps that are made without the rest."""
-        with plan.when(self._clock_is_due):
-            plan.call(self._send_clock)
+        if self._clock.listened:
+            with plan.when(self._clock_is_due):
+                plan.call(self._send_clock)
 
     @law
     def _clock_is_due(self) -> Any:
-        return self._clock.listened & self._ticks.is_due(self._core.clock.sim_time)
+        return self._ticks.is_due(self._core.clock.sim_time)
 
     def _send_clock(self) -> None:
         now = self._core.GetSimTime()
@@ -133,7 +136,7 @@ class RosWorld(Stateless):
 
     def step(self, paused: bool) -> None:
         """Publish the clock and what devices have measured, and deliver what has come."""
-        if not paused and self._clock_is_due():
+        if not paused and self._clock.listened and self._clock_is_due():
             self._send_clock()
         self._devices.step()
         self._session.deliver()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks, set_point
+from libgz.ros.plugin import Endpoint, Parameter, Publishing, Ticks, set_point
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosF3D(Periodic, ModelPlugin):
+class GazeboRosF3D(Publishing, ModelPlugin):
     """Publishes the force and torque that are applied to a link, in the world's frame, each iteration."""
 
     STATE = ()
@@ -36,13 +35,8 @@ class GazeboRosF3D(Periodic, ModelPlugin):
         self.ticks = Ticks(0.0)
         self.message = message_type("geometry_msgs/WrenchStamped")()
         self.message.header.frame_id = self.frame(self.given.frameName)
-        self.publication = self.publish(self.given.topicName, "geometry_msgs/WrenchStamped")
+        self.publication = self.advertise(self.given.topicName, "geometry_msgs/WrenchStamped")
         self.run()
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        return self.publication.listened
 
     def work(self, now: float) -> None:
         """Publish."""

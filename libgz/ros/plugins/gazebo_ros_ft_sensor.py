@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError, ParameterError
-from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint, named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import NOISE, Endpoint, Parameter, Periodic, Rate, Ticks, set_point
+from libgz.ros.plugin import NOISE, Endpoint, Parameter, Publishing, Rate, Ticks, set_point
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosFT(Periodic, ModelPlugin):
+class GazeboRosFT(Publishing, ModelPlugin):
     """Publishes the wrench that a joint applies to its child, in the child's frame, which the message names."""
 
     STATE = ("ticks",)
@@ -40,7 +39,7 @@ class GazeboRosFT(Periodic, ModelPlugin):
         self.ticks = Ticks(self.given.updateRate)
         self.message = message_type("geometry_msgs/WrenchStamped")()
         self.message.header.frame_id = self.frame(self.joint.GetChild().GetName())
-        self.publication = self.publish(self.given.topicName, "geometry_msgs/WrenchStamped")
+        self.publication = self.advertise(self.given.topicName, "geometry_msgs/WrenchStamped")
         self.run()
 
     def _joint(self, model: Model, sdf: Element) -> Joint:
@@ -53,11 +52,6 @@ class GazeboRosFT(Periodic, ModelPlugin):
         if not joints:
             raise NotFoundError(f"{sdf.where}: <bodyName> is {link.GetName()!r}, which is no joint's child")
         return joints[0]
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        return self.publication.listened
 
     def work(self, now: float) -> None:
         """Publish."""

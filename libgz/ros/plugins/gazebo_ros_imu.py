@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
@@ -14,7 +13,7 @@ from libgz.ros.plugin import (
     OFFSETS,
     Endpoint,
     Parameter,
-    Periodic,
+    Publishing,
     Rate,
     Ticks,
     noise,
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosImu(Periodic, ModelPlugin):
+class GazeboRosImu(Publishing, ModelPlugin):
     """Publishes an Imu message of a link, as the original does: the acceleration is without gravity.
 
     Rate and acceleration are differences in the world's frame, turned by the link's rotation and not by its inverse;
@@ -62,7 +61,7 @@ class GazeboRosImu(Periodic, ModelPlugin):
         message.header.frame_id = given.frameName or given.bodyName
         for name in ("orientation", "angular_velocity", "linear_acceleration"):
             getattr(message, f"{name}_covariance")[::4] = given.gaussianNoise**2
-        self.publication = self.publish(given.topicName, "sensor_msgs/Imu")
+        self.publication = self.advertise(given.topicName, "sensor_msgs/Imu")
         self.service = self.serve(given.serviceName, "std_srvs/Empty", self.OnCalibrate)
         self.Reset()
         self.run()
@@ -74,11 +73,6 @@ class GazeboRosImu(Periodic, ModelPlugin):
     def OnCalibrate(self, _request: Any) -> Any:
         """Nothing to do."""
         return self.service.kind.response()
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        return self.publication.listened
 
     def work(self, now: float) -> None:
         """Publish."""

@@ -14,6 +14,7 @@ from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
     from libgz.sdf.element import Element
+    from libgz.simulation.event import Connection
 
 
 class GazeboRosImuSensor(RosSensor, SensorPlugin):
@@ -25,6 +26,7 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
     STATE = ("ticks", "last")
 
     last = Number()  # when what was published last was measured [s]
+    connection: Connection | None = None
     own_namespace = True
     parameters = (
         Parameter("topicName", "imu_data", "measurements", ros2="~/out"),
@@ -53,19 +55,24 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
     def begin(self) -> None:
         """Begin; the topic is advertised."""
         self.match_activity()
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def match_activity(self) -> None:
         """Let the sensor measure if somebody listens, and publish what it measures from now on."""
-        self.last = self.sensor.schedule.measured
         super().match_activity()
+        listened = self.publication.listened
+        if listened and self.connection is None:
+            self.last = self.sensor.schedule.measured
+            self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        elif not listened and self.connection is not None:
+            self.connection.Disconnect()
+            self.connection = None
 
     @law
     def OnUpdate(self) -> None:
         """Publish the last measurement, if it is a new one and it is time."""
         measured = self.sensor.schedule.measured
         new = (measured > 0.0) & (measured != self.last)
-        if rarely(self.publication.listened & new & self.ticks.is_due(measured)):
+        if rarely(new & self.ticks.is_due(measured)):
             self._publish(measured)
 
     @unrecorded

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Publishing, Rate, Ticks
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosJointStatePublisher(Periodic, ModelPlugin):
+class GazeboRosJointStatePublisher(Publishing, ModelPlugin):
     """Publishes positions and velocities of joints, without efforts."""
 
     STATE = ("ticks",)
@@ -36,13 +35,8 @@ class GazeboRosJointStatePublisher(Periodic, ModelPlugin):
         self.joints = [find_joint(model, name) for name in names] or [j for j in model.all_joints() if j.DOF()]
         self.ticks = Ticks(self.given.updateRate)
         self.message = message_type("sensor_msgs/JointState")(name=[joint.GetName() for joint in self.joints])
-        self.publication = self.publish("joint_states", "sensor_msgs/JointState", 1000)
+        self.publication = self.advertise("joint_states", "sensor_msgs/JointState", 1000)
         self.run()
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        return self.publication.listened
 
     def work(self, now: float) -> None:
         """Publish."""

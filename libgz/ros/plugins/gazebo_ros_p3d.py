@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from libgz.base.errors import NotFoundError
-from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
@@ -15,7 +14,7 @@ from libgz.ros.plugin import (
     OFFSETS,
     Endpoint,
     Parameter,
-    Periodic,
+    Publishing,
     Rate,
     Ticks,
     set_point,
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 WORLD = ("", "world", "map", "/map", "/world")  # names of the world's frame
 
 
-class GazeboRosP3D(Periodic, ModelPlugin):
+class GazeboRosP3D(Publishing, ModelPlugin):
     """Publishes pose and velocities of a link in the world, or relative to another link. Noise is on the velocities."""
 
     STATE = ("ticks",)
@@ -65,13 +64,8 @@ class GazeboRosP3D(Periodic, ModelPlugin):
         message = self.message = message_type("nav_msgs/Odometry")()
         message.header.frame_id, message.child_frame_id = self.frame(given.frameName), given.bodyName
         message.pose.covariance[::7] = message.twist.covariance[::7] = given.gaussianNoise**2
-        self.publication = self.publish(given.topicName, "nav_msgs/Odometry", 5 if self.two else 1)
+        self.publication = self.advertise(given.topicName, "nav_msgs/Odometry", 5 if self.two else 1)
         self.run()
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        return self.publication.listened
 
     def work(self, now: float) -> None:
         """Publish."""

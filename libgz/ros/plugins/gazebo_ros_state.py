@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 from libgz.ros.api2 import STATES, StateApi
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, Publishing, Rate, Ticks
 from libgz.ros.states import Listed, States
 from libgz.ros.world import classic_links, classic_models
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosState(Periodic, WorldPlugin):
+class GazeboRosState(Publishing, WorldPlugin):
     """Publishes the states of all models and links, and serves those of entities."""
 
     STATE = ("ticks",)
@@ -32,7 +31,7 @@ class GazeboRosState(Periodic, WorldPlugin):
         """Advertise and serve."""
         self.open(sdf, "")
         self.world, self.ticks = world, Ticks(self.given.updateRate)
-        models, links = (self.publish(one.name, one.kind) for one in self.endpoints[:2])
+        models, links = (self.advertise(one.name, one.kind) for one in self.endpoints[:2])
         self.states = [States(world.core, models, self._models), States(world.core, links, self._links)]
         self.api = StateApi(self.ros, world, self.space, settings=self.own_node.settings) if self.two else None
         self.known: Any = None
@@ -43,12 +42,6 @@ class GazeboRosState(Periodic, WorldPlugin):
 
     def _links(self) -> Listed:
         return classic_links(self.world)
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        models, links = self.states
-        return models.publication.listened | links.publication.listened
 
     def work(self, now: float) -> None:
         """Publish what has subscribers."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import law
+from libgz.base.law import Number, law
 from libgz.classic.math import Pose3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
@@ -29,7 +29,9 @@ class GazeboRosVacuumGripper(Periodic, ModelPlugin):
     They move as the gripper does; one that touches it is held. In ROS 2, a force of 1 N pulls them, and nothing else.
     """
 
-    STATE = ("enabled",)
+    STATE = ("enabled", "active")
+
+    active = Number()  # 1: there is something to do
 
     parameters = (
         Parameter("bodyName", "", "the link (in ROS 2 link_name)"),
@@ -51,11 +53,12 @@ class GazeboRosVacuumGripper(Periodic, ModelPlugin):
         given, self.world, self.ticks = self.given, model.GetWorld(), Ticks(0.0)
         self.link = named_link(model, ros_elements(sdf), "linkName" if given.linkName else "bodyName")
         self.fixed, self.enabled = {model.GetName(), *given.fixed}, False
-        self.publication = self.publish(given.topicName, "std_msgs/Bool")
+        self.publication = self.publish(given.topicName, "std_msgs/Bool", changed=self.match)
         if self.two:
             self.services = [self.serve("switch", "std_srvs/SetBool", self._switch_to)]
         else:
             self.services = [self.serve(name, "std_srvs/Empty", self._switch(name == "on")) for name in ("on", "off")]
+        self.match()
         self.run()
 
     def _switch(self, value: bool) -> Any:
@@ -63,6 +66,7 @@ class GazeboRosVacuumGripper(Periodic, ModelPlugin):
             if self.enabled == value:
                 log.warning("%s: already status is %r", self.handleName, "on" if value else "off")
             self.enabled = value
+            self.match()
             return self.services[0].kind.response()
 
         return switch
@@ -70,16 +74,22 @@ class GazeboRosVacuumGripper(Periodic, ModelPlugin):
     def _switch_to(self, request: Any) -> Any:
         same = self.enabled == bool(request.data)
         self.enabled = bool(request.data)
+        self.match()
         return self.services[0].kind.response(success=not same, message="already so" if same else "")
 
     def Reset(self) -> None:
         """Switch off."""
         self.enabled = False
+        self.match()
 
     @law
     def wanted(self) -> Any:
         """While it is on, or somebody listens."""
-        return self.publication.listened | self.enabled
+        return self.active > 0.0
+
+    def match(self) -> None:
+        """Note whether there is something to do."""
+        self.active = float(self.enabled or self.publication.listened)
 
     def work(self, now: float) -> None:
         """Pull, and publish."""

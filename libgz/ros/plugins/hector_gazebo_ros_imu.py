@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import OFFSETS, Endpoint, Parameter, Periodic, Rate, Ticks, set_point, set_quaternion
+from libgz.ros.plugin import OFFSETS, Endpoint, Parameter, Publishing, Rate, Ticks, set_point, set_quaternion
 from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class HectorGazeboRosImu(Periodic, ModelPlugin):
+class HectorGazeboRosImu(Publishing, ModelPlugin):
     """Publishes an Imu message of a link: rate and specific force in the link's frame, the orientation in the world."""
 
     STATE = ("ticks", "velocity", "last")
@@ -48,7 +47,7 @@ class HectorGazeboRosImu(Periodic, ModelPlugin):
         message.header.frame_id = self.frame(given.frameId or given.bodyName)
         message.angular_velocity_covariance[::4] = [value**2 for value in given.rateGaussianNoise]
         message.linear_acceleration_covariance[::4] = [value**2 for value in given.accelGaussianNoise]
-        self.publication = self.publish(given.topicName, "sensor_msgs/Imu", 10)
+        self.publication = self.advertise(given.topicName, "sensor_msgs/Imu", 10)
         name = given.serviceName or f"{given.topicName}/calibrate"
         self.service = self.serve(name, "std_srvs/Empty", self.OnCalibrate)
         self.Reset()
@@ -61,11 +60,6 @@ class HectorGazeboRosImu(Periodic, ModelPlugin):
     def OnCalibrate(self, _request: Any) -> Any:
         """Nothing to do."""
         return self.service.kind.response()
-
-    @law
-    def wanted(self) -> Any:
-        """While somebody listens."""
-        return self.publication.listened
 
     def work(self, now: float) -> None:
         """Publish."""

@@ -141,6 +141,9 @@ def camera(width: int, height: int, angle: float = 1.2) -> str:
   <clip><near>0.05</near><far>20</far></clip></camera>"""
 
 
+# With the 50 iterations of the default, friction in turns depends on how a solver comes near its solution.
+SOLVED = """<physics type="ode"><ode><solver><type>quick</type><iters>1000</iters></solver></ode></physics>"""
+
 LENS = """<distortionK1>0</distortionK1><distortionK2>0</distortionK2><distortionK3>0</distortionK3>
   <distortionT1>0</distortionT1><distortionT2>0</distortionT2>"""
 
@@ -457,8 +460,18 @@ SCENES: dict[str, Scene] = {
         ),
         {"/sonar": RANGE, "/bot/ir": RANGE},
     ),
+    "diff_drive_solved": Scene(
+        SOLVED + two_wheels("plain", 2.0, ""),
+        {"/plain/odom": ODOMETRY, "/tf": TF},
+        (("/plain/cmd_vel", "geometry_msgs/Twist", twist(0.3, -0.4)),),
+        tolerances={
+            "twist": (2e-4, 0.0),
+            "": (0.001, 0.0),
+        },
+    ),
     "tricycle_drive": Scene(
-        tricycle(
+        SOLVED
+        + tricycle(
             "encoders",
             0.0,
             """<robotNamespace>/encoders</robotNamespace><odometrySource>encoder</odometrySource>
@@ -476,11 +489,11 @@ SCENES: dict[str, Scene] = {
             ("/encoders/cmd_vel", "geometry_msgs/Twist", twist(0.3, 0.4)),
             ("/plain/cmd_vel", "geometry_msgs/Twist", twist(0.3, 0.4)),
         ),
-        tolerances={
-            "/encoders/odom": (0.04, 0.0),
-            "/encoders/joint_states:position": (0.3, 0.0),
-            "/encoders/joint_states:velocity": (0.17, 0.0),
-            "/plain/odom": (0.006, 0.0),
+        tolerances={  # setting the steering's angle at the begin slips the rear wheels
+            "/encoders/odom": (0.015, 0.0),
+            "/encoders/joint_states:position": (0.25, 0.0),
+            "/encoders/joint_states:velocity": (0.002, 0.0),
+            "/plain/odom": (0.015, 0.0),
             "/tf:transforms.0.transform": (0.05, 0.0),
         },
     ),

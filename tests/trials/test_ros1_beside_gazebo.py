@@ -100,6 +100,7 @@ def said(scene, world):
         for topic, type_, values in scene.commands:
             kind = message_type(type_)
             wait_until(lambda topic=topic: topic in known(1))
+            master.subscribers = known(1)
             talker = Talker(master, topic, kind.name, kind.md5)
             stack.callback(talker.close)
             talker.send(codec(kind).pack(values_of(values, kind())))

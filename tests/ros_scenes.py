@@ -142,7 +142,7 @@ def camera(width: int, height: int, angle: float = 1.2) -> str:
 
 
 # With the 50 iterations of the default, friction in turns depends on how a solver comes near its solution.
-SOLVED = """<physics type="ode"><ode><solver><type>quick</type><iters>1000</iters></solver></ode></physics>"""
+SOLVED = """<physics type="ode"><ode><solver><type>world</type></solver></ode></physics>"""
 
 LENS = """<distortionK1>0</distortionK1><distortionK2>0</distortionK2><distortionK3>0</distortionK3>
   <distortionT1>0</distortionT1><distortionT2>0</distortionT2>"""

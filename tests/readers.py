@@ -28,7 +28,7 @@ from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
 from libgz.view.protocol import scene_message
 
-__all__ = ["ASSETS", "KINDS", "TEXT", "problem", "seeds", "warm"]
+__all__ = ["ASSETS", "KINDS", "SAVED", "TEXT", "problem", "seeds", "warm"]
 
 ROOT = Path(__file__).parents[1]
 EVERYTHING = ROOT / "tests" / "data" / "worlds" / "everything.sdf"

@@ -117,7 +117,7 @@ class EngineState:
             "couplings": [
                 [joints.index(one.line), _lists(saved_values(one))] for one in engine.couplings if not one.broken
             ],
-            "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
+            "contacts": self._contacts() if self._context.record_contacts else b"",
         }
 
     def _dummy_poses(self) -> bytes:
@@ -154,6 +154,12 @@ class EngineState:
         size = ctypes.sizeof(JointFeedback) // 8
         feedbacks = [joint._feedback for joint in engine.joints.values() if joint._feedback is not None]
         return found + [Block("feedback", size, 1, ctypes.addressof(feedback)) for feedback in feedbacks]
+
+    def _contacts(self) -> bytes:
+        """The contacts that are recorded, but those of geoms that have been removed since."""
+        contacts, known = self._engine.contacts, [0, *self._engine.geoms]
+        there = np.isin(contacts["geom1"], known) & np.isin(contacts["geom2"], known)
+        return contacts[there].tobytes()
 
     def _objects(self) -> bytes:
         """What Python knows of the objects, encoded."""

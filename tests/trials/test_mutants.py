@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from forked import Failure, note, run_trials
 from mutants import mutant
-from readers import ASSETS, TEXT, problem, seeds, warm
+from readers import ASSETS, SAVED, TEXT, problem, seeds, warm
 from sample_files import sample
 from trials.table import trial
 
@@ -71,6 +71,18 @@ def test_mutated_worldfiles_load_or_name_file_and_line(era, tmp_path, monkeypatc
 
     repeat = f"TRIAL_SEED={SEED} TRIAL_WORLDS=2 TRIAL_FIRST=NUMBER make trials"
     check(action, (WORLDS + 1) // 2, f"{era} worldfiles", repeat)
+
+
+@pytest.mark.parametrize("kind", SAVED)
+def test_mutated_logs_and_states_are_read_or_refused(kind, tmp_path):
+    sources = seeds(kind)
+
+    def action(number: int) -> str:
+        path = tmp_path / f"m{os.getpid()}.{kind}"
+        path.write_bytes(mutant(SEED, number, sources[number % len(sources)], text=False))
+        return problem(kind, path)
+
+    check(action, ASSET_COUNT, kind, f"TRIAL_SEED={SEED} TRIAL_ASSETS=1 TRIAL_FIRST=NUMBER make trials")
 
 
 @pytest.mark.parametrize("kind", ASSETS)

@@ -13,6 +13,7 @@ from libgz.base.geometry import GzVector, VectorLike
 from libgz.classic.common import Image
 from libgz.classic.math import Vector2i, Vector3d
 from libgz.classic.physics.base import Base
+from libgz.physics.check import LARGEST, finite_tuple
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.sdf.value import parse
@@ -64,9 +65,9 @@ class Shape:
         """Scale it to this multiple of its first size; without effect on planes and meshes.
 
         Raises:
-            ParameterError: a factor is not above zero.
+            ParameterError: a factor is not above zero, or too large.
         """
-        new = tuple(map(float, scale))
+        new = finite_tuple(scale, 3, "scale", LARGEST)
         self._rescale(new, self.geom.scale)
         self.geom.scale = new
 

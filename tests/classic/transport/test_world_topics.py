@@ -298,8 +298,13 @@ def test_a_world_with_any_wrenches_and_lights_can_be_brought_back(core, view, se
         send("~/box/link/wrench", message)
         send("~/box/link/wrench", message)
         view.ModelByName("box").GetLink("link").AddForceAtWorldPosition((number, number, number), (1e9, -1e9, 1e9))
+        send("~/model/modify", msgs.Model(name="ground_plane", scale=msgs.Vector3d(x=number, y=math.nan, z=1)))
         core.snapshots.restore(core.get_state(), anew=True)
         core.step(2)
+    core.engine.record_contacts = True
+    core.step(1)
+    view.RemoveModel("ground_plane")  # which is in contact
+    core.snapshots.restore(core.get_state(), anew=True)
     assert all(map(math.isfinite, view.ModelByName("box").WorldPose().Pos()))
 
 

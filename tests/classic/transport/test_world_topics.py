@@ -448,7 +448,7 @@ def test_repeated_and_long_errors_of_messages_do_not_fill_the_log(core, node, ca
     for _ in range(150):
         factory.Publish(
             msgs.Factory(
-                sdf=f"<sdf version='1.6'><model name='{'x' * 50_000}'><link name='a'/><link name='a'/></model></sdf>"
+                sdf=f"<sdf version='1.6'><model name='{'x' * 50_000}'><link name='a'/><joint name='j' type='x'/></model></sdf>"
             )
         )
     core.step(2)

@@ -445,12 +445,10 @@ def test_changes_are_published(view, core, node, send):
 
 def test_repeated_and_long_errors_of_messages_do_not_fill_the_log(core, node, caplog):
     factory = node.Advertise(msgs.Factory, "~/factory")
+    inside = "<link name='a'/><joint name='j' type='x'/>"
+    text = f"<sdf version='1.6'><model name='{'x' * 50_000}'>{inside}</model></sdf>"
     for _ in range(150):
-        factory.Publish(
-            msgs.Factory(
-                sdf=f"<sdf version='1.6'><model name='{'x' * 50_000}'><link name='a'/><joint name='j' type='x'/></model></sdf>"
-            )
-        )
+        factory.Publish(msgs.Factory(sdf=text))
     core.step(2)
     errors = [record.getMessage() for record in caplog.records if "~/factory" in record.getMessage()]
     assert len(errors) == 2

@@ -257,6 +257,31 @@ SCENES: dict[str, Scene] = {
             "rgb/image_raw:data": (2.0, 0.2),
         },
     ),
+    "depth_camera": Scene(
+        WALL
+        + stand(
+            sensor(
+                "deep",
+                "depth",
+                10,
+                camera(32, 24),
+                "depth_camera",
+                f"""<cameraName>deep</cameraName><imageTopicName>rgb/image_raw</imageTopicName>
+  <cameraInfoTopicName>rgb/camera_info</cameraInfoTopicName><depthImageTopicName>depth/image_raw</depthImageTopicName>
+  <depthImageCameraInfoTopicName>depth/camera_info</depthImageCameraInfoTopicName>
+  <pointCloudTopicName>depth/points</pointCloudTopicName><frameName>deep_frame</frameName>
+  <pointCloudCutoff>0.3</pointCloudCutoff><pointCloudCutoffMax>3</pointCloudCutoffMax>{LENS}""",
+            )
+        ),
+        {
+            "/deep/rgb/image_raw": IMAGE,
+            "/deep/depth/image_raw": IMAGE,
+            "/deep/depth/points": CLOUD,
+        },
+        tolerances={
+            "rgb/image_raw:data": (2.0, 0.2),
+        },
+    ),
     "lasers": Scene(
         WALL
         + stand(

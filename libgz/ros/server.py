@@ -21,7 +21,6 @@ PLUGINS = Path(__file__).parent / "plugins"
 # Names of files that have no file of their own -> the plugins that stand for them.
 STAND_INS = {
     "gazebo_ros_api_plugin": "_part_of_server",
-    "gazebo_ros_depth_camera": "gazebo_ros_openni_kinect",
     "gazebo_ros_force_based_move": "gazebo_ros_planar_move",
     "gazebo_ros_gpu_laser": "gazebo_ros_laser",
     "gazebo_ros_init": "_part_of_server",

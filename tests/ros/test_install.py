@@ -232,6 +232,7 @@ def test_definitions_of_ros2_are_whole():
     assert {path.partition("/")[0] for path in texts} == {"control_msgs", "gazebo_msgs", "tf2_msgs"}
     assert texts["gazebo_msgs/srv/DeleteEntity.srv"] == "string name\n---\nbool success\nstring status_message\n"
     assert "builtin_interfaces/Duration duration\n" in texts["gazebo_msgs/srv/ApplyLinkWrench.srv"]
+    assert texts["control_msgs/action/GripperCommand.action"].startswith("control_msgs/GripperCommand command\n---\n")
     action = texts["control_msgs/action/FollowJointTrajectory.action"]
     assert action.startswith("trajectory_msgs/JointTrajectory trajectory\n")
     assert action.count("---\n") == 2

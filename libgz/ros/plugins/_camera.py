@@ -238,11 +238,27 @@ def open_each(owner: RosSensor, sensor: Any, sdf: Element) -> list[RosCamera]:
 
 
 class DepthCloud(RosCamera):
-    """Publishes depths and points beside images."""
+    """Publishes depths and points beside images.
+
+    Attributes:
+        flat: whether the points are one row, instead of those of the image.
+    """
+
+    flat = False
 
     depths: Publication
     depth_infos: Publication
     points: Publication
+
+    @property
+    def farthest(self) -> float:
+        """Depths from here on are not seen [m]."""
+        return float(self.given.pointCloudCutoffMax)
+
+    def depth_data(self) -> NDArray[np.float32]:
+        """Depths [m], a row for each of the image."""
+        camera = self.camera
+        return np.asarray(self.sensor.DepthData(), np.float32).reshape(camera.ImageHeight(), camera.ImageWidth())
 
     def open_depths(self) -> None:
         """Advertise depths and points."""
@@ -260,9 +276,8 @@ class DepthCloud(RosCamera):
             self.depth_infos.publish(self.info())
         if not (self.depths.listened or self.points.listened):
             return
-        camera = self.camera
-        depths = np.asarray(self.sensor.DepthData(), np.float32).reshape(camera.ImageHeight(), camera.ImageWidth())
-        seen = (depths > self.given.pointCloudCutoff) & (depths < self.given.pointCloudCutoffMax)
+        depths = self.depth_data()
+        seen = (depths > self.given.pointCloudCutoff) & (depths < self.farthest)
         if self.depths.listened:
             self.depths.publish(self._depth_image(depths, seen))
         if self.points.listened:
@@ -299,7 +314,9 @@ class DepthCloud(RosCamera):
         found: Any = message_type("sensor_msgs/PointCloud2")(width=width, height=height, data=data.tobytes())
         offsets = {"x": 0, "y": 4, "z": 8, "rgb": 16}
         found.fields = [field(name=name, offset=at, datatype=7, count=1) for name, at in offsets.items()]
-        found.point_step, found.row_step, found.is_dense = POINT_STEP, POINT_STEP * width, bool(seen.all())
+        if self.flat:
+            found.width, found.height = width * height, 1
+        found.point_step, found.row_step, found.is_dense = POINT_STEP, POINT_STEP * found.width, bool(seen.all())
         self.stamp(found)
         found.header.frame_id = self.frame_name
         return found  # type: ignore[no-any-return]

@@ -282,3 +282,27 @@ def test_a_plugin_and_its_attribute_are_named(tmp_path, monkeypatch):
         with pytest.raises(PluginError, match=r"name\[p\].*: its attribute 'thing': there is no object of class Own"):
             world.set_state(state)
         assert plugin.thing is None
+
+
+ARM = """<sdf version='1.6'><world name='w'><model name='arm'><pose>0 0 1 0 0 0</pose><link name='base'/>
+<link name='rod'><pose>.3 0 0 0 0 0</pose></link>
+<joint name='fix' type='fixed'><parent>world</parent><child>base</child></joint>
+<joint name='hinge' type='revolute'><pose>-.3 0 0 0 0 0</pose><parent>base</parent><child>rod</child>
+<axis><xyz>0 1 0</xyz></axis></joint></model></world></sdf>"""
+
+
+def test_joints_of_a_model_that_came_back_turn_on():
+    with libgz.World.from_string(ARM) as world:
+
+        def angles():
+            return [joint.GetAngle() for joint in world.engine.joints.values() if isinstance(joint, libgz.HingeJoint)]
+
+        world.step(10)
+        state = world.get_state()
+        world.step(5)
+        [expected] = angles()
+        world.remove(list(world.models))
+        world.set_state(state)
+        world.step(5)
+        assert angles() == [expected]
+        assert expected > 0.0

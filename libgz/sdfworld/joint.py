@@ -32,7 +32,7 @@ from libgz.physics.joint import Joint
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.sdfworld.joint_record import PARAMETERS, RANGES, JointRecord
-from libgz.sdfworld.links import accelerate_links, links_behind, move_links
+from libgz.sdfworld.links import accelerate_links, links_behind, move_links, slide_child, turn_child
 from libgz.sdfworld.mechanism import (
     GearboxMechanism,
     HingeMechanism,
@@ -436,7 +436,10 @@ class SdfJoint:
 
     @law
     def set_velocity(self, velocity: float, index: int = 0) -> None:
-        """Set at once the velocities of all links behind the joint that make an axis move so [rad/s] or [m/s].
+        """Set at once the velocity of an axis [rad/s] or [m/s].
+
+        As in Gazebo, a hinge or universal joint gives its child the velocity that the parent's motion and this one make
+        of it, a slider the velocity without the rate. Of other kinds all links behind the joint are accelerated.
 
         Raises:
             ParameterError: there is no such axis, or the velocity is not finite.
@@ -446,9 +449,27 @@ class SdfJoint:
         if self._live_joint is None:
             return
         self._index_checked(index)
-        change = velocity - self._mechanism.velocity(index)  # type: ignore[union-attr]
-        turn, slide = self._motion(change, index)
-        accelerate_links(self._behind(), self._frame().pos, turn, slide)
+        mechanism: Any = self._mechanism
+        child = self._moving_child
+        if child is not None and mechanism.moves == "turning":
+            rate = self._motion(velocity, index)[0]
+            for other in self._other_axes(index):
+                rate = GzVectorAdd(rate, self._motion(mechanism.velocity(other), other)[0])
+            turn_child(child, self.parent, self._frame().pos, self.parent_frame().pos, rate)
+        elif child is not None and mechanism.moves == "sliding":
+            slide_child(child, self.parent, self._motion(velocity, index)[1])
+        else:
+            turn, slide = self._motion(velocity - mechanism.velocity(index), index)
+            accelerate_links(self._behind(), self._frame().pos, turn, slide)
+
+    @property
+    @constant
+    def _moving_child(self) -> Body | None:
+        return None if self.child is None or self.child.dummy else self.child
+
+    @constant
+    def _other_axes(self, index: int) -> list[int]:
+        return [other for other in range(len(self.axes)) if other != index]
 
     @constant
     def _index_checked(self, index: int) -> None:
@@ -486,6 +507,7 @@ class SdfJoint:
         """Global pose of the joint's frame, which is fixed to the child [m]."""
         return self._frame()
 
+    @law
     def parent_frame(self) -> GzPose:
         """Global pose of what was the joint's frame when it was attached, and is fixed to the parent [m]."""
         return GzCoordPoseAdd(self._in_parent, self.parent.GetPose() if self.parent is not None else GzPose())

@@ -21,7 +21,7 @@ from libgz.physics.couplings import LineJoint, TieJoint
 if TYPE_CHECKING:
     from libgz.physics.body import Body
 
-__all__ = ["accelerate_links", "links_behind", "move_links"]
+__all__ = ["accelerate_links", "links_behind", "move_links", "slide_child", "turn_child"]
 
 
 def links_behind(child: Body | None, parent: Body | None) -> list[Body]:
@@ -64,3 +64,32 @@ def accelerate_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, sl
         change = GzVectorAdd(GzVectorCross(turn, arm), slide)
         link.SetLinearVel(GzVectorAdd(link.GetLinearVel(), change))
         link.SetAngularVel(GzVectorAdd(link.GetAngularRate(), turn))
+
+
+def turn_child(child: Body, parent: Body | None, frame: GzVector, parent_frame: GzVector, rate: GzVector) -> None:
+    """Let a joint's child turn about it, with what its parent does.
+
+    Args:
+        child: it.
+        parent: None is at rest.
+        frame: global place of the joint on the child [m].
+        parent_frame: global place of the joint on the parent [m].
+        rate: against the parent [rad/s], global.
+    """
+    velocity = GzVector()
+    if parent is not None:
+        arm = GzVectorSub(parent_frame, parent.GetCoMPose().pos)
+        velocity = GzVectorAdd(parent.GetLinearVel(), GzVectorCross(parent.GetAngularRate(), arm))
+        rate = GzVectorAdd(parent.GetAngularRate(), rate)
+    arm = GzVectorSub(child.GetCoMPose().pos, frame)
+    child.SetAngularVel(rate)
+    child.SetLinearVel(GzVectorAdd(velocity, GzVectorCross(rate, arm)))
+
+
+def slide_child(child: Body, parent: Body | None, velocity: GzVector) -> None:
+    """Let a joint's child slide [m/s], global, as fast as its parent and so much more; Gazebo leaves how it turns."""
+    if parent is not None:
+        arm = GzVectorSub(parent.GetPose().pos, parent.GetCoMPose().pos)
+        moving = GzVectorAdd(parent.GetLinearVel(), GzVectorCross(parent.GetAngularRate(), arm))
+        velocity = GzVectorAdd(moving, velocity)
+    child.SetLinearVel(velocity)

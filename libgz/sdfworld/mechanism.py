@@ -92,6 +92,7 @@ class Mechanism:
     sense: ClassVar[float] = 1.0
     holds: ClassVar[bool] = False  # whether the engine can hold an effort over several steps
     engine_springs: ClassVar[bool] = False  # whether the engine applies springs of its own to this kind
+    moves: ClassVar[str] = ""  # "turning" or "sliding": how a velocity that is set moves the child alone, as in Gazebo
 
     joint: Joint | None
 
@@ -229,6 +230,7 @@ class HingeMechanism(Mechanism):
     """`revolute`: one axis of rotation."""
 
     ode_class = HingeJoint
+    moves = "turning"
     engine_springs = holds = True
     joint: HingeJoint
 
@@ -250,6 +252,7 @@ class SliderMechanism(Mechanism):
     """`prismatic`: one axis of translation."""
 
     ode_class = SliderJoint
+    moves = "sliding"
     engine_springs = holds = True
     joint: SliderJoint
 
@@ -323,6 +326,7 @@ class UniversalMechanism(_TwoAxes):
     """`universal`: the first axis is fixed to the parent, ODE's second body."""
 
     ode_class = UniversalJoint
+    moves = "turning"
     joint: UniversalJoint
 
     def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
@@ -353,6 +357,7 @@ class SteeredMechanism(UniversalMechanism):
     """`revolute2` where a universal joint is the same, with the sense of Gazebo's `revolute2`."""
 
     sense = -1.0
+    moves = ""
 
     def join(self, joint: Joint, anchor: GzVector, axes: list[GzVector | None]) -> None:
         super().join(joint, anchor, [GzVectorMul(-1.0, axis) if axis is not None else None for axis in axes])

@@ -21,6 +21,7 @@ from libgz.classic.plugin import GUIPlugin, ModelPlugin, SensorPlugin, SystemPlu
 from libgz.classic.plugin_base import PluginT
 from libgz.classic_cxx import rows
 from libgz.classic_cxx.library import IGNITION, MESSAGES, SONAME, cache_folder, source_key
+from libgz.classic_cxx.own_messages import OwnMessages, mapped
 from libgz.cxx.host import frames_address, install, loading, track
 from libgz.cxx.shared_object import SharedObject
 from libgz.simulation.plugins import Plugin
@@ -38,7 +39,6 @@ KINDS: dict[str, type[PluginT]] = {
     "World": WorldPlugin,
 }
 MARK = re.compile(rb"libgz classic plugin: (\w{1,20}); ([0-9a-f]{1,40}-[0-9a-f]{1,40}); ([^;\0]{1,4096});")
-MESSAGES_OF_ITS_OWN = b"AddDescriptors"  # what registers them in protobuf
 ROSCPP = b"libroscpp.so"
 TRANSPORT = b"libignition-transport"
 NODE = "gazebo_plugins"  # the node of plugins for ROS 1
@@ -47,7 +47,7 @@ INIT, RESET, DELETE = range(3)  # as in bridge.cc
 NOT_KEPT = "states and resets do not keep the variables of its C++ object, which libgz does not know"
 
 _loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
-_kept: dict[Path, SharedObject] = {}  # files with messages of their own, which protobuf cannot forget
+_messages = OwnMessages()
 _library: list[tuple[str, Any]] = []  # key and functions of the one library of the process
 
 
@@ -222,15 +222,14 @@ def load(path: Path) -> Plugin:
     if mark is None or mark[0] not in KINDS:
         raise PluginError(f"error loading plugin: {path} is no plugin that was built with libgz: libgz cxx build")
     kind, key, folder = mark
-    if path in _kept:
-        raise PluginError(
-            f"error loading plugin: {path} has protobuf messages of its own, which a process can load only once; start "
-            "the server again"
-        )
     functions = _functions(path, key, folder)
+    data = read_limited(path)
+    _messages.check(path, data)
+    before = mapped()
     _loaded.pop(path, None)
     with loading(path):
         shared = SharedObject(path)
+        _messages.keep(path, shared, data, before)
         track(shared, path)
         try:
             maker = ctypes.cast(shared.library["libgz_new_plugin"], c_void_p).value
@@ -238,9 +237,6 @@ def load(path: Path) -> Plugin:
             raise PluginError(
                 f"error loading plugin: {path} hides its RegisterPlugin; build it without -fvisibility"
             ) from None
-    data = read_limited(path)
-    if MESSAGES_OF_ITS_OWN in data:
-        _kept[path] = shared
     if ROSCPP in data:
         _start_ros(functions, shared, path)
     if TRANSPORT in data:

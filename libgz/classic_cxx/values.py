@@ -91,9 +91,10 @@ def message_type_of(name: str, files: Sequence[bytes]) -> type[Message]:
         files: descriptors of the file with the message, after those that it imports.
     """
     try:
-        return message_type(name)
+        found = message_type(name)
     except NotFoundError:
-        return add_compiled(name, files)
+        found = None
+    return found if found is not None and found.DESCRIPTOR.full_name == name else add_compiled(name, files)
 
 
 # Console -------------------------------------------------------------------------------------------------------------

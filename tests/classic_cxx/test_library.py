@@ -14,16 +14,19 @@ import pytest
 
 import libgz.classic_cxx.library as library_module
 from libgz.apps.libgz import main
-from libgz.base.errors import LibraryError
+from libgz.base.errors import LibraryError, ParameterError, PluginError
 from libgz.base.geometry import GzVector
 from libgz.classic import msgs
 from libgz.classic.api import classic_api
 from libgz.classic_cxx.generate import bodies, headers
 from libgz.classic_cxx.layouts import RECORDS, shared
 from libgz.classic_cxx.messages import file_of, proto_files
+from libgz.classic_cxx.own_messages import files_in
+from libgz.classic_cxx.plugin import load
 from libgz.classic_cxx.recognition import is_classic, version_flags
 from libgz.classic_cxx.table import rows, split
 from libgz.classic_cxx.values import message_type_of
+from libgz.cxx.build import compiler
 from libgz.physics.check import joint_value
 from libgz.sdfworld.axis import Axis
 from libgz.sdfworld.joint_record import PARAMETERS, RANGES, JointRecord
@@ -163,6 +166,76 @@ def test_messages_that_a_plugin_compiles_know_those_of_libgz():
     assert message_type_of("gazebo.msgs.Vector3d", []) is msgs.Vector3d
 
 
+def described(name, package, *fields, enum=(), imports=(), public=()):
+    """A file with a message, as C++ code describes it."""
+    from google.protobuf.descriptor_pb2 import FileDescriptorProto
+
+    file = FileDescriptorProto(
+        name=name, package=package, dependency=imports, public_dependency=public, syntax="proto2"
+    )
+    for kind in enum:
+        file.enum_type.add(name=kind).value.add(name="NONE", number=0)
+    if fields:
+        message = file.message_type.add(name=fields[0])
+        for number, (field, kind, type_name) in enumerate(fields[1:], 1):
+            message.field.add(name=field, number=number, label=1, type=kind, type_name=type_name)
+    return file.SerializeToString()
+
+
+def test_files_of_messages_share_names_and_import_each_other_publicly():
+    flow = described("flow.proto", "one", "Flow", ("x", 1, None), ("kind", 14, ".one.Kind"), enum=["Kind"])
+    public = described("public.proto", "one", imports=["flow.proto"], public=[0])
+    user = described("user.proto", "one", "User", ("flow", 11, ".one.Flow"), imports=["public.proto"])
+    kind = message_type_of("one.Flow", [flow])
+    assert message_type_of("one.User", [flow, public, user])(flow=kind(x=2.0)).flow.x == 2.0
+    other = described("flow.proto", "two", "Flow", ("y", 1, None))
+    assert message_type_of("two.Flow", [other])(y=3.0).y == 3.0
+    assert msgs.declare("two.Flow", "double y") is message_type_of("two.Flow", [])  # as Python code declares it
+    with pytest.raises(ParameterError, match=r"already a message type 'two\.Flow'"):
+        msgs.declare("two.Flow", "double z")
+    with pytest.raises(ParameterError, match="message Color of C\\+\\+ has no package, and Gazebo has a Color"):
+        message_type_of("Color", [described("color.proto", "", "Color", ("r", 1, None))])
+    assert message_type_of("gazebo.msgs.Color", []) is msgs.Color
+
+
+MESSAGE_PLUGIN = """\
+#include "{name}.pb.h"
+extern "C" void *libgz_new_plugin() {{ return {package}::Level::descriptor() ? nullptr : nullptr; }}
+extern "C" const char *libgz_classic_plugin() {{ return "libgz classic plugin: Model; {key}; {folder};"; }}
+"""
+
+
+def message_plugin(library, place, plugin, package):
+    """Compile a plugin with messages of its own, of a file level.proto."""
+    folder = place / plugin
+    folder.mkdir()
+    (folder / "level.proto").write_text(
+        f'syntax = "proto2"; package {package}; import "time.proto";'
+        "message Level { optional double z = 1; optional gazebo.msgs.Time at = 2; }"
+    )
+    proto = library.include / "gazebo/msgs/proto"
+    subprocess.run(["protoc", f"--cpp_out={folder}", f"-I{folder}", f"-I{proto}", "level.proto"], check=True)
+    text = MESSAGE_PLUGIN.format(name="level", package=package, key=library.key, folder=library.lib)
+    (folder / "plugin.cc").write_text(text)
+    sources = [folder / "plugin.cc", folder / "level.pb.cc"]
+    command = [*compiler(), *library.compiler_flags(), "-O0", "-shared", "-o", folder / f"lib{plugin}.so", *sources]
+    subprocess.run([*command, *library.linker_flags()], check=True)
+    return folder / f"lib{plugin}.so"
+
+
+def test_two_plugins_with_the_same_file_of_messages_share_it(library, tmp_path):
+    first, second = (message_plugin(library, tmp_path, name, "deep") for name in ("first", "second"))
+    other = message_plugin(library, tmp_path, "other", "shallow")
+    assert set(files_in(first.read_bytes())) == {"level.proto"}
+    load(first)
+    load(second)
+    with pytest.raises(PluginError, match=r"messages of a file level\.proto, and .*libfirst\.so has others"):
+        load(other)
+    os.utime(second)
+    with pytest.raises(PluginError, match="messages of its own, which a process can load only once"):
+        load(second)
+
+
 def test_what_is_missing_is_named_with_the_command(monkeypatch):
     monkeypatch.setenv("PATH", "/nothing")
     monkeypatch.delenv("CXX", raising=False)
@@ -217,7 +290,7 @@ def test_the_tutorial_as_typed(library, tmp_path, monkeypatch):
     """cmake ../, make, GAZEBO_PLUGIN_PATH, gzserver hello.world --verbose; then by a Makefile's command."""
     cache = library_module.cache_folder()
     homes = {"HOME": tmp_path, "XDG_CACHE_HOME": cache.parents[1], "XDG_DATA_HOME": tmp_path / ".local/share"}
-    env = {**os.environ, **{name: str(path) for name, path in homes.items()}}
+    env = {**os.environ, "GAZEBO_MASTER_URI": "http://localhost:0", **{name: str(path) for name, path in homes.items()}}
     folder = tmp_path / "gazebo_plugin_tutorial"
     (folder / "build").mkdir(parents=True)
     for name, text in (("hello_world.cc", HELLO), ("CMakeLists.txt", CMAKE), ("hello.world", WORLD)):

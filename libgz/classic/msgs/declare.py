@@ -38,7 +38,8 @@ _LABELS = {
 
 _pool = descriptor_pool.DescriptorPool()
 _types: dict[str, type[Message]] = {}  # by names without PREFIX
-_added: set[str] = set()  # files in the pool
+_added: set[str] = set()  # classic's messages in the pool
+_compiled: set[str] = set()  # files in the pool that C++ code has compiled
 
 
 @functools.cache
@@ -97,9 +98,9 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name):
         raise ParameterError(f"a message type cannot be called {name!r}; it takes letters, digits, _ and dots")
     before = _types.get(name)
-    if before is not None or name.removeprefix(PREFIX) in declarations():
-        if before is not None and before.__doc__ == _describe(name, fields):
-            return before
+    if before is not None and before.__doc__ == _describe(name, fields):
+        return before
+    if name.removeprefix(PREFIX) in declarations():
         raise ParameterError(f"there is already a message type {name!r}")
     package, _, short = name.rpartition(".")
     file = FileDescriptorProto(name=f"{name}.proto", package=package, syntax="proto2")
@@ -110,6 +111,10 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
             values.add(name=word, number=number)
     local = {key: f".{name}.{key}" for key in enums}
     _add_fields(file, message, name, fields, local)
+    if before is not None:
+        if before.__doc__ == name and _encoding(before.DESCRIPTOR) == _encoding(message):  # compiled from C++
+            return before
+        raise ParameterError(f"there is already a message type {name!r}")
     _add_file(file, {f"{name}": _describe(name, fields)})
     return _types[name]
 
@@ -120,29 +125,37 @@ def add_compiled(name: str, files: Sequence[bytes]) -> type[Message]:
     Args:
         name: its full name.
         files: descriptors of its file and of those that it imports, each after what it imports itself. Classic's
-            messages in them are libgz's own.
+            messages in them are libgz's own, and those that Python code has declared are that code's.
 
     Raises:
         ParameterError: a name is used by another declaration.
         NotFoundError: no file has it.
     """
-    classic: dict[str, list[str]] = {}  # messages of classic by the name of their file
+    imports: dict[str, None] = {}  # files of the pool
     for data in files:
         file = FileDescriptorProto.FromString(data)
-        names = [kind.name for kind in file.message_type] + [kind.name for kind in file.enum_type]
-        own = [f"{file.package}.{name}".lstrip(".") for name in names]
-        if own and all(one.removeprefix(PREFIX) in declarations() for one in own):
-            classic[file.name] = [one.removeprefix(PREFIX) for one in own]
+        new: list[Any] = []
+        for one in (*file.message_type, *file.enum_type):
+            if not file.package and one.name in declarations():
+                raise ParameterError(f"message {one.name} of C++ has no package, and Gazebo has a {one.name}: name one")
+            known = _file_of(f"{file.package}.{one.name}".lstrip("."))
+            if known is None:
+                new.append(one)
+            else:
+                imports[known] = None
+        if not new:
             continue
-        imports = list(file.dependency)
-        del file.dependency[:]
-        for imported in imports:
-            for message in classic.get(imported, ()):
-                _depend(file, message)
-            if imported not in classic:
-                file.dependency.append(imported)
-        if not all(one.removeprefix(PREFIX) in _types for one in own):
-            _add_file(file, {})
+        # Files of two programs may have one name, and one file may import others publicly.
+        made = FileDescriptorProto(name=f"{len(_compiled)}/{file.name}", package=file.package)
+        made.syntax = file.syntax or "proto2"
+        made.dependency.extend(imports)
+        made.options.CopyFrom(file.options)
+        made.extension.extend(file.extension)
+        made.message_type.extend(one for one in new if isinstance(one, DescriptorProto))
+        made.enum_type.extend(one for one in new if not isinstance(one, DescriptorProto))
+        _add_file(made, {})
+        _compiled.add(made.name)
+        imports[made.name] = None
     return message_type(name)
 
 
@@ -153,6 +166,25 @@ def restored(name: str, data: bytes) -> Message:
 
 Message._restored = staticmethod(restored)
 register(Message, lambda message: message.__reduce__()[1], restored)
+
+
+def _file_of(name: str) -> str | None:
+    """The pool's file with a message or an enumeration; None if no file has it."""
+    if name.startswith(PREFIX) and (short := name.removeprefix(PREFIX)) in declarations():
+        _add_classic(short)
+    try:
+        return str(_pool.FindFileContainingSymbol(name).name)
+    except KeyError:
+        return None
+
+
+def _encoding(message: Descriptor | DescriptorProto) -> set[tuple[str, int, int, int, str]]:
+    """What two declarations of a message must have in common."""
+    if isinstance(message, Descriptor):
+        found = DescriptorProto()
+        message.CopyToProto(found)
+        message = found
+    return {(one.name, one.number, one.label, one.type, one.type_name) for one in message.field}
 
 
 def _describe(name: str, fields: str) -> str:
@@ -195,7 +227,8 @@ def _add_file(file: FileDescriptorProto, texts: dict[str, str]) -> None:
         _pool.Add(file)
         found = _pool.FindFileByName(file.name)
     except (TypeError, KeyError) as error:
-        raise ParameterError(f"message {file.package}.{file.message_type[0].name}: {error}") from None
+        first = next(one.name for one in (*file.message_type, *file.enum_type))
+        raise ParameterError(f"message {file.package}.{first}: {error}") from None
     for descriptor in found.message_types_by_name.values():
         _register(descriptor, texts)
 

@@ -329,11 +329,11 @@ static void set_error()
 
 PyObject *interned(const char *name)
 {
-  static std::unordered_map<const char *, PyObject *> all;
-  PyObject *&text = all[name];
-  if (text == nullptr)
-    text = PyUnicode_InternFromString(name);
-  return text;
+  static std::unordered_map<const char *, std::pair<std::string, PyObject *>> all;
+  std::pair<std::string, PyObject *> &known = all[name];
+  if (known.second == nullptr || known.first != name)  // a plugin's text may lie where that of an unloaded one was
+    known = {name, PyUnicode_InternFromString(name)};
+  return known.second;
 }
 PyObject *attribute(const char *module, const char *name)
 {
@@ -657,9 +657,8 @@ PyObject *message_type(const google::protobuf::Message &message)
       kind->full_name().c_str(), files.get());
   if (found == nullptr)
     raise_python();
-  if (google::protobuf::DescriptorPool::generated_pool() == kind->file()->pool() &&
-      kind->full_name().compare(0, 12, "gazebo.msgs.") == 0)
-    all[kind] = found;  // a plugin's own kinds end with it
+  if (google::protobuf::DescriptorPool::generated_pool() == kind->file()->pool())
+    all[kind] = found;  // that pool and its kinds never end; those of other pools do
   return found;
 }
 PyObject *message_py(const google::protobuf::Message &message)

@@ -90,7 +90,7 @@ Holder make(PyObject *view)
 Holder wrap(PyObject *view);  // the one C++ object of an object of Python
 
 PyObject *attribute(const char *module, const char *name);  // borrowed
-PyObject *interned(const char *name);                       // borrowed, by the text's address
+PyObject *interned(const char *name);                       // borrowed, kept by the text's address
 PyObject *build(const char *name, std::initializer_list<double> values);  // a value of libgz.classic.math
 PyObject *text_py(const std::string &text);
 std::string text_of(PyObject *object);

@@ -133,3 +133,9 @@ def test_what_is_being_written_belongs_to_its_user_alone(tmp_path, monkeypatch, 
     write_whole(tmp_path / "file", b"text")
     assert set(asked) == {0o600}
     assert (tmp_path / "file").read_bytes() == b"text"
+
+
+def test_a_name_that_no_file_can_have_is_an_error_of_files(tmp_path):
+    for name in ("a\0b", "x" * 5000):
+        with pytest.raises(OSError, match=r"null byte|File name too long"):
+            files.open_file(tmp_path / name)

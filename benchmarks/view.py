@@ -4,7 +4,8 @@ CPU times of the server per step are compared: with the viewer, with a stopped v
 a process that has nothing to do with the server and uses as much of a core. What that one costs is the machine's: cores
 that share caches and memory. Rounds of all three alternate.
 
-python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers at 30 Hz, their ranges shown, then 400)
+python benchmarks/view.py [ROBOTS] [HZ] [ROUNDS]    (default: 30 Pioneer2ATs with lasers at 30 Hz, their ranges shown,
+                                            then 400 at 10 Hz; 10 rounds of 5 s)
 python benchmarks/view.py attack            the same with 30 robots while others attack the viewer's port
 python benchmarks/view.py page              how long a page takes in headless Chromium until it shows the robot,
                                             a live one and a replay (Debian's chromium; pip install playwright)
@@ -36,12 +37,11 @@ from libgz.base.files import installed_worlds
 from libgz.recording.capture import Capture
 from libgz.transport.server import free_server_id
 
-ROUNDS, SPAN = 16, 3.0  # [s]
+ROUNDS, SPAN, PAUSE = 10, 1.5, 0.2  # [s]
 LOADS = 5  # of a page
 FLAGS = ["--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 SIZE = {"width": 800, "height": 600}
 LONGEST = 120.0  # [s]
-TICKS = os.sysconf("SC_CLK_TCK")
 BUSY = """
 import sys, time
 import numpy as np
@@ -74,9 +74,8 @@ def world(robots, lasers):
 
 
 def cpu(process):
-    """CPU time of a process [s]."""
-    words = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    return (int(words[11]) + int(words[12])) / TICKS
+    """CPU time of the threads of a process [s], to the nanosecond."""
+    return 1e-9 * sum(int(one.read_text().split()[0]) for one in Path(f"/proc/{process}/task").glob("*/schedstat"))
 
 
 class Page:
@@ -107,7 +106,7 @@ def measure(server, viewer, page, observer):
     return 1e6 * (cpu(server) - busy) / done, (cpu(viewer) - seen) / span, (page.frames - frames) / span
 
 
-def run(robots, rate, lasers):
+def run(robots, rate, lasers, rounds=ROUNDS):
     """Measure with a page that is open and, in turn, with a stopped viewer."""
     server_id = free_server_id(400)
     with tempfile.NamedTemporaryFile("w", suffix=".world") as file:
@@ -135,7 +134,7 @@ def run(robots, rate, lasers):
         lasers = [("ranges", [f"laser.laser{i}" for i in range(robots)])] if lasers else []
         page = Page(viewer.stdout.readline().split()[-1], lasers)
         try:
-            asyncio.run(_measured(server, viewer, page, observer, robots, rate))
+            asyncio.run(_measured(server, viewer, page, observer, robots, rate, rounds))
         finally:
             for process in (viewer, server):
                 process.terminate()
@@ -143,11 +142,11 @@ def run(robots, rate, lasers):
             viewer.stdout.close()
 
 
-async def _measured(server, viewer, page, observer, robots, rate):
+async def _measured(server, viewer, page, observer, robots, rate, rounds):
     receiving = asyncio.create_task(page.receive())
     await asyncio.sleep(4.0)
     pairs, neutral, shares, rates = [], [], [], []
-    for i in range(ROUNDS):
+    for i in range(rounds):
         seen, share, frames = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
         shares.append(share)
         rates.append(frames)
@@ -155,13 +154,13 @@ async def _measured(server, viewer, page, observer, robots, rate):
         os.kill(viewer.pid, signal.SIGSTOP)  # the same server without a viewer at work
         for busy in (False, True) if i % 2 else (True, False):
             other = subprocess.Popen([sys.executable, "-c", BUSY, str(share), str(rate)]) if busy else None
-            await asyncio.sleep(0.5)
+            await asyncio.sleep(PAUSE)
             costs[busy], _, _ = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
             if other is not None:
                 other.kill()
                 other.wait()
         os.kill(viewer.pid, signal.SIGCONT)
-        await asyncio.sleep(0.5)
+        await asyncio.sleep(PAUSE)
         if receiving.done():
             receiving.result()  # raises what ended it
         pairs.append((costs[False], seen))
@@ -333,7 +332,8 @@ if __name__ == "__main__":
         raise SystemExit
     given = [int(word) for word in sys.argv[1:]]
     if given:
-        run(given[0], given[1] if len(given) > 1 else 30, given[0] <= 50)
+        robots, rate, rounds = [*given, *(30, 30, ROUNDS)[len(given) :]]
+        run(robots, rate, robots <= 50, rounds)
     else:
         run(30, 30, True)
         run(400, 10, False)

@@ -8,6 +8,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const LOWEST = 0.08; // [m] of the camera above the ground
 const MARGIN = 1.5; // around robots at the start
+const CLOSE = 1.2; // around what is focused
 const LIFT = 0.07; // of the view's height that they are above its middle, as the stick is below
 const FARTHEST = 1e6; // [m] from the origin of what is framed
 const GLIDE = 350; // [ms] of a change of view
@@ -154,7 +155,7 @@ export class Cameras {
 
   /** @param {number} number */
   focus(number) {
-    this._frame(this.bodies.bounds(this.bodies.family(number)), this._outward(), true);
+    this._frame(this.bodies.bounds(this.bodies.family(number)), this._outward(), true, CLOSE);
   }
 
   /** From what is looked at to the eye. */

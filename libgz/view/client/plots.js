@@ -21,6 +21,7 @@ const MOST_PLOTS = 6;
 const MOST_CURVES = 8;
 const MOST_POINTS = 20000; // of each curve
 const PERIOD = 100; // [ms] between two drawings
+const NOISE = 1e-6; // of values, which counts as rest
 const WINDOWS = [5, 10, 30, 60, 300]; // [s]
 export const COLORS = ['#4c8dff', '#ff9f43', '#35c28a', '#e15b9b', '#a78bfa', '#27b8c9', '#d9b310', '#f26464'];
 
@@ -314,7 +315,7 @@ class Plot {
           legend: { show: false },
           padding: [8, 8, 0, 0],
           cursor: { drag: { x: false, y: false }, points: { size: 5 } },
-          scales: { x: { time: false } },
+          scales: { x: { time: false }, y: { range: (_, low, high) => rangeOf(low, high) } },
           axes: [
             { ...axis, size: 26, values: (_, ticks) => ticks.map((tick) => `${short(tick)}`) },
             { ...axis, size: 52, values: (_, ticks) => ticks.map((tick) => short(tick)) },
@@ -339,6 +340,20 @@ class Plot {
       this.chart?.setScale('x', { min: begin, max: Math.max(end, begin + this.window) });
     });
   }
+}
+
+/**
+ * What is shown of values; noise of what rests is not.
+ * @param {number | null} low the least value; null without values
+ * @param {number | null} high
+ * @returns {[number, number]}
+ */
+function rangeOf(low, high) {
+  if (low === null || high === null) return [0, 1];
+  const middle = (low + high) / 2;
+  const least = NOISE * Math.max(Math.abs(middle), 1);
+  const half = high - low < least ? Math.max(0.1 * Math.abs(middle), 0.1) : 0.55 * (high - low);
+  return [middle - half, middle + half];
 }
 
 /**

@@ -201,8 +201,11 @@ export class Workplace {
       const { text, level } = /** @type {CustomEvent} */ (event).detail;
       this.toasts.add(String(text), level);
     });
+    let asked = '';
     let reported = false;
     store.addEventListener('hello', () => {
+      if (store.asked && store.asked !== asked) this.toasts.add(`${store.asked} asks for control. Answer at the upper right.`, 'warning');
+      asked = store.asked;
       document.title = store.title || 'libgz';
       if (reported) return;
       reported = true;

@@ -59,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--from", dest="begin", type=seconds, metavar="SEC", help="begin at this time of the log [s]")
     add("--to", dest="end", type=seconds, metavar="SEC", help="end at this time of the log [s]")
     add("--loop", action="store_true", help="begin again at the end")
-    add("--hold", action="store_true", help="stay at the end, paused, until interrupted")
+    add("--hold", action="store_true", help="stay at the end, paused, until interrupted; --view does, too")
     add("--pause", action="store_true", help="begin paused")
     add("--info", action="store_true", help="print what is in the log, and play nothing")
     add_view_options(parser, optional=True)
@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
             player.seek(options.begin)
         stack.enter_context(view_process(options, server_id))
         with contextlib.suppress(KeyboardInterrupt), _Keys(player) as keys:
-            for _ in player.moments(options.end, options.hold, options.loop):
+            for _ in player.moments(options.end, options.hold or options.view, options.loop):
                 if keys.act():
                     break
     return 0

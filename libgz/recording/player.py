@@ -211,17 +211,19 @@ class Player(Closing):
 
         Args:
             until: None for the whole log.
-            hold: whether to stay there, paused.
+            hold: whether to stay there, paused; if it is continued there, it begins again.
             loop: whether to begin again.
         """
-        start = self.time
+        start, held = self.time, False
         self._restart()
         while True:
-            if not self.paused and (self.at_end or (until is not None and self.time >= until)):
-                if loop:
+            ends = self.at_end or (until is not None and self.time >= until)
+            held = held and ends
+            if ends and not self.paused:
+                if loop or held:
                     self.seek(start)
                 elif hold:
-                    self.paused = True
+                    self.paused = held = True
                 else:
                     return
             self.advance()

@@ -465,6 +465,20 @@ def test_the_commands(tmp_path):
     assert "no log is given" in nothing.stderr
 
 
+def test_a_log_that_is_held_at_its_end_can_be_played_again(world, tmp_path):
+    record(world, tmp_path / "a.mcap", 5)
+    with Player(tmp_path / "a.mcap", SERVER_ID + 1, speed=0.0) as player:
+        moments = player.moments(hold=True)
+        for _ in range(2):
+            while not player.paused:
+                next(moments)
+            next(moments)
+            assert player.at_end
+            player.paused = False
+            next(moments)
+            assert not player.at_end
+
+
 def test_unknown_topics_are_named(world, tmp_path):
     record(world, tmp_path / "a.mcap", 3)
     with LogReader(tmp_path / "a.mcap") as log, pytest.raises(NotFoundError, match="/laser/laser1"):

@@ -15,6 +15,8 @@ from PIL import Image
 import libgz
 import libgz.view
 from libgz.base.geometry import GzPose, GzQuatern, GzVector
+from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.world import SdfWorld
 from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
 
@@ -271,6 +273,17 @@ def test_the_camera_stays_above_the_ground(shown, page, world, height):
     ground = page.evaluate(f"libgz.stage.cameras.groundAt({x}, {y})")
     assert height is None or ground == pytest.approx(height)
     assert z == pytest.approx(ground + 0.08)
+
+
+def test_what_is_put_into_an_empty_world_fills_the_frame(shown, page):
+    ground = "<include><uri>model://ground_plane</uri></include>"
+    world = shown(sdf(ground))
+    world.extension(SdfWorld).insert(SdfFile.from_string(f"<sdf version='1.6'>{box(pose='5 5 0.5 0 0 0')}</sdf>"))
+    world.step()
+    page.evaluate("added()")
+    target = page.evaluate("libgz.stage.cameras.controls.target.toArray()")
+    assert target == pytest.approx([5.0, 5.0, 0.3], abs=0.3)
+    assert near(page) < 5.0
 
 
 def test_the_camera_begins_where_the_world_says(shown, page):

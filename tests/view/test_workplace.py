@@ -111,6 +111,18 @@ def until(page, condition, argument=None):
         page.wait_for_timeout(20)
 
 
+def press_until(page, key, test):
+    """Press a key, again if need be: browsers may lose one while they are busy, and close dialogs a little later."""
+    end = time.monotonic() + PATIENCE / 1000.0
+    while True:
+        page.keyboard.press(key)
+        for _ in range(50):
+            if test():
+                return
+            page.wait_for_timeout(20)
+        assert time.monotonic() < end, f"{key} has no effect"
+
+
 def painted(page):
     """Wait for the page, and for its first image: browsers drop keys and clicks before it."""
     until(page, "window.workplace && performance.getEntriesByName('first-contentful-paint').length")
@@ -195,8 +207,7 @@ def test_keys_act_on_the_world_after_a_button_was_clicked(opened):
     page = opened()
     button(page, "Insert").click()
     page.get_by_role("dialog", name="Insert a model").get_by_label("Search models").wait_for()
-    page.keyboard.press("Escape")
-    page.get_by_role("dialog").wait_for(state="detached")
+    press_until(page, "Escape", lambda: not page.get_by_role("dialog").count())
     page.keyboard.press("Space")
     assert len(asked(page, "pause")) == 1
     button(page, "Reset").click()
@@ -245,8 +256,8 @@ def test_models_are_duplicated_and_aligned(opened):
 def test_help_shows_the_keys(opened):
     page = opened()
     for key in ("?", "h"):
-        page.keyboard.press(key)
         dialog = page.get_by_role("dialog", name="Keys")
+        press_until(page, key, dialog.count)
         for text in (
             "Pause",
             "Step",
@@ -257,8 +268,7 @@ def test_help_shows_the_keys(opened):
             "Oblique view",
         ):
             dialog.get_by_text(text, exact=True).wait_for()
-        page.keyboard.press("Escape")
-        dialog.wait_for(state="detached")
+        press_until(page, "Escape", lambda: not page.get_by_role("dialog").count())
     button(page, "Keys").click()
     button(page, "Close").click()
     page.get_by_role("dialog").wait_for(state="detached")
@@ -874,7 +884,11 @@ def test_a_phone_has_sheets_and_a_stick(opened):
     page = opened(size="phone", has_touch=True)
     assert not page.get_by_role("tree").is_visible()
     nav = page.get_by_role("navigation", name="Panels")
+    whole = page.locator("#stage").bounding_box()
     nav.get_by_role("button", name="World").tap()
+    seen, sheet = (page.locator(name).bounding_box() for name in ("#stage", "aside.left"))
+    assert 0.3 * whole["height"] < seen["height"]
+    assert sheet["y"] <= seen["y"] + seen["height"] < sheet["y"] + 50  # the view is above the sheet
     row(page, "robot1").tap()
     assert page.evaluate("world.selection") == {"entity": 3}
     nav.get_by_role("button", name="Inspector").tap()

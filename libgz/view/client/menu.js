@@ -27,9 +27,6 @@ import { icon } from 'libgz/icons.js';
 /** @type {{ close: (back: boolean) => void, owner: Element | null } | null} */
 let open = null;
 
-/** Close the menu that is open, if any. */
-export const closeMenu = () => open?.close(false);
-
 /**
  * Open a menu.
  *

@@ -265,7 +265,7 @@ class Plot {
   #export() {
     const quoted = (/** @type {string} */ text) => `"${text.replaceAll('"', '""')}"`;
     const head = ['sim time [s]', ...this.curves.map(({ label, unit }) => (unit ? `${label} [${unit}]` : label))];
-    const lines = this.times.map((time, i) => [time, ...this.curves.map((curve) => curve.values[i] ?? NaN)]);
+    const lines = this.times.map((time, i) => [Number(time.toFixed(6)), ...this.curves.map((curve) => curve.values[i] ?? NaN)]);
     const rows = lines.map((line) => line.map((value) => (Number.isFinite(value) ? String(value) : '')).join(','));
     const text = [head.map(quoted).join(','), ...rows, ''].join('\r\n');
     this.workplace.download(new Blob([text], { type: 'text/csv' }), 'plot.csv');
@@ -300,14 +300,11 @@ class Plot {
   draw() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width < 40 || height < 30) return;
-    const style = getComputedStyle(document.documentElement);
-    const [text, line] = [style.getPropertyValue('--text-soft').trim(), style.getPropertyValue('--line').trim()];
-    const shape = JSON.stringify([this.curves.map((curve) => curve.key), text]);
+    const axis = axisOf(11);
+    const shape = JSON.stringify([this.curves.map((curve) => curve.key), axis]);
     if (!this.chart || this.made !== shape) {
       this.made = shape;
       this.chart?.destroy();
-      const font = `11px ${style.getPropertyValue('--font')}`;
-      const axis = { stroke: text, font, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1, size: 4 } };
       this.chart = new uPlot(
         {
           width,
@@ -343,6 +340,16 @@ class Plot {
 }
 
 /**
+ * An axis in the colours of the theme.
+ * @param {number} size of its figures [px]
+ */
+function axisOf(size) {
+  const style = getComputedStyle(document.documentElement);
+  const [stroke, line, font] = ['--text-soft', '--line', '--font'].map((name) => style.getPropertyValue(name).trim());
+  return { stroke, font: `${size}px ${font}`, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1, size: 4 } };
+}
+
+/**
  * What is shown of values; noise of what rests is not.
  * @param {number | null} low the least value; null without values
  * @param {number | null} high
@@ -370,13 +377,11 @@ export class Chart {
   /** @param {{ x: number[], lines: Record<string, number[]> }} plot */
   show({ x, lines }) {
     const width = this.root.clientWidth || 220;
-    const style = getComputedStyle(document.documentElement);
-    const [text, line] = [style.getPropertyValue('--text-soft').trim(), style.getPropertyValue('--line').trim()];
-    const shape = JSON.stringify([Object.keys(lines), text]);
+    const axis = axisOf(10);
+    const shape = JSON.stringify([Object.keys(lines), axis]);
     if (!this.chart || this.made !== shape) {
       this.made = shape;
       this.chart?.destroy();
-      const axis = { stroke: text, font: `10px ${style.getPropertyValue('--font')}`, grid: { stroke: line, width: 1 }, ticks: { show: false } };
       this.chart = new uPlot(
         {
           width,
@@ -384,7 +389,7 @@ export class Chart {
           scales: { x: { time: false } },
           legend: { live: false },
           axes: [{ ...axis, size: 24 }, { ...axis, size: 44 }],
-          series: [{}, ...Object.keys(lines).map((label, i) => ({ label, stroke: COLORS[i % COLORS.length] ?? text, width: 1.5 }))],
+          series: [{}, ...Object.keys(lines).map((label, i) => ({ label, stroke: COLORS[i % COLORS.length] ?? axis.stroke, width: 1.5 }))],
         },
         [[]],
         this.root,

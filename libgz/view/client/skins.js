@@ -2,7 +2,7 @@
 
 import { Bone, BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Matrix4, MeshLambertMaterial, Skeleton, SkinnedMesh } from "three";
 import { bodiesOf, placed } from "libgz/bodies.js";
-import { toned } from "libgz/materials.js";
+import { SEEN_THROUGH, toned } from "libgz/materials.js";
 
 /** @typedef {import("libgz/assets.js").Assets} Assets */
 /** @typedef {import("libgz/store.js").Store} Store */
@@ -61,7 +61,7 @@ export class Skins {
       side: DoubleSide,
       wireframe: this.store.isOn("wireframe", entity),
       transparent,
-      opacity: transparent ? 0.45 : 1,
+      opacity: transparent ? SEEN_THROUGH : 1,
     });
     const mesh = new SkinnedMesh(geometry, material);
     mesh.frustumCulled = false;

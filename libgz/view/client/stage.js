@@ -91,10 +91,12 @@ export class Stage {
     this._frame = 0;
     this._changed = 0; // [ms] when something last changed
     this._refined = false;
+    this._outdated = false; // whether there is another level than the last frame was rendered with
     this._built = false; // whether the shapes of the present scene are shown
     this._loading = 0;
     this._loaded = false; // what the scene names has been loaded
-    this._world = ""; // that the camera was placed for
+    this._world = ""; // that the camera is placed for
+    this._begins = false; // whether that is still to be done
     this._empty = false; // whether nothing moves in it
     this._shapes = ""; // the switches that the shapes are shown by
     this._fine = this.quality.level.fine;
@@ -182,11 +184,18 @@ export class Stage {
     const world = `${scene.era} ${scene.world}`, empty = !this.cameras.hasMovers;
     const first = this._empty && !empty && !this.cameras.touched; // something was put into an empty world
     this._empty = empty;
-    if (world !== this._world || first) {
-      this._world = world;
-      this.cameras.begin(this.lights.towards, (eye, place, radius) => this._sees(eye, place, radius));
-    }
+    this._begins ||= world !== this._world || first;
+    this._world = world;
+    this._begin();
     this.invalidate();
+  }
+
+  /** Place the camera for another world, once there is a state with all that is in its scene. */
+  _begin() {
+    const { scene, state } = this.store;
+    if (!this._begins || state?.revision !== scene.revision) return;
+    this._begins = false;
+    this.cameras.begin(this.lights.towards, (eye, place, radius) => this._sees(eye, place, radius));
   }
 
   _rebuild() {
@@ -276,6 +285,7 @@ export class Stage {
       this.lights.move();
       this.handles.follow();
     }
+    this._begin();
     const marked = this.marks.refresh();
     if (moved || marked) this.invalidate(moved);
   }
@@ -423,9 +433,9 @@ export class Stage {
       return;
     }
     this._dirty = false;
-    if (this._refined) {
-      this._refined = false;
-      this._applyLevel();
+    if (this._refined || this._outdated) {
+      this._refined = this._outdated = false;
+      this._applyLevel(); // which empties the canvas, until it is rendered below
       this._dirty = false;
     }
     const begin = performance.now();
@@ -434,7 +444,10 @@ export class Stage {
     if (this._built) {
       if (this.quality.measures) {
         this._wait();
-        if (this.ready && this.quality.count(performance.now() - begin)) this._applyLevel();
+        if (this.ready && this.quality.count(performance.now() - begin)) {
+          this._outdated = true;
+          this.invalidate();
+        }
       }
       if (!this.ready) {
         this.ready = true;
@@ -497,9 +510,13 @@ export class Stage {
   _resize() {
     const { clientWidth: width, clientHeight: height } = this.parent;
     if (!width || !height) return;
-    this.renderer.setSize(width, height);
+    this.renderer.setSize(width, height); // which empties the canvas
     this.cameras.resize(width, height);
     this.invalidate();
+    if (this._built) {
+      cancelAnimationFrame(this._frame);
+      this._tick(performance.now());
+    }
   }
 
   /** An image of the view, as it is. @returns {Promise<Blob>} PNG */

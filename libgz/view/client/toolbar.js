@@ -10,6 +10,7 @@ import { clock, fixed } from 'libgz/format.js';
 import { icon } from 'libgz/icons.js';
 import { menuButton } from 'libgz/menu.js';
 import { globalMarks } from 'libgz/switches.js';
+import { Tool } from 'libgz/tool.js';
 
 /** @typedef {import('libgz/actions.js').Action} Action */
 
@@ -22,8 +23,8 @@ export class Toolbar {
   constructor(workplace) {
     this.workplace = workplace;
     const { actions, store } = workplace;
-    /** @type {{ action: Action, button: HTMLButtonElement, shown: string }[]} */
-    this.buttons = [];
+    /** @type {Tool[]} */
+    this.tools = [];
     this.speed = 1;
 
     this.title = element('span', { class: 'world-title' });
@@ -85,9 +86,9 @@ export class Toolbar {
    * @param {string} extra classes
    */
   #tool(action, extra) {
-    const button = element('button', { type: 'button', class: `tool ${extra}`, on: { click: () => action.act() } });
-    this.buttons.push({ action, button, shown: '' });
-    return button;
+    const tool = new Tool(action, extra);
+    this.tools.push(tool);
+    return tool.root;
   }
 
   /** @param {Action} action @returns {import('libgz/menu.js').Entry} */
@@ -175,23 +176,7 @@ export class Toolbar {
 
   refresh() {
     const { store } = this.workplace;
-    for (const one of this.buttons) {
-      const { action, button } = one;
-      const label = labelOf(action);
-      const name = iconOf(action);
-      show(button, isOffered(action));
-      const disabled = !isUsable(action) || !store.connected;
-      if (button.disabled !== disabled) button.disabled = disabled;
-      if (one.shown !== label + name) {
-        one.shown = label + name;
-        const key = action.keys?.[0];
-        button.title = key ? `${label} (${keyName(key)})` : label;
-        button.setAttribute('aria-label', label);
-        fill(button, icon(name));
-      }
-      const on = action.on?.();
-      if (on !== undefined) button.setAttribute('aria-pressed', String(on));
-    }
+    for (const tool of this.tools) tool.refresh(store.connected);
     const { state } = store;
     setText(this.title, store.title);
     show(this.speedButton, store.control && store.abilities.has('speed'));

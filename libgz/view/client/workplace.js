@@ -4,7 +4,7 @@
  * @module
  */
 
-import { iconOf, isOffered, keyName, labelOf, makeActions } from 'libgz/actions.js';
+import { makeActions } from 'libgz/actions.js';
 import { Console } from 'libgz/console.js';
 import { Dialogs } from 'libgz/dialogs.js';
 import { element, fill, setText, show } from 'libgz/dom.js';
@@ -20,6 +20,7 @@ import { Sampler } from 'libgz/series.js';
 import { recall, remember } from 'libgz/settings.js';
 import { Timeline } from 'libgz/timeline.js';
 import { Toasts } from 'libgz/toasts.js';
+import { Tool } from 'libgz/tool.js';
 import { Toolbar } from 'libgz/toolbar.js';
 import { Tree } from 'libgz/tree.js';
 
@@ -117,20 +118,25 @@ export class Workplace {
 
   // Theme ------------------------------------------------------------------------------------------------------------
 
+  /** Show the theme that the user chose, else that of the system. */
   #applyTheme() {
     const bright = window.matchMedia('(prefers-color-scheme: light)');
-    const chosen = recall('theme', /** @type {string} */ (''));
-    const set = (/** @type {'dark' | 'light'} */ theme) => {
-      document.documentElement.setAttribute('data-theme', theme);
-      this.store.setTheme(theme);
+    const apply = () => {
+      const chosen = recall('theme', /** @type {string} */ (''));
+      this.#showTheme(chosen === 'dark' || chosen === 'light' ? chosen : bright.matches ? 'light' : 'dark');
     };
-    set(chosen === 'dark' || chosen === 'light' ? chosen : bright.matches ? 'light' : 'dark');
-    bright.addEventListener('change', () => !recall('theme', /** @type {string} */ ('')) && set(bright.matches ? 'light' : 'dark'));
+    bright.addEventListener('change', apply);
+    apply();
   }
 
   /** @param {'dark' | 'light'} theme */
   setTheme(theme) {
     remember('theme', theme);
+    this.#showTheme(theme);
+  }
+
+  /** @param {'dark' | 'light'} theme */
+  #showTheme(theme) {
     document.documentElement.setAttribute('data-theme', theme);
     this.store.setTheme(theme);
   }
@@ -140,31 +146,13 @@ export class Workplace {
   #makeViewTools() {
     const { actions, store } = this;
     const some = [actions.translate, actions.rotate, actions.space, actions.snap, null, actions.fit, actions.follow];
-    const made = some.map((action) =>
-      action ? { action, button: element('button', { type: 'button', class: 'tool', on: { click: () => action.act() } }) } : null,
-    );
+    const made = some.map((action) => action && new Tool(action));
     const root = element(
       'div',
       { class: 'view-tools', role: 'toolbar', 'aria-label': 'View', 'aria-orientation': 'vertical' },
-      made.map((one) => (one ? one.button : element('hr'))),
+      made.map((tool) => tool?.root ?? element('hr')),
     );
-    const refresh = () => {
-      for (const one of made) {
-        if (!one) continue;
-        const { action, button } = one;
-        show(button, isOffered(action));
-        const label = labelOf(action);
-        const image = iconOf(action);
-        if (button.getAttribute('data-shown') !== label + image) {
-          button.setAttribute('data-shown', label + image);
-          button.setAttribute('aria-label', label);
-          button.title = action.keys?.[0] ? `${label} (${keyName(action.keys[0])})` : label;
-          fill(button, icon(image));
-        }
-        if (action.on) button.setAttribute('aria-pressed', String(action.on()));
-        button.disabled = !(action.can?.() ?? true);
-      }
-    };
+    const refresh = () => made.forEach((tool) => tool?.refresh());
     for (const event of ['hello', 'handles', 'selection', 'follow', 'scene']) store.addEventListener(event, refresh);
     refresh();
     return root;

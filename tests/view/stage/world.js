@@ -29,6 +29,15 @@ async function show() {
   await frames(3);
 }
 
+/** Show what has come into the world: its scene comes before a state that has it. */
+async function added() {
+  const scene = await (await fetch("scene.json")).json();
+  store.setScene({ ...scene, world: store.scene.world });
+  await frames(1);
+  await state(store.scene);
+  await frames(3);
+}
+
 /** Wait for frames. */
 async function frames(count = 3) {
   for (let i = 0; i < count; i++) {
@@ -83,4 +92,4 @@ async function present() {
   await frames(1);
 }
 
-Object.assign(window, { ask, libgz: { store, stage }, asked, show, frames, state: present });
+Object.assign(window, { ask, libgz: { store, stage }, asked, show, added, frames, state: present });

@@ -89,6 +89,24 @@ def test_moving_a_joint_moves_what_hangs_on_it(load):
     assert one.velocity() == pytest.approx(3.0)
 
 
+@pytest.mark.parametrize(
+    ("kind", "linear", "angular"),
+    [("revolute", (1.0, 2.0, -0.5), (0.0, 0.5, 5.0)), ("prismatic", (1.0, 0.0, 3.0), (7.0, 7.0, 7.0))],
+)
+def test_a_velocity_that_is_set_is_against_the_parent(load, kind, linear, angular):
+    """As in Gazebo: a hinge leaves its child nothing of its own motion; a slider lets it turn on."""
+    links = link("a", inertial()), link("b", inertial(), pose="1 0 0 0 0 0")
+    made = load(world(model("m", *links, joint("j", kind, "a", "b", "0 0 1")), gravity="0 0 0"))
+    parent, child = made.body("m", "a"), made.body("m", "b")
+    parent.SetLinearVel((1, 0, 0))
+    parent.SetAngularVel((0, 0.5, 2))
+    child.SetLinearVel((7, 7, 7))
+    child.SetAngularVel((7, 7, 7))
+    made.model("m").sdf_joints["j"].set_velocity(3.0)
+    assert tuple(child.GetLinearVel()) == pytest.approx(linear)
+    assert tuple(child.GetAngularRate()) == pytest.approx(angular)
+
+
 def test_limits_of_effort_and_velocity(load):
     weak = "<limit><lower>-1e16</lower><upper>1e16</upper><effort>2</effort><velocity>1</velocity></limit>"
     made = load(world(two_links(joint("j", "revolute", "world", "a", "0 0 1", inside=weak)), gravity="0 0 0"))

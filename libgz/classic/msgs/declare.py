@@ -134,8 +134,9 @@ def add_compiled(name: str, files: Sequence[bytes]) -> type[Message]:
     imports: dict[str, None] = {}  # files of the pool
     for data in files:
         file = FileDescriptorProto.FromString(data)
+        kinds: list[Any] = [*file.message_type, *file.enum_type]
         new: list[Any] = []
-        for one in (*file.message_type, *file.enum_type):
+        for one in kinds:
             if not file.package and one.name in declarations():
                 raise ParameterError(f"message {one.name} of C++ has no package, and Gazebo has a {one.name}: name one")
             known = _file_of(f"{file.package}.{one.name}".lstrip("."))
@@ -227,8 +228,8 @@ def _add_file(file: FileDescriptorProto, texts: dict[str, str]) -> None:
         _pool.Add(file)
         found = _pool.FindFileByName(file.name)
     except (TypeError, KeyError) as error:
-        first = next(one.name for one in (*file.message_type, *file.enum_type))
-        raise ParameterError(f"message {file.package}.{first}: {error}") from None
+        kinds: list[Any] = [*file.message_type, *file.enum_type]
+        raise ParameterError(f"message {file.package}.{kinds[0].name}: {error}") from None
     for descriptor in found.message_types_by_name.values():
         _register(descriptor, texts)
 

@@ -646,13 +646,20 @@ def test_a_car_is_steered_and_a_hand_pulls(start, graph):
     slip = server.topic("/wheel_slip")
     assert slip.name == ["rear_left"]
     assert abs(slip.longitudinal_slip[0]) < 0.1, slip
-    one = message_type("geometry_msgs/TransformStamped")()
-    one.header.frame_id, one.child_frame_id, one.transform.rotation.w = "world", "hog_desired", 1.0
-    one.transform.translation.y, one.transform.translation.z = 3.0, 2.0
-    moved = message_type("tf2_msgs/TFMessage")(transforms=[one])
-    graph.publish("/tf", cdr(moved.kind, fields("tf2_msgs/TFMessage", "msg")[0]).pack(moved))
+    assert graph.taken["/tf_static"]["qos"]["durability"] == "transient_local"
+    send_transform(graph, "/tf_static", "world", "stage", (0.0, 3.0, 0.5))
+    send_transform(graph, "/tf", "stage", "hog_desired", (0.0, 0.0, 1.5))
     puppet = attach(server.core).world.ModelByName("puppet")
     wait_for(lambda: abs(puppet.WorldPose().Pos().Z() - 2.0) < 0.05, server.core.Step)
+
+
+def send_transform(graph, topic, parent, child, place):
+    one = message_type("geometry_msgs/TransformStamped")()
+    one.header.frame_id, one.child_frame_id, one.transform.rotation.w = parent, child, 1.0
+    part = one.transform.translation
+    part.x, part.y, part.z = place
+    moved = message_type("tf2_msgs/TFMessage")(transforms=[one])
+    graph.publish(topic, cdr(moved.kind, fields("tf2_msgs/TFMessage", "msg")[0]).pack(moved))
 
 
 EYES = """<sdf version='1.6'><world name='default'><model name='wall'><static>true</static><pose>2 0 0 0 0 0</pose>

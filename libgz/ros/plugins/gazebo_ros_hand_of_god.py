@@ -63,8 +63,10 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
         self.frames: dict[str, tuple[str, tuple[float, ...], tuple[float, ...]]] = {}  # parent, place, turn
         self.stamp = message_type("std_msgs/Header")().stamp
         self.actual = self.ros.transforms  # advertised at once, as the original does
+        static = {"durability": "transient_local"} if self.two else {}
         self.transforms = [
-            self.subscribe(topic, "tf2_msgs/TFMessage", self.OnTransforms, 100) for topic in ("/tf", "/tf_static")
+            self.subscribe("/tf", "tf2_msgs/TFMessage", self.OnTransforms, 100),
+            self.ros.subscribe("/tf_static", "tf2_msgs/TFMessage", self.OnTransforms, 100, **static),
         ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 

@@ -12,8 +12,9 @@ typedef struct {
     int64_t count;
     const double *matrix; /* symmetric and positive, both triangles */
     const double *right, *lower, *upper;
-    int64_t *place;  /* FREE, LOW or HIGH: where to begin, and where it ended */
-    double *result;  /* begins with a guess */
+    int64_t *place;  /* FREE, LOW or HIGH: where each unknown is */
+    int64_t *listed; /* count numbers for its use */
+    double *result;
     double *scratch; /* count * (count + 3) numbers */
 } box_problem;
 

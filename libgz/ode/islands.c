@@ -128,8 +128,8 @@ static int iterate(context *c)
     return done;
 }
 
-/* Solve along trees what can be solved so. ODE's joints write their rows only where ODE has made the memory of its step,
- * which it does in a step in which nothing moves. */
+/* Solve along trees what can be solved so. After a step that was abandoned, the memory that ODE needs to write rows is made
+ * anew, in a step in which nothing moves that is in the tables. */
 static void use_trees(context *c)
 {
     if (!begin_trees(c))

@@ -3,13 +3,15 @@
 
 #include <stdlib.h>
 
-/* Give a world the memory of its step, and have ODE queue its calls there; 0 without memory. */
+/* Give a world the memory of its step, and have ODE queue its calls there; 0 without memory. ODE makes its own memory in a
+ * step; it needs it to write the rows of motors at a limit (tree.c), so it makes one while there is nothing to move. */
 int gz_open(context *c)
 {
     c->work = calloc(1, sizeof *c->work);
     if (!c->work)
         return 0;
     dWorldSetStepThreadingImplementation(c->world, &gz_call_functions, &c->work->calls);
+    c->work->stepped = dWorldStep(c->world, 1.0);
     return 1;
 }
 

@@ -106,6 +106,7 @@ static int solve(context *c)
 {
     volatile int done = 1; /* kept when the step is abandoned */
     gz_drop_calls(&c->work->calls); /* of a step in which the process forked */
+    recover_trees(c);
     request_feedback(c);
     apply_springs(c);
     c->reset_row = 0;

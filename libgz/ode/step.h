@@ -485,6 +485,7 @@ void solve_resting(context *c);
 int begin_trees(context *c);
 void solve_trees(context *c);
 void release_trees(const context *c);
+void recover_trees(const context *c);
 void free_trees(struct trees *w);
 
 /* overlaps.c */

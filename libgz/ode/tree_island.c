@@ -48,28 +48,26 @@ static void describe(const context *c, tree_body *b)
 {
     const double *r = dBodyGetRotation(b->body), *v = dBodyGetLinearVel(b->body), *omega = dBodyGetAngularVel(b->body);
     const double *force = dBodyGetForce(b->body), *torque = dBodyGetTorque(b->body);
-    double turned[3][3], inertia[3][3], angular[3], implicit[3][3], rotated[3];
+    double turned[3][3], angular[3], implicit[3][3], rotated[3];
     int i, k, falls = dBodyGetGravityMode(b->body);
     body_mass m;
     dBodyGetMass(b->body, &m);
     for (i = 0; i < 3; i++)
         for (k = 0; k < 3; k++)
             turned[i][k] = r[4 * i] * m.inertia[k] + r[4 * i + 1] * m.inertia[4 + k] + r[4 * i + 2] * m.inertia[8 + k];
-    memset(b->factor, 0, sizeof b->factor);
-    for (i = 0; i < 3; i++) {
-        b->factor[i][i] = m.mass;
-        for (k = 0; k < 3; k++)
-            b->factor[3 + i][3 + k] = inertia[i][k] = dot(turned[i], r + 4 * k);
-    }
+    b->mass = m.mass;
     for (i = 0; i < 3; i++)
-        angular[i] = dot(inertia[i], omega);
+        for (k = 0; k < 3; k++)
+            b->inertia[i][k] = dot(turned[i], r + 4 * k);
+    for (i = 0; i < 3; i++)
+        angular[i] = dot(b->inertia[i], omega);
     for (i = 0; i < 3; i++) {
-        b->load[i] = m.mass * v[i] + c->step * (force[i] + (falls ? m.mass * c->gravity[i] : 0.0));
-        b->load[3 + i] = angular[i] + c->step * torque[i];
+        b->momentum[i] = m.mass * v[i] + c->step * (force[i] + (falls ? m.mass * c->gravity[i] : 0.0));
+        b->momentum[3 + i] = angular[i] + c->step * torque[i];
     }
     if (dBodyGetGyroscopicMode(b->body)) {
         /* The torque is (I (I - h [L])^-1 - 1) L / h, where [L] is the matrix of the cross product with L. */
-        memcpy(implicit, inertia, sizeof implicit);
+        memcpy(implicit, b->inertia, sizeof implicit);
         for (i = 0; i < 3; i++) {
             int j = (i + 1) % 3, l = (i + 2) % 3;
             implicit[i][j] += c->step * angular[l];
@@ -77,7 +75,7 @@ static void describe(const context *c, tree_body *b)
         }
         if (solve_three(implicit, angular, rotated))
             for (i = 0; i < 3; i++)
-                b->load[3 + i] += dot(inertia[i], rotated) - angular[i];
+                b->momentum[3 + i] += dot(b->inertia[i], rotated) - angular[i];
     }
     memset(b->effort, 0, sizeof b->effort);
 }
@@ -148,8 +146,8 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
     }
     writers[type](joint, rate, dWorldGetERP(c->world), 16, block[0], block[0] + 6, 16, block[0] + 12, block[0] + 14, normal);
     j = w->joints + w->joint_count;
-    memset(j, 0, sizeof *j);
     j->joint = joint;
+    j->tying = 0;
     j->rows = found.rows;
     j->first = w->row_count;
     j->side = -1;
@@ -157,13 +155,15 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
         j->body[side] = place_of(c, w, bodies[side]);
     for (i = 0; i < found.rows; i++) {
         tree_row *r = w->rows + w->row_count++;
-        memset(r, 0, sizeof *r);
+        memset(r->line, 0, sizeof r->line);
+        r->impulse = 0.0;
         r->joint = w->joint_count;
         r->aim = block[i][12];
         r->softness = block[i][13] * rate;
         r->low = block[i][14] == -HUGE_VAL ? -HUGE_VAL : block[i][14] * (normal[i] < 0 ? c->step : 1.0);
         r->high = block[i][15] == HUGE_VAL ? HUGE_VAL : block[i][15] * (normal[i] < 0 ? c->step : 1.0);
         r->normal = normal[i] < 0 ? -1 : j->first + normal[i];
+        r->apart = !(r->low < r->high);
         for (side = 0; side < 2; side++) {
             const double *line = block[i] + 6 * side;
             if (j->body[side] >= 0)
@@ -172,9 +172,8 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
                 r->aim -= dot(line, dBodyGetLinearVel(bodies[side])) + dot(line + 3, dBodyGetAngularVel(bodies[side]));
         }
     }
-    if (type != JOINT_CONTACT)
-        for (k = 0; k < j->rows && w->rows[j->first + k].low == -HUGE_VAL && w->rows[j->first + k].high == HUGE_VAL; k++)
-            j->free = k + 1;
+    for (k = 0; type != JOINT_CONTACT && k < j->rows; k++)
+        j->tying += is_unbounded(w->rows + j->first + k);
     w->joint_count++;
     return 1;
 }
@@ -255,7 +254,7 @@ static void list_joints(island *w)
         for (side = 0; side < 2; side++) {
             tree_joint *j = w->joints + i;
             tree_body *b;
-            if (!j->free || j->body[side] < 0)
+            if (!j->tying || j->body[side] < 0)
                 continue;
             b = w->bodies + j->body[side];
             j->next[side] = b->first;
@@ -274,7 +273,7 @@ int grow_tree(island *w)
     for (i = 0; i < w->joint_count; i++) {
         const tree_joint *j = w->joints + i;
         int side = j->body[0] < 0;
-        if (j->free && j->body[1 - side] < 0 && w->bodies[j->body[side]].degree >= 0)
+        if (j->tying && j->body[1 - side] < 0 && w->bodies[j->body[side]].degree >= 0)
             hang(w, i, side);
     }
     for (;;) {

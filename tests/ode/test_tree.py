@@ -167,6 +167,41 @@ def test_what_cannot_be_solved_is_left_to_the_exact_solver_as_it_was(hang):
     assert np.array_equal(turned_by_a_motor_at_its_stop("tree", hang), exact)
 
 
+def test_the_first_step_moves_bodies_past_the_library_once():
+    engine, _bodies, _joints = island(3, "tree")
+    other = ode().dBodyCreate(engine.world)
+    ode().dBodySetLinearVel(other, 1.0, 0.0, 0.0)
+    engine.step()
+    assert tuple(ode().dBodyGetPosition(other))[0] == pytest.approx(engine.step_time)
+    engine.close()
+
+
+def driven_chain(solver, effort):
+    """The states and rates of a chain of four boxes after a step in which motors with so much effort turn its joints."""
+    engine = Engine(solver=solver)
+    bodies = [solid(engine, box(0.2, 0.2, 0.2), 1.0, (0.5 * i, 0.0, 0.0)) for i in range(4)]
+    joints = []
+    for i in range(1, 4):
+        joints.append(libgz.HingeJoint(engine))
+        joints[-1].Attach(bodies[i], bodies[i - 1])
+        joints[-1].SetAnchor((0.5 * i - 0.25, 0.0, 0.0))
+        joints[-1].SetAxis((0, 0, 1))
+        joints[-1].SetParam(dParamVel, 2.0)
+        joints[-1].SetParam(dParamFMax, effort)
+    engine.step()
+    found = engine.states.copy(), [joint.GetAngleRate() for joint in joints]
+    engine.close()
+    return found
+
+
+@pytest.mark.parametrize(("effort", "reached"), [(0.05, 0), (1.8, 2), (500.0, 3)])
+def test_motors_turn_joints_as_far_as_their_efforts_go(effort, reached):
+    """Whether those that were taken to reach their speed do so, or some, or none."""
+    (exact, _), (states, rates) = driven_chain("world", effort), driven_chain("tree", effort)
+    assert np.abs(states - exact).max() <= 1e-9
+    assert sum(rate == pytest.approx(2.0) for rate in rates) == reached
+
+
 def test_joints_that_export_only_how_they_count_rows_are_left_to_the_exact_solver(monkeypatch):
     """As those of an ODE in which they write rows in another way."""
     library, address = ctypes.CDLL(str(library_path())), ode().address

@@ -1,7 +1,7 @@
 /* Islands: bodies that joints and contacts connect. Those that are small and calm are solved exactly, for they rest in
  * no other way, by resting.c where there are no joints and nothing slides; those that are fast only if they have no
  * contacts, for the exact solver does not let wheels slip as they should; and if they are so small that it is the quicker
- * way.
+ * way. Larger ones without contacts are solved along the tree of their joints.
  *
  * dWorldStep() solves an island exactly, by Dantzig's algorithm, at the cost of the cube of its rows; dWorldQuickStep()
  * by projected Gauss-Seidel. Islands are found by union and find. */
@@ -13,7 +13,7 @@ enum { ALL_EXACT, ALL_QUICK, MIXED };
 
 member alone(int64_t row, int fast)
 {
-    return (member){.root = row, .fast = fast, .next = -1, .first = -1, .last = -1, .touch = -1, .last_touch = -1};
+    return (member){.root = row, .fast = fast, .next = -1, .first = -1, .last = -1, .touch = -1, .last_touch = -1, .place = -1};
 }
 
 int have_members(const context *c)
@@ -46,39 +46,6 @@ void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touchin
     members[one].fast |= members[two].fast;
     members[one].touching |= members[two].touching;
     members[one].joined |= members[two].joined;
-}
-
-/* Find the islands, and which of them are solved exactly. */
-static int sort_islands(context *c)
-{
-    member *members = c->work->members;
-    int64_t i;
-    int exact = 0, quick = 0;
-    for (i = 0; i < c->body_count; i++) {
-        if (!c->bodies[i])
-            continue;
-        members[i] = alone(i, !is_calm(c, c->bodies[i]));
-        dBodySetData(c->bodies[i], (void *)(intptr_t)i);
-    }
-    for (i = 0; i < c->joint_count; i++)
-        if (c->joints[i])
-            unite(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT,
-                    0);
-    for (i = 0; i < c->touch_count; i++)
-        unite(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
-    solve_resting(c);
-    for (i = 0; i < c->body_count; i++) {
-        const member *root;
-        if (!c->bodies[i])
-            continue;
-        root = members + root_of(members, i);
-        members[i].quick = root->rows > (root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS);
-        if (!root->rows || root->solved || !dBodyIsEnabled(c->bodies[i]))
-            continue;
-        exact |= !members[i].quick;
-        quick |= members[i].quick;
-    }
-    return !quick ? ALL_EXACT : exact ? MIXED : ALL_QUICK;
 }
 
 /* Disable the bodies that are, or are not, solved by iteration. */
@@ -128,12 +95,12 @@ static int iterate(context *c)
     return done;
 }
 
-/* Solve along trees what can be solved so. After a step that was abandoned, the memory that ODE needs to write rows is made
+/* Whether islands can be solved along trees. After a step that was abandoned, the memory that ODE needs to write rows is made
  * anew, in a step in which nothing moves that is in the tables. */
-static void use_trees(context *c)
+static int have_tree_memory(context *c)
 {
-    if (!begin_trees(c))
-        return;
+    if (!have_trees(c))
+        return 0;
     if (!c->work->stepped) {
         c->parted = 1;
         set_aside(c, 0);
@@ -141,8 +108,90 @@ static void use_trees(context *c)
         bring_back(c);
         c->parted = 0;
     }
-    if (c->work->stepped)
-        solve_trees(c);
+    return c->work->stepped;
+}
+
+/* Number the bodies, each as an island of its own. */
+static void number_bodies(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i]) {
+            c->work->members[i] = alone(i, 0);
+            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+        }
+}
+
+/* Solve all islands along their trees that can be. */
+static void use_trees(context *c)
+{
+    int64_t i;
+    if (!have_members(c))
+        return;
+    number_bodies(c);
+    if (!have_tree_memory(c))
+        return;
+    for (i = 0; i < c->body_count; i++)
+        if (waits_for_tree(c, i))
+            solve_tree(c, i);
+}
+
+/* How many rows an island may have to be solved exactly by ODE. */
+static int64_t most_rows(const member *root)
+{
+    return root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS;
+}
+
+/* Solve larger islands without contacts along their trees. */
+static void solve_hanging(context *c)
+{
+    member *members = c->work->members;
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        member *root;
+        if (!waits_for_tree(c, i))
+            continue;
+        root = members + root_of(members, i);
+        if (root->touching || root->rows <= most_rows(root))
+            continue;
+        if (!have_tree_memory(c))
+            return;
+        root->solved = solve_tree(c, i);
+    }
+}
+
+/* Find the islands, and which of them are solved exactly. */
+static int sort_islands(context *c)
+{
+    member *members = c->work->members;
+    int64_t i;
+    int exact = 0, quick = 0;
+    for (i = 0; i < c->body_count; i++) {
+        if (!c->bodies[i])
+            continue;
+        members[i] = alone(i, !is_calm(c, c->bodies[i]));
+        dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+    }
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i])
+            unite(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT,
+                    0);
+    for (i = 0; i < c->touch_count; i++)
+        unite(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
+    solve_resting(c);
+    solve_hanging(c);
+    for (i = 0; i < c->body_count; i++) {
+        const member *root;
+        if (!c->bodies[i])
+            continue;
+        root = members + root_of(members, i);
+        members[i].quick = root->rows > most_rows(root);
+        if (!root->rows || root->solved || !dBodyIsEnabled(c->bodies[i]))
+            continue;
+        exact |= !members[i].quick;
+        quick |= members[i].quick;
+    }
+    return !quick ? ALL_EXACT : exact ? MIXED : ALL_QUICK;
 }
 
 /* Move everything; 0 when ODE ran out of memory. */

@@ -345,12 +345,12 @@ typedef struct {
     int touching; /* 1: the island has contacts, in the root's */
     int joined;   /* 1: it has joints, in the root's */
     int quick;    /* 1: to be solved by iteration */
-    int solved;   /* 1: its contacts were solved by resting.c, in the root's */
+    int solved;   /* 1: by resting.c or tree.c, in the root's */
     int aside;    /* 1: the body was awake and is disabled for a part of the step */
     int64_t next;               /* body of the island, or -1 */
     int64_t first, last;        /* body of the island, in the root's; -1 before it has any */
     int64_t touch, last_touch;  /* first and last touch of the island, in the root's; -1 without any */
-    int64_t place;              /* among the island's bodies */
+    int64_t place;              /* among the island's bodies; -1: it has none yet */
     double fallen;              /* its position along gravity [m^2/s^2] */
 } member;
 
@@ -482,8 +482,9 @@ int move_bodies(context *c);
 void solve_resting(context *c);
 
 /* tree.c */
-int begin_trees(context *c);
-void solve_trees(context *c);
+int have_trees(const context *c);
+int waits_for_tree(const context *c, int64_t row);
+int solve_tree(const context *c, int64_t row);
 void release_trees(const context *c);
 void recover_trees(const context *c);
 void free_trees(struct trees *w);

@@ -485,21 +485,12 @@ static int apply(const context *c, island *w)
     return 1;
 }
 
-/* Number the bodies; 0 without memory. */
-int begin_trees(context *c)
+/* 0 without memory. */
+int have_trees(const context *c)
 {
-    int64_t i;
     if (!c->work->trees)
         c->work->trees = calloc(1, sizeof *c->work->trees);
-    if (!c->work->trees || !have_members(c))
-        return 0;
-    for (i = 0; i < c->body_count; i++)
-        if (c->bodies[i]) {
-            c->work->members[i] = alone(i, 0);
-            c->work->members[i].place = -1;
-            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
-        }
-    return 1;
+    return c->work->trees != NULL;
 }
 
 /* 0 if ODE has to solve the island. */
@@ -525,18 +516,20 @@ static void take_back(const island *w)
     }
 }
 
-/* Solve all islands that are awake; those that cannot be solved so are left to ODE. */
-void solve_trees(context *c)
+/* Whether a body is awake, and its island was not looked at. */
+int waits_for_tree(const context *c, int64_t row)
+{
+    return moves(c->bodies[row]) && dBodyIsEnabled(c->bodies[row]) && c->work->members[row].place < 0;
+}
+
+/* Solve the island of a body; 0: it is left to ODE, as it was. */
+int solve_tree(const context *c, int64_t row)
 {
     island *w = c->work->trees;
-    int64_t i;
-    for (i = 0; i < c->body_count; i++) {
-        void *body = c->bodies[i];
-        if (!moves(body) || !dBodyIsEnabled(body) || c->work->members[i].place >= 0)
-            continue;
-        if (!solve_island(c, w, i))
-            take_back(w);
-    }
+    if (solve_island(c, w, row))
+        return 1;
+    take_back(w);
+    return 0;
 }
 
 /* Give the joints back to ODE. */

@@ -15,6 +15,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -221,9 +222,9 @@ STEPS = 10
 ANGLES = (0.03, -0.02)  # of shoulder and elbow at the start [rad]: upright, the rods of some engines would not move
 
 
-def libgz_steps() -> Callable[[], object]:
+def libgz_steps(solver: str = "world") -> Callable[[], object]:
     """The task DoublePendulum."""
-    env: Any = gymnasium.make("libgz/DoublePendulum-v0").unwrapped
+    env: Any = gymnasium.make("libgz/DoublePendulum-v0", solver=solver).unwrapped
     env.reset(seed=0)
     for joint, angle in zip(env._joints[1:], ANGLES, strict=True):
         joint.set_position(angle)
@@ -277,7 +278,12 @@ def pybullet_steps() -> Callable[[], object]:
 def engines() -> None:
     """Actions per second on one scene; engines that are not installed are left out."""
     found: dict[str, Callable[[], object]] = {}
-    for name, make in (("libgz", libgz_steps), ("MuJoCo", mujoco_steps), ("PyBullet", pybullet_steps)):
+    for name, make in (
+        ("libgz", libgz_steps),
+        ("libgz, tree", partial(libgz_steps, "tree")),
+        ("MuJoCo", mujoco_steps),
+        ("PyBullet", pybullet_steps),
+    ):
         try:
             found[name] = make()
         except ImportError as error:

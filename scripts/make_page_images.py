@@ -155,7 +155,7 @@ def ready(name: str) -> Path:
 
 def page() -> Image.Image:
     """A robot that drives, its laser's rays, and plots of its velocity."""
-    with shown(ready("pioneer2at"), DESKTOP) as view:
+    with shown(ready("pioneer2at"), DESKTOP, quality="") as view:
         view.select("robot1")
         view.page.get_by_role("tab", name="Plots").click()
         for name in ("vx", "vy", "wz"):
@@ -165,8 +165,8 @@ def page() -> Image.Image:
         view.page.evaluate("libgz.store.setFollow(libgz.store.ids.get('robot1'))")
         for vx, vyaw, count in ((0.0, 0.0, 40), (0.4, 0.0, 100), (0.4, 0.8, 130), (0.3, -0.5, 130)):
             view.drive(vx, vyaw)
-            for _ in range(0, count, 2):
-                view.step(2)
+            for _ in range(0, count, 5):
+                view.step(5)
         return view.image()
 
 
@@ -182,7 +182,7 @@ def marks() -> Image.Image:
 
 def catalogue() -> Image.Image:
     """The catalogue, with an image of each model in sight."""
-    with shown(ready("pioneer2at"), DESKTOP) as view:
+    with shown(ready("pioneer2at"), DESKTOP, quality="") as view:
         view.image()
         view.button("Insert").click()
         view.until("document.querySelectorAll('.card-portrait.shown').length > 12")
@@ -230,7 +230,7 @@ def driving() -> list[Image.Image]:
         view.show("lasers", "trails")
         view.page.evaluate("libgz.store.setFollow(libgz.store.ids.get('robot1'))")
         view.step(20)
-        view.look((-1.15, -0.85, 0.78), (0.08, 0.0, 0.17))
+        view.look((-0.9, -0.66, 0.62), (0.05, 0.0, 0.16))
         for number in range(FRAMES):
             vyaw = 0.7 if 8 <= number < FRAMES // 2 else -0.7
             view.drive(0.0 if number < 4 else 0.35, vyaw if number >= 8 else 0.0)

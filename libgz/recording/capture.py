@@ -29,13 +29,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from libgz._version import __version__
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.base.extras import install
 from libgz.base.files import read_file
 from libgz.base.python import run_module
-from libgz.recording.changes import Changes, Piece
+from libgz.base.records import ClockRecord, TableRecord
+from libgz.recording.changes import Changes, Moments, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
 from libgz.simulation.world import World
@@ -104,11 +107,12 @@ class Capture(Closing):
 
     def __init__(self, world: World, path: str | os.PathLike[str], period: float = 0.0) -> None:
         check_packages()
-        self.world, self.path, self.period = world, Path(path), period
+        self.world, self.path = world, Path(path)
         self._tables = world.publish()
-        self._time = 0.0
-        self._due = 0.0
-        self._revision = -1
+        self._moments = Moments(0.0, 0.0, period, 0.0, SEND_PERIOD, SEND_SIZE, revision_seen=-1)
+        self._moments.step = ctypes.addressof(world.engine.tables.record) + TableRecord.step.offset
+        clock: Any = ClockRecord  # whose fields are floats to mypy
+        self._moments.sim_time = ctypes.addressof(world.clock) + clock.sim_time.offset
         self._known: list[Interface[Any]] = []
         self._memory: Any = None  # of the tables
         self._changes = Changes([])  # of the tables, if there are any yet, and of interfaces
@@ -122,7 +126,6 @@ class Capture(Closing):
 
             self._topics = TopicTap(world)
         self._frames: list[bytes] = []  # that come before those of the next step's changes
-        self._sent = 0.0  # [s]
         about = {
             "format": FORMAT,
             "libgz": __version__,
@@ -174,35 +177,41 @@ class Capture(Closing):
         """
         if self._pipe is None:
             return
-        world, after = self.world, b""
+        world = self.world
         with world.lock:
             if not world.running:
                 return
-            self._time += world.engine.step_time if advance else 0.0
-            memory = self._tables.memory
-            revision = _REVISION.unpack_from(memory, _REVISION_AT)[0]
-            served = list(world.gz_server.interfaces.values())
-            first = 0
-            if revision != self._revision:
-                self._revision = revision
-                self._take_scene()
-            elif self._time < self._due - 1e-9:
-                first = 1  # states are the first piece
-            if not first:
-                self._due = self._time + self.period
-            if served != self._known or memory is not self._memory:
-                self._notice(served, memory)
-            if self._topics is not None:
-                after = self._take_topics(self._topics)
-            before = b""
-            if self._frames:
-                before, self._frames = b"".join(self._frames), []
-            log_time, sim_time = (min(round(time * 1e9), LATEST) for time in (self._time, world.clock.sim_time))
-            waiting = self._changes.record(log_time, max(sim_time, 0), first, before, after)
-        now = time.monotonic()
-        if now - self._sent >= SEND_PERIOD or waiting > SEND_SIZE:
-            self._sent = now
+            served, memory = list(world.gz_server.interfaces.values()), self._tables.memory
+            same = served == self._known and memory is self._memory
+            plain = advance and same and not self._frames and self._topics is None
+            due = self._changes.record_step(self._moments) if plain else -1
+            if due < 0:
+                due = self._take(served, memory, world.engine.step_time if advance else 0.0)
+        if due:
+            self._moments.sent = time.monotonic()
             self._send()
+
+    def _take(self, served: list[Interface[Any]], memory: Any, step: float) -> bool:
+        """`take` of more than numbers that have changed; whether it is time to send it."""
+        world, moments, first, after, before = self.world, self._moments, 0, b"", b""
+        moments.time += step
+        revision = _REVISION.unpack_from(memory, _REVISION_AT)[0]
+        if revision != moments.revision_seen:
+            moments.revision_seen = revision
+            self._take_scene()
+        elif moments.time < moments.due - 1e-9:
+            first = 1  # states are the first piece
+        if not first:
+            moments.due = moments.time + moments.period
+        if served != self._known or memory is not self._memory:
+            self._notice(served, memory)
+        if self._topics is not None:
+            after = self._take_topics(self._topics)
+        if self._frames:
+            before, self._frames = b"".join(self._frames), []
+        log_time, sim_time = (min(round(time * 1e9), LATEST) for time in (moments.time, world.clock.sim_time))
+        waiting = self._changes.record(log_time, max(sim_time, 0), first, before, after)
+        return time.monotonic() - moments.sent >= SEND_PERIOD or waiting > SEND_SIZE
 
     def _take_scene(self) -> None:
         scene = json.loads(self._tables.scene)
@@ -224,6 +233,7 @@ class Capture(Closing):
         pieces = [Piece(memory, TABLES, seen=memory is not self._memory)]
         if memory is not self._memory:
             self._memory = memory
+            self._moments.revision = np.frombuffer(memory, np.uint8).ctypes.data + _REVISION_AT
             self._frames.append(frame(Kind.MESSAGE, TABLES, bytes(memory)))
         if served != self._known:
             self._known = served

@@ -1,8 +1,11 @@
 /* Takes what has changed in pieces of memory since the last look, and appends it as frames to what waits for the log's
    pipe: a step of the log by one call. */
 
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
+#include <time.h>
 
 enum { BLOCK = 32, STRETCH = 512, FRAME_HEAD = 7, PATCH_HEAD = 8 };
 enum { TICK = 0, END = 3, PATCH = 5 }; /* Kind in frames.py */
@@ -38,7 +41,22 @@ struct recorder {
     int64_t log_time, sim_time;    /* of this step [ns] */
     const uint8_t *before, *after; /* other frames of this step */
     int64_t before_size, after_size;
+    int64_t limit; /* of what waits, up to which there is space for the changes of a step */
 };
+
+/* Moments in changes.py: what is known of the steps of a world. */
+struct moments {
+    double time, due;    /* [s] of the log: of the last step, and from when states are recorded again */
+    double period;       /* [s] between states */
+    double sent;         /* [s] when something was sent last, on the monotonic clock */
+    double send_period;  /* [s] */
+    int64_t send_size;   /* [byte] that are sent at once */
+    const double *step, *sim_time; /* [s] of the world */
+    const int64_t *revision;       /* of its scene */
+    int64_t revision_seen;
+};
+
+static const double LATEST = 9.2e18; /* [ns] of a record */
 
 static uint8_t *put(uint8_t *at, const void *bytes, int64_t size)
 {
@@ -144,4 +162,26 @@ int64_t gz_record(struct recorder *r)
     end = take(r, put(end, r->before, r->before_size));
     end = put_head(put(end, r->after, r->after_size), END, 0, 0);
     return r->used = end - r->data;
+}
+
+static double monotonic(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Appends the frames of the next step of a world. Returns 1 if it is time to send what waits, 0 if not, and -1 if Python
+   has to record this step: the scene is another one, there is no space left, or its time is out of range. */
+int64_t gz_record_step(struct recorder *r, struct moments *m)
+{
+    double time = m->time + *m->step, times[2] = {rint(time * 1e9), rint(*m->sim_time * 1e9)};
+    if (*m->revision != m->revision_seen || r->used > r->limit || !(times[0] < LATEST && times[1] < LATEST))
+        return -1;
+    m->time = time;
+    r->first = time < m->due - 1e-9; /* states are the first row */
+    if (!r->first)
+        m->due = time + m->period;
+    r->log_time = (int64_t)times[0], r->sim_time = times[1] > 0.0 ? (int64_t)times[1] : 0;
+    return gz_record(r) > m->send_size || monotonic() - m->sent >= m->send_period;
 }

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from libgz.base.records import LinkRecord
 from libgz.recording.frames import END_FRAME, Kind, frame, tick_frame
 
-__all__ = ["Changes", "Piece", "apply_patches"]
+__all__ = ["Changes", "Moments", "Piece", "apply_patches"]
 
 log = logging.getLogger("libgz.recording")
 
@@ -55,7 +55,30 @@ class _Recorder(ctypes.Structure):
         ("after", ctypes.c_char_p),
         ("before_size", ctypes.c_int64),
         ("after_size", ctypes.c_int64),
+        ("limit", ctypes.c_int64),
     ]
+
+
+class Moments(ctypes.Structure):
+    """What is known of the steps of a world that is recorded; `struct moments`, which explains the fields."""
+
+    _fields_ = [
+        ("time", ctypes.c_double),
+        ("due", ctypes.c_double),
+        ("period", ctypes.c_double),
+        ("sent", ctypes.c_double),
+        ("send_period", ctypes.c_double),
+        ("send_size", ctypes.c_int64),
+        ("step", ctypes.c_void_p),
+        ("sim_time", ctypes.c_void_p),
+        ("revision", ctypes.c_void_p),
+        ("revision_seen", ctypes.c_int64),
+    ]
+
+    time: float
+    due: float
+    sent: float
+    revision_seen: int
 
 
 _STEP, _STEP_AT = struct.Struct("=qqq"), _Recorder.first.offset  # first row and times
@@ -92,7 +115,8 @@ def _library() -> Any:
         log.debug("changes are found in Python: %s", error)
         return None
     library.gz_record.argtypes = [ctypes.c_void_p]
-    library.gz_record.restype = ctypes.c_int64
+    library.gz_record_step.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
+    library.gz_record.restype = library.gz_record_step.restype = ctypes.c_int64
     return library
 
 
@@ -147,7 +171,7 @@ class Changes:
         if self._recorder.used:
             ctypes.memmove(data, self._recorder.data, self._recorder.used)
         self._data, self._recorder.data = data, ctypes.addressof(data)
-        self._limit = size - self._most
+        self._recorder.limit = size - self._most
 
     def record(self, log_time: int, sim_time: int, first: int = 0, before: bytes = b"", after: bytes = b"") -> int:
         """Append the frames of a step to those that wait; returns the number of bytes that wait.
@@ -160,7 +184,7 @@ class Changes:
         if self._library is None:
             return self._record(log_time, sim_time, first, before, after)
         recorder, extra = self._recorder, len(before) + len(after)
-        if recorder.used + extra > self._limit:
+        if recorder.used + extra > recorder.limit:
             self._reserve(2 * recorder.used + extra + self._most)
         _STEP.pack_into(recorder, _STEP_AT, first, log_time, sim_time)
         if extra:
@@ -170,6 +194,17 @@ class Changes:
         if extra:
             recorder.before, recorder.before_size, recorder.after, recorder.after_size = None, 0, None, 0
         return waiting
+
+    def record_step(self, moments: Moments) -> int:
+        """`record` for the next step of a world, without other frames.
+
+        Returns:
+            1 if it is time to send what waits, 0 if not, -1 if this step is one for `record`.
+        """
+        if self._library is None:
+            return -1
+        found: int = self._library.gz_record_step(self._address, ctypes.byref(moments))
+        return found
 
     def _record(self, log_time: int, sim_time: int, first: int, before: bytes, after: bytes) -> int:
         found = [tick_frame(log_time, sim_time), before]

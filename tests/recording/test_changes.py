@@ -2,6 +2,7 @@
 
 import random
 
+import numpy as np
 import pytest
 
 import libgz
@@ -137,3 +138,39 @@ def test_each_release_of_a_lock_is_counted():
         with world.interface("position", "robot1").locked():
             pass
         assert link.exchanges == before + 1
+
+
+def test_steps_of_a_world_are_recorded_at_its_times(native):
+    memories, numbers = [bytearray(64), bytearray(64)], np.zeros(2)
+    revision = np.zeros(1, np.int64)
+    quick, plain = (Changes([Piece(memory, i) for i, memory in enumerate(memories)], native=native) for _ in range(2))
+    moments = changes.Moments(0.0, 0.0, 0.03, 0.0, 1e12, 2000)
+    moments.step, moments.sim_time = numbers.ctypes.data, numbers.ctypes.data + 8
+    moments.revision = revision.ctypes.data
+    time, found = 0.0, []
+    for step in range(9):
+        numbers[:] = 0.01, -1.0 if step < 3 else 7.0 + 0.0123456789 * step
+        for memory in memories:
+            memory[step] = step + 1
+        time += 0.01
+        first = 0 if step % 3 == 0 else 1  # bodies and joints are recorded in every third step
+        plain.record(round(time * 1e9), max(round(float(numbers[1]) * 1e9), 0), first)
+        found.append(quick.record_step(moments))
+    revision[0] = 1
+    before = moments.time
+    assert quick.record_step(moments) == -1  # there is another scene
+    if not native:
+        assert found == [-1] * 9  # Python has to call `record`
+        return
+    assert moments.time == before == time
+    assert found == [0] * 9
+    frames = bytes(quick.send())
+    assert frames == bytes(plain.send())
+    moments.revision_seen, moments.send_size = 1, len(frames) // 9
+    memories[0][:] = memories[1][:] = bytes(range(64))
+    assert quick.record_step(moments) == 1  # there is enough to send
+    quick.send()
+    moments.send_size, moments.send_period = 2000, 0.0
+    assert quick.record_step(moments) == 1  # it is time to
+    numbers[1] = 1e12
+    assert quick.record_step(moments) == -1  # for Python limits it

@@ -159,7 +159,8 @@ class EngineState:
         """The contacts that are recorded, but those of geoms that have been removed since."""
         contacts, known = self._engine.contacts, [0, *self._engine.geoms]
         there = np.isin(contacts["geom1"], known) & np.isin(contacts["geom2"], known)
-        return contacts[there].tobytes()
+        kept: bytes = contacts[there].tobytes()
+        return kept
 
     def _objects(self) -> bytes:
         """What Python knows of the objects, encoded."""

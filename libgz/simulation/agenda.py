@@ -13,6 +13,9 @@ __all__ = ["Agenda", "Hold"]
 
 log = logging.getLogger("libgz.simulation")
 
+# How often changes may lead to others, such as a model whose plugin adds a model, and to how many.
+MOST_GENERATIONS, MOST_LED_TO = 100, 10_000
+
 
 class Hold:
     """Holds changes back, `with` it."""
@@ -75,10 +78,23 @@ class Agenda:
             self.act()
 
     def act(self) -> None:
-        """Run the deferred actions, and those that they defer in turn."""
+        """Run the deferred actions, and those that they defer in turn, unless that has no end."""
         self.stepping = False
         with self.hold():
+            generation, left, led_to = 0, len(self.deferred), 0
             while self.deferred:
+                if left <= 0:
+                    generation, left = generation + 1, len(self.deferred)
+                    led_to += left
+                    if generation > MOST_GENERATIONS or led_to > MOST_LED_TO:
+                        by, _ = self.deferred[0]
+                        self.deferred.clear()
+                        log.error(
+                            "%schanges lead to others without an end; what is left of them is not done",
+                            f"{by}: " if by is not None else "",
+                        )
+                        break
+                left -= 1
                 by, action = self.deferred.pop(0)
                 try:
                     action()

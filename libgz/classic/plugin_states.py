@@ -202,6 +202,9 @@ class PluginStates:
         kind: Any = plugin.plugin_class
         self._seen.add(kind)
         if undeclared(kind) and not is_ready(plugin.path):  # those of libgz declare theirs in their bases
+            if getattr(kind, "not_kept", ""):  # one in C++
+                log.warning("%s: %s", plugin, kind.not_kept)
+                return
             log.warning(
                 "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
                 'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',

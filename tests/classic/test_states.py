@@ -460,6 +460,13 @@ def test_a_plugin_without_a_declared_state_is_named_once(with_plugin, caplog):
     assert caplog.text.count("class Counter does not declare its state") == 1
 
 
+def test_a_plugin_that_cannot_declare_its_state_is_named_with_the_reason(with_plugin, caplog):
+    run, _ = with_plugin("not_kept = 'its variables are those of C++'")
+    run.world.get_state()
+    assert "its variables are those of C++" in caplog.text
+    assert "does not declare its state" not in caplog.text
+
+
 PUSHED = """
     def Load(self, model, sdf):
         self.count, self.resets, self.model = 0, 0, model

@@ -469,10 +469,15 @@ def test_controllers_of_ros2_are_loaded_configured_and_switched(start, graph, tm
     kind = "control_msgs/FollowJointTrajectory"
     assert graph.declared[f"{action}/send_goal"]["type"] == f"control_msgs/action/{kind[13:]}.Impl.SendGoalService"
     assert server.call(f"{action}/send_goal", f"{kind}_SendGoal", goal_id=uuid, goal=goal).accepted
-    asked = service_type(f"{kind}_GetResult", 2).request(goal_id=uuid)
-    body = cdr(asked.kind, fields(f"{kind}_GetResult", "srv")[0]).pack(asked)
-    for number in range(session.MOST_REQUESTS):  # nobody else has to wait for the results
-        graph.send(REQUEST, graph.number(f"{action}/get_result"), struct.pack("<Q", 1000 + number) + body)
+    asked, (request, response) = service_type(f"{kind}_GetResult", 2), fields(f"{kind}_GetResult", "srv")
+    body = cdr(asked.request, request).pack(asked.request(goal_id=uuid))
+    keys = [struct.pack("<Q", 1000 + number) for number in range(100)]
+    for key in keys:  # of so many that wait for one result, the first ones get an empty one
+        graph.send(REQUEST, graph.number(f"{action}/get_result"), key + body)
+    wait_for(lambda: len(server.ros.requests) == len(keys))
+    server.core.Step()
+    early = wait_for(lambda: graph.answers.get(keys[0]))
+    assert cdr(asked.response, response).unpack(early[1:]).status == 0
     assert server.call("/get_model_list", "gazebo_msgs/GetModelList").success
     assert server.call(f"{action}/get_result", f"{kind}_GetResult", goal_id=uuid).status == 4  # succeeded
     for _ in range(20):  # the last command is applied at the next update

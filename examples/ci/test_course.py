@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from libgz.testing import Worlds
@@ -25,6 +26,7 @@ def test_the_program_stops_before_the_wall(libgz_world: Worlds) -> None:
     program = subprocess.Popen([sys.executable, PROGRAM, str(world.server_id)])
     while program.poll() is None and world.GetSimTime() < 600.0:
         world.step()
+        time.sleep(0.001)  # 20 ms of sim time take at least 1 ms: the program is a process that needs time, too
     assert program.wait(timeout=10.0) == 0
     world.run(1.0)
     assert 0.2 < world.model("robot1").GetPose().pos.x < 1.6

@@ -304,10 +304,11 @@ def test_plugins_derived_from_those_of_models(place, caplog):
         surface = model.GetLink("arm").GetCollision("shape").GetSurface()
         assert (surface.slip1, surface.slip2) == pytest.approx((0.01 * spin * 0.25, 0.01 * spin * 0.5))
     names = "<lift_joint>hinge</lift_joint><door_joint>hinge</door_joint><topic>~/elevator</topic>"
-    with derived("elevator", f"{names}<floor_height>0.5</floor_height>") as world:
+    gains = "".join(f"<{tag}><p>1000</p><d>500</d></{tag}>" for tag in ("lift_pid", "door_pid"))
+    with derived("elevator", f"{names}{gains}<floor_height>0.5</floor_height>") as world:
         world.step(2000)
         joint = physics.get_world().ModelByName("robot").GetJoint("hinge")
-        assert joint.Position(0) == pytest.approx(0.25, abs=0.01)  # half way: the doors' controller holds it at 0
+        assert joint.Position(0) == pytest.approx(0.75, abs=0.01)  # between the floor's 0.5 and the open doors' 1
     assert not problems(caplog)
 
 

@@ -203,7 +203,7 @@ def test_a_page_without_the_token_only_watches(viewer, controls):
         assert hello["hello"]["reason"] == "This address has no valid token."
         assert hello["control"]["here"] is False
         assert page.ask("pause", "on") == (None, "this page does not control the world")
-        assert "no token" in page.ask("control", "take")[1]
+        assert "no valid token" in page.ask("control", "take")[1]
         page.send({"drive": [1, 0, 0]})
         page.send({"key": 65})
         assert page.ask("describe", name="x") == (None, None)

@@ -306,7 +306,7 @@ def test_switches_change_what_is_seen(shown, page):
     switch(page, "transparent", False, robot)
     assert set(page.evaluate(opacities)) == {1}
     switch(page, "wireframe", True, robot)
-    assert len(red(page)) < 0.4 * body
+    assert len(red(page)) < 0.6 * body
     switch(page, "wireframe", False, robot)
     switch(page, "collisions", True, robot)
     assert len(red(page)) < 0.1 * body

@@ -207,7 +207,7 @@ def test_keys_act_on_the_world_after_a_button_was_clicked(opened):
     page = opened()
     button(page, "Insert").click()
     page.get_by_role("dialog", name="Insert a model").get_by_label("Search models").wait_for()
-    press_until(page, "Escape", lambda: not page.get_by_role("dialog").count())
+    press_until(page, "Escape", lambda: not page.locator("dialog").count())
     page.keyboard.press("Space")
     assert len(asked(page, "pause")) == 1
     button(page, "Reset").click()
@@ -268,7 +268,7 @@ def test_help_shows_the_keys(opened):
             "Oblique view",
         ):
             dialog.get_by_text(text, exact=True).wait_for()
-        press_until(page, "Escape", lambda: not page.get_by_role("dialog").count())
+        press_until(page, "Escape", lambda: not page.locator("dialog").count())
     button(page, "Keys").click()
     button(page, "Close").click()
     page.get_by_role("dialog").wait_for(state="detached")

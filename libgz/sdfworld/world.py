@@ -192,7 +192,7 @@ class SdfWorld(Era):
             try:
                 apply_state(world, state, diagnostics)
             except ParameterError as error:
-                diagnostics.warn(state, f"{error}; the rest of the state has no effect")
+                diagnostics.warn(state, f"{error}; but for its insertions, the state has no effect")
         if not diagnostics.errors:
             models = [model for model in world.entities if isinstance(model, SdfModel)]
             if state is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from libgz.base.errors import Diagnostics
+from libgz.base.errors import Diagnostics, explain
 from libgz.base.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.joint import Joint
@@ -28,7 +28,7 @@ class WorldJoints(Entity):
     Args:
         world: where.
         holder: the `<world>`, which contains the `<joint>` elements.
-        diagnostics: takes the errors.
+        diagnostics: takes warnings: what cannot be made is left out.
     """
 
     is_model = False
@@ -47,8 +47,8 @@ class WorldJoints(Entity):
             try:
                 plan = read_joint(element, self.find_link, GzPose(), diagnostics.warn)
                 self.sdf_joints.add(SdfJoint(world.engine, plan))
-            except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
-                diagnostics.failure(element, error)
+            except Exception as error:  # noqa: BLE001 - whatever it met
+                diagnostics.warn(element, f"{explain(error)}; it is left out")
 
     def SaveState(self) -> tuple[bytes, bytes]:
         """The joints, and their efforts."""

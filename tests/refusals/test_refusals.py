@@ -106,8 +106,6 @@ BALL = "<collision><geometry><sphere radius='1'/></geometry></collision>"
 SOLID = f"<link name='a'>{MASS}{BALL}</link>"
 LINKS = "".join(f"<link name='{name}'>{MASS}</link>" for name in "abc")
 ENTITY = "<!DOCTYPE sdf [<!ENTITY e {}>]><sdf version='1.6'><model name='m'><static>&e;</static></model></sdf>"
-PLACED = "<pose relative_to='l'>0 0 0 0 0 0</pose>"
-LOOP = f"<frame name='f' attached_to='g'>{PLACED}</frame><frame name='g' attached_to='f'>{PLACED}</frame>"
 
 
 def urdf_joint(name, parent, child, kind="fixed", more=""):
@@ -115,7 +113,6 @@ def urdf_joint(name, parent, child, kind="fixed", more=""):
 
 
 POSE = "<model name='m'><link name='l'><pose {}>{}</pose></link></model>"
-STATE = "<state world_name='w'>{}</state>"
 CASES = {
     ("libgz/base/entities.py", "{}:{}: <{}>: it has {} attributes; at most {} are read"): sdf(
         "<model {}/>".format(" ".join(f"a{i}='1'" for i in range(1001)))

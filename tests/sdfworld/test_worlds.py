@@ -276,6 +276,14 @@ def test_joints_that_cannot_be_made_are_left_out_and_names_that_are_taken_replac
     made.step(10)
 
 
+def test_a_joint_of_the_world_that_cannot_be_made_is_left_out(load, caplog):
+    joint = "<joint name='{}' type='{}'><parent>world</parent><child>m::link</child></joint>"
+    made = load(world(model("m", "box"), joint.format("j", "piston"), joint.format("k", "fixed")))
+    assert list(made.model("world_joints").sdf_joints) == ["k"]
+    assert "w0.world:1: <joint>: type 'piston' is not a kind of joint here" in caplog.text
+    assert "; it is left out" in caplog.text
+
+
 def test_a_wrong_number_is_told_with_its_place(load):
     with pytest.raises(WorldFileError, match=r"w0\.world:1: <max_step_size>: 'z' .* must be a number"):
         load("<world name='w'><physics type='ode'><max_step_size>z</max_step_size></physics></world>")

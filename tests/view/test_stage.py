@@ -286,6 +286,13 @@ def test_what_is_put_into_an_empty_world_fills_the_frame(shown, page):
     assert near(page) < 5.0
 
 
+def test_the_camera_begins_by_a_state_of_its_own_world(shown, page):
+    for x, y in ((9.0, 0.0), (0.0, 9.0)):
+        shown(sdf(box(pose=f"{x} {y} 0.5 0 0 0")))
+        target = page.evaluate("libgz.stage.cameras.controls.target.toArray()")
+        assert target[:2] == pytest.approx([x, y], abs=0.3)
+
+
 def test_the_camera_begins_where_the_world_says(shown, page):
     camera = "<gui><camera name='c'><pose>4 1 3 0 0.5 3.14</pose></camera></gui>"
     shown(sdf(camera + "<include><uri>model://ground_plane</uri></include>" + box()))

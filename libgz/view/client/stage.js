@@ -97,6 +97,7 @@ export class Stage {
     this._loaded = false; // what the scene names has been loaded
     this._world = ""; // that the camera is placed for
     this._begins = false; // whether that is still to be done
+    this._former = store.state; // the state when the scene came, which is that of another scene
     this._empty = false; // whether nothing moves in it
     this._shapes = ""; // the switches that the shapes are shown by
     this._fine = this.quality.level.fine;
@@ -166,6 +167,7 @@ export class Stage {
     const { store } = this, { scene } = store;
     if (!scene) return;
     const turn = ++this._loading;
+    this._former = store.state;
     await this.assets.load(scene, () => {
       const [done, total] = this.assets.progress;
       this.progress = { done, total };
@@ -192,8 +194,7 @@ export class Stage {
 
   /** Place the camera for another world, once there is a state with all that is in its scene. */
   _begin() {
-    const { scene, state } = this.store;
-    if (!this._begins || state?.revision !== scene.revision) return;
+    if (!this._begins || this.store.state === this._former) return;
     this._begins = false;
     this.cameras.begin(this.lights.towards, (eye, place, radius) => this._sees(eye, place, radius));
   }

@@ -25,7 +25,7 @@ async function show() {
   store.select(null);
   store.setScene(scene);
   await state(scene);
-  while (!stage.ready || stage.progress.done < stage.progress.total) await frames(1);
+  while (!stage.ready || stage._begins || stage._world !== `${scene.era} ${scene.world}`) await frames(1);
   await frames(3);
 }
 

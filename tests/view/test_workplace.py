@@ -157,7 +157,7 @@ def test_the_toolbar_runs_and_steps_the_world(opened):
     page.get_by_role("menu").get_by_role("slider", name="Speed").fill("1")
     assert asked(page, "speed") == [["10", {}]]
     page.keyboard.press("Escape")
-    assert page.get_by_role("menu").count() == 0
+    page.get_by_role("menu").wait_for(state="detached")
     button(page, "Run").click()
     assert asked(page, "pause") == [["off", {}]]
 
@@ -178,24 +178,26 @@ def test_keys_do_what_the_buttons_do(opened):
     page.evaluate("world.select({entity: 3})")
     for key, mode in (("t", "translate"), ("r", "rotate"), ("r", "none")):
         page.keyboard.press(key)
-        assert page.evaluate("world.handles.mode") == mode
+        until(page, "mode => world.handles.mode === mode", mode)
     page.keyboard.press("l")
     page.keyboard.press("n")
-    assert page.evaluate("[world.handles.space, world.handles.snap]") == ["local", True]
+    until(page, "world.handles.space === 'local' && world.handles.snap")
     page.evaluate("world.views = []")
     for key in ("f", "Shift+F", "1", "2", "3", "4", "5", "6"):
         page.keyboard.press(key)
+    until(page, "world.views.length === 8")
     assert page.evaluate("world.views") == [{"focus": 3}, "fit", "front", "back", "left", "right", "top", "iso"]
     page.keyboard.press("v")
-    assert page.evaluate("world.follow") == 3
+    until(page, "world.follow === 3")
     page.keyboard.press("Escape")
-    assert page.evaluate("world.selection") is None
+    until(page, "world.selection === null")
     for key, panel in (("[", "Tree"), ("]", "Inspector")):
         shown = page.get_by_role("complementary", name=panel)
         assert shown.is_visible()
         page.keyboard.press(key)
-        assert not shown.is_visible()
+        shown.wait_for(state="hidden")
         page.keyboard.press(key)
+        shown.wait_for()
     # No key does anything while a user types.
     asked(page, "pause")
     page.get_by_label("Search the tree").fill("t")
@@ -324,13 +326,14 @@ def test_the_tree_selects_hides_locks_and_finds(opened):
     for _ in range(3):
         page.keyboard.press("ArrowDown")
     page.keyboard.press("Enter")
-    assert page.evaluate("world.entities.get(world.selection.entity).id") == "robot1"
+    until(page, "world.entities.get(world.selection.entity).id === 'robot1'")
     assert row(page, "robot1").get_attribute("aria-selected") == "true"
     page.keyboard.press("ArrowLeft")
-    assert row(page, "laser1").count() == 0
+    row(page, "laser1").wait_for(state="detached")
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
-    assert tree.get_attribute("aria-activedescendant") == row(page, "laser1").get_attribute("id")
+    active = "id => document.querySelector('[role=tree]').getAttribute('aria-activedescendant') === id"
+    until(page, active, row(page, "laser1").get_attribute("id"))
 
     search = page.get_by_label("Search the tree")
     search.fill("should")
@@ -885,21 +888,22 @@ def test_a_phone_has_sheets_and_a_stick(opened):
     assert not page.get_by_role("tree").is_visible()
     nav = page.get_by_role("navigation", name="Panels")
     whole = page.locator("#stage").bounding_box()
-    nav.get_by_role("button", name="World").tap()
+    nav.get_by_role("button", name="World").tap()  # browsers act on taps a little later
+    row(page, "robot1").wait_for()
     seen, sheet = (page.locator(name).bounding_box() for name in ("#stage", "aside.left"))
     assert 0.3 * whole["height"] < seen["height"]
     assert sheet["y"] <= seen["y"] + seen["height"] < sheet["y"] + 50  # the view is above the sheet
     row(page, "robot1").tap()
-    assert page.evaluate("world.selection") == {"entity": 3}
+    until(page, "JSON.stringify(world.selection) === JSON.stringify({entity: 3})")
     nav.get_by_role("button", name="Inspector").tap()
-    assert not page.get_by_role("tree").is_visible()
-    assert page.locator("#inspector").get_by_text("Velocity").is_visible()
+    page.get_by_role("tree").wait_for(state="hidden")
+    page.locator("#inspector").get_by_text("Velocity").wait_for()
     button(page, "Plot robot1 vx").tap()
-    assert page.get_by_role("region", name="Plot", exact=True).is_visible()
+    page.get_by_role("region", name="Plot", exact=True).wait_for()
     nav.get_by_role("button", name="Plots").tap()
-    assert not page.get_by_role("region", name="Plot", exact=True).is_visible()
+    page.get_by_role("region", name="Plot", exact=True).wait_for(state="hidden")
     stick = page.get_by_role("application")
-    assert stick.is_visible()
+    stick.wait_for()
     box = stick.bounding_box()
     page.mouse.move(box["x"] + 64, box["y"] + 64)
     page.mouse.down()

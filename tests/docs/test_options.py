@@ -10,7 +10,7 @@ from libgz.apps import gazebo, gzclient, gzserver, libgz
 
 ROOT = Path(__file__).parents[2]
 PLACES = ("docs", "examples", "libgz")
-ENDINGS = {".md", ".sh", ".yml", ".toml", ".py", ".world"}
+ENDINGS = {".md", ".sh", ".yml", ".toml", ".world"}
 # Of a shell: the command and its words, up to the end of the code, line, or a comment, pipe or second command.
 CALL = re.compile(r"(?<![\w/.~-])(gazebo|gzserver|gzclient|libgz|gz) ((?:(?!\s#)[^`\n|;&>)\"])+)")
 IN_CODE = re.compile(r"(?:`|^    |^\$ )(libgz|gz) ([a-z][\w-]*)")
@@ -18,7 +18,8 @@ OF_OTHERS = {"--ros-args", "--propshop-save", "--propshop-model", "--frames-to"}
 OPTION = re.compile(r"(?<!\S)--?[a-zA-Z][\w-]*(?=[\s=,\]]|$)")
 
 
-def parsers():
+@pytest.fixture(scope="module")
+def known():
     """(command, subcommand) -> its options."""
     found = {}
     for prog, module in (("gzserver", gzserver), ("gzclient", gzclient)):
@@ -50,15 +51,13 @@ def calls():
     """(file, line, command, words) of each call in a text."""
     found = []
     for path in texts():
-        if path.suffix == ".py":
-            continue
         for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
             found += [(path, number, match[1], match[2].split()) for match in CALL.finditer(line)]
     return found
 
 
-def test_options_in_texts_exist(calls):
-    known, wrong, count = parsers(), [], 0
+def test_options_in_texts_exist(known, calls):
+    wrong, count = [], 0
     for path, number, command, words in calls:
         sub = words[0] if command in ("libgz", "gz") else ""
         if (command, sub) not in known:
@@ -73,8 +72,8 @@ def test_options_in_texts_exist(calls):
     assert count > 200
 
 
-def test_commands_in_texts_exist():
-    known, wrong, count = parsers(), [], 0
+def test_commands_in_texts_exist(known):
+    wrong, count = [], 0
     for path in texts():
         if path.suffix != ".md":
             continue

@@ -362,9 +362,23 @@ class Connection:
         elif self._closing:
             self.close()
 
+    def send_soon(self, hurried: bool) -> None:
+        """Have what was queued sent, from any thread.
+
+        Args:
+            hurried: whether it may wait some milliseconds for others.
+        """
+        if self.slow:
+            return  # the loop's thread waits for the socket, and then sends all
+        if hurried:
+            self.loop.note(self)
+        else:
+            self.loop.call(self.flush)
+
     def hasten(self) -> None:
         """Send as much of what waits as the socket takes now; from any thread."""
         if not self.using.acquire(timeout=LONGEST_SEND):
+            self.loop.call(self.flush)  # who sends now may have looked at the queue before
             return
         try:
             if not self.closed:

@@ -199,6 +199,7 @@ class Node:
                 return
             self._remove(publisher)
         for reader in publisher.readers:
+            self._loop.call(reader.connection.flush)  # the last messages may wait for others
             self._loop.call(reader.connection.close)
 
     def subscribe(self, topic: str, kind: MessageType, received: Callable[[bytes], Any]) -> Subscriber:
@@ -420,7 +421,7 @@ class Node:
     def _register_subscriber(self, subscriber: Subscriber) -> None:
         if self._subscribers.get(subscriber.topic) is subscriber:
             uris = self._ask("registerSubscriber", subscriber.topic, subscriber.kind.name, self.uri)
-            self._publisher_update(self.master, subscriber.topic, uris)
+            self._follow_all(subscriber, _addresses(uris))  # none is left: an update may have overtaken this answer
 
     def _register_service(self, service: ServiceServer) -> None:
         if self._services.get(service.name) is service:
@@ -466,20 +467,24 @@ class Node:
         subscriber = self._subscribers.get(topic)
         if subscriber is None:
             return 0, f"{self.name} does not subscribe to {topic!r}", 0
-        wanted = [uri for uri in uris if isinstance(uri, str) and len(uri) <= LONGEST_URI]
+        wanted = _addresses(uris)
         for uri, feed in list(subscriber.publishers.items()):
             if uri not in wanted and feed is not None:
                 self._loop.call(feed.close)
-        for uri in wanted:
+        self._follow_all(subscriber, wanted)
+        return 1, "", 0
+
+    def _follow_all(self, subscriber: Subscriber, uris: list[str]) -> None:
+        """Connect to those publishers that are not connected yet."""
+        for uri in uris:
             if uri in subscriber.publishers:
                 continue
             if len(subscriber.publishers) >= MOST_PUBLISHERS or not self._connecting.acquire(blocking=False):
                 text = "ROS: %s has more than %d publishers; those beyond are left out"
-                self._loop.warn("publishers", text, topic, MOST_PUBLISHERS)
+                self._loop.warn("publishers", text, subscriber.topic, MOST_PUBLISHERS)
                 break
             subscriber.publishers[uri] = None
             threading.Thread(target=self._follow, args=(subscriber, uri), name="ros-connect", daemon=True).start()
-        return 1, "", 0
 
     def _follow(self, subscriber: Subscriber, uri: str) -> None:
         """Connect to a publisher."""
@@ -507,6 +512,11 @@ class Node:
         feed = Feed(self._loop, sock, peer, header, subscriber.received, lambda: subscriber.publishers.pop(uri, None))
         subscriber.publishers[uri] = feed
         self._loop.call(feed.start)
+
+
+def _addresses(uris: Any) -> list[str]:
+    """The addresses of publishers that a master gives; those that are none are left out."""
+    return [uri for uri in uris if isinstance(uri, str) and len(uri) <= LONGEST_URI]
 
 
 def _listed(found: Sequence[Publisher] | Sequence[Subscriber]) -> list[list[str]]:

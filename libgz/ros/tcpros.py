@@ -226,10 +226,7 @@ class Reader:
         if not hurried and connection.send_at_once(parts, size):
             return
         queue.append((b"".join(parts),) if size < LARGE else tuple(kept(parts)))
-        if hurried and not connection.slow:
-            connection.loop.note(connection)
-        else:
-            connection.loop.call(connection.flush)
+        connection.send_soon(hurried)
         if size * most > WAITING:
             most = max(self.sink.queue, WAITING // size, 2)
         if len(queue) > most // 2 and not connection.slow:

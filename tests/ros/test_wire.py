@@ -239,7 +239,7 @@ def test_a_slow_reader_holds_a_bounded_number_of_messages(paced, master, caplog)
     for _ in range(300):
         topic.publish(STRING(data="x" * 100_000))
         node.deliver()
-    assert sum(len(part) for frame in reader.connection.queue for part in frame) < 6_000_000
+    assert sum(len(part) for frame in list(reader.connection.queue) for part in frame) < 6_000_000
     wait_for(lambda: reader.dropped > 100)
     assert caplog.text.count("reads /talk too slowly") == 1
 
@@ -260,6 +260,45 @@ def test_messages_of_a_hurried_world_arrive_in_order_and_none_is_lost(node, mast
     assert found == sent
     (reader,) = topic._publisher.readers
     assert not reader.dropped
+
+
+def test_messages_of_a_hurried_world_arrive_though_their_socket_was_used_or_their_topic_ends(node, master, monkeypatch):
+    node.node.follow_pace(lambda: True)
+    monkeypatch.setattr(loop_module, "LONGEST_SEND", 0.01)
+    topic = node.publish("talk", STRING.name, 10)
+    wait_for(lambda: "/talk" in master.publishers)
+    sock, _ = open_topic(master, "/talk")
+    publisher = topic._publisher
+    (reader,) = wait_for(lambda: publisher.readers)
+    with reader.connection.using:
+        topic.publish(STRING(data="first"))
+    assert codec(STRING).unpack(read_block(sock)).data == "first"
+    node.node._loop._due = time.monotonic() + 5.0  # something was sent just now
+    topic.publish(STRING(data="last"))
+    del topic
+    assert codec(STRING).unpack(read_block(sock)).data == "last"
+    with pytest.raises(EOFError):
+        read_block(sock)
+
+
+def test_a_publisher_that_comes_while_its_topic_is_registered_is_heard(node, master, monkeypatch):
+    wire, talkers, original = node.node, [], node_module.call
+
+    def call(uri, method, *values, **more):
+        answer = original(uri, method, *values, **more)
+        if method == "registerSubscriber" and not talkers:  # the answer, without this one, comes later
+            talkers.append(Talker(master, "/s", STRING.name, STRING.md5))
+            wait_for(lambda: any(wire._subscribers["/s"].publishers.values()))
+        return answer
+
+    monkeypatch.setattr(node_module, "call", call)
+    heard = []
+    wire.subscribe("/s", STRING, heard.append)
+    wire.advertise("/next", STRING)
+    wait_for(lambda: master.publishers.get("/next"))  # all before it has been done
+    talkers[0].send(codec(STRING).pack(STRING(data="here")))
+    wait_for(lambda: heard)
+    talkers[0].close()
 
 
 def test_large_arrays_arrive_as_they_were_when_they_were_published(paced, master):

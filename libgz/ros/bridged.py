@@ -220,7 +220,7 @@ class BridgedNode:
     def lost(self) -> None:
         """The bridge is gone."""
         for channel in list(self._channels.values()):
-            channel.waiting, channel.waiting_bytes, channel.declared = 0, 0, False
+            channel.declared = False
             self._hear(channel, False)
         self._broken.set()
 
@@ -347,16 +347,14 @@ class BridgedNode:
     def _drop(self, channel: Channel) -> None:
         """End a channel, after its messages that wait."""
         link = self._link
-        if link is not None and not link.closed:
-            channel.waiting += 1
-            channel.waiting_bytes += HEAD.size
-            link.messages.append((channel, HEAD.size, (HEAD.pack(REST, DROP, channel.number),)))
-            self._loop.call(link.flush)
+        if link is not None:
+            link.messages.append((None, HEAD.size, (HEAD.pack(REST, DROP, channel.number),)))
+            link.send_soon(False)
 
     def push(self, channel: Channel, sort: int, body: list[Buffer]) -> None:
         """Send a message or an answer of some parts, or queue it."""
         link = self._link
-        if link is None or link.closed:  # what waited for a bridge that is gone is counted no more
+        if link is None or link.closed:
             return
         size = HEAD.size + sum(map(len, body))
         parts = [HEAD.pack(size - 4, sort, channel.number), *body]
@@ -369,15 +367,10 @@ class BridgedNode:
                 f"slow {channel.topic}", "ROS 2: the bridge is too slow for %s; %s is left out", channel.topic, what
             )
             return
-        channel.waiting += 1
-        channel.waiting_bytes += size
-        link.waiting_bytes += size
-        link.messages.append((channel, size, (b"".join(parts),) if size < LARGE else tuple(kept(parts))))
-        if hurried and not link.slow:
-            self._loop.note(link)
-        else:
-            self._loop.call(link.flush)
-        if channel.waiting > MOST_WAITING // 2 and not link.slow:
+        link.add(channel, size, (b"".join(parts),) if size < LARGE else tuple(kept(parts)))
+        link.send_soon(hurried)
+        many = channel.waiting > MOST_WAITING // 2 or channel.waiting_bytes > MOST_BYTES // 2
+        if many and not link.slow:
             link.hasten()
 
     def frame(self, sort: int, number: int, body: bytes) -> None:
@@ -456,8 +449,9 @@ class _Link(Connection):
     """The connection to a bridge.
 
     Attributes:
-        messages: frames that wait, after those in `queue`, with their channels and sizes.
-        waiting_bytes: the sizes of all of them [byte].
+        messages: frames that wait, after those in `queue`, with their channels and sizes; None for ends of channels,
+            which are not counted.
+        waiting_bytes: the sizes of all that are counted [byte].
     """
 
     longest = MOST_FRAME
@@ -468,8 +462,9 @@ class _Link(Connection):
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 22)
         self.deadline = None
         self._node = node
-        self.messages: deque[tuple[Channel, int, Frame]] = deque()
+        self.messages: deque[tuple[Channel | None, int, Frame]] = deque()
         self.waiting_bytes = 0
+        self._counting = threading.Lock()  # of what waits, here and of channels
 
     def frame(self, body: bytes) -> None:
         """A frame came."""
@@ -489,17 +484,35 @@ class _Link(Connection):
         size = 0 if not parts else SEND_AT_ONCE
         while size < SEND_AT_ONCE and self.messages:
             channel, length, frame = self.messages.popleft()
-            channel.waiting -= 1
-            channel.waiting_bytes -= length
-            self.waiting_bytes -= length
+            self._count_off(channel, length)
             parts += frame
             size += length
         return parts
 
+    def add(self, channel: Channel, size: int, frame: Frame) -> None:
+        """Let a message or an answer wait, from any thread; none waits for a bridge that is gone."""
+        with self._counting:
+            if not self.closed:
+                channel.waiting += 1
+                channel.waiting_bytes += size
+                self.waiting_bytes += size
+                self.messages.append((channel, size, frame))
+
+    def _count_off(self, channel: Channel | None, size: int) -> None:
+        """Count what waits no more."""
+        if channel is not None:
+            with self._counting:
+                channel.waiting -= 1
+                channel.waiting_bytes -= size
+                self.waiting_bytes -= size
+
     def ended(self) -> None:
         """The bridge is gone."""
-        self.messages.clear()
-        self.waiting_bytes = 0
+        with self._counting:  # nothing is added after this
+            left = list(self.messages)
+            self.messages.clear()
+        for channel, size, _ in left:
+            self._count_off(channel, size)
         self._node.lost()
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 WORLD = "world"
 MOST_FRAMES, LONGEST_CHAIN = 1000, 64  # that are kept; between the world and the desired frame
+LONGEST_NAME = 1000  # characters of a frame that is kept
 
 
 class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
@@ -73,10 +74,11 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
     def OnTransforms(self, message: Any) -> None:
         """Transforms have come."""
         for one in message.transforms:
-            child, place, turn = one.child_frame_id.lstrip("/"), one.transform.translation, one.transform.rotation
-            if finite(one) and (child in self.frames or len(self.frames) < MOST_FRAMES):
-                values = (place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z)
-                self.frames[child] = (one.header.frame_id.lstrip("/"), *values)
+            parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
+            place, turn = one.transform.translation, one.transform.rotation
+            kept = child in self.frames or len(self.frames) < MOST_FRAMES
+            if kept and max(len(parent), len(child)) <= LONGEST_NAME and finite(one):
+                self.frames[child] = parent, (place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z)
 
     def Reset(self) -> None:
         """Let it loose until the next transform."""

@@ -87,7 +87,6 @@ class _Connection(http.client.HTTPConnection):
         deadline = time.monotonic() + (self.timeout or 0.0)
         super().connect()
         self.sock = _TimedSocket(self.sock.detach(), deadline)
-        self.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
 class _TimedSocket(socket.socket):

@@ -72,11 +72,8 @@ class ElevatorPlugin(ModelPlugin):
     def Reset(self) -> None:
         """Forget the trip; car and doors keep their targets of floor 0 and closed doors."""
         self.floor, self.door, self.before, self.first = 0, CLOSED, -1.0, -1.0
-        self.wanted, self.begun, self.since = (
-            0,
-            False,
-            0.0,
-        )  # floor of the trip; whether the first of the steps has begun, and when [s]
+        # Floor of the trip; whether the first of the steps has begun, and when [s].
+        self.wanted, self.begun, self.since = 0, False, 0.0
         self.steps.clear()
         for pid in (self.lift_pid, self.door_pid):
             pid.Reset()

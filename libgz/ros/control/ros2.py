@@ -55,6 +55,7 @@ class RobotHardware2(RobotHardware):
         diagnostics = Diagnostics()
         root = parse_document(description.encode(), "robot_description", diagnostics)
         diagnostics.raise_errors()
+        self.description = root
         self._described = {one.get("name", ""): one for one in root.findall("joint")}
         self.joints: dict[str, SimJoint] = {}
         self.interfaces: dict[str, list[str]] = {}  # by which each joint may be commanded

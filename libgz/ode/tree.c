@@ -204,13 +204,14 @@ static int list_dense(island *w)
     int64_t i;
     w->dense_count = w->panel_count = 0;
     for (i = 0; i < w->row_count; i++) {
-        panel *last = w->panels + w->panel_count - 1;
+        panel *last;
         if (w->joints[w->rows[i].joint].side >= 0 && !w->rows[i].apart)
             continue;
         GROW(dense, dense_capacity, w->dense_count + 1);
         w->rows[i].place = w->dense_count;
         w->dense[w->dense_count++] = i;
-        if (w->panel_count && last->count < LANES &&
+        last = w->panel_count ? w->panels + w->panel_count - 1 : NULL;
+        if (last && last->count < LANES &&
             !memcmp(ends_of(w, last->first), w->joints[w->rows[i].joint].body, 2 * sizeof(int64_t))) {
             last->count++;
             continue;
@@ -425,9 +426,11 @@ static int attempt(island *w)
         return NO_ANSWER;
     for (i = 0; i < n; i++) {
         const tree_row *r = w->rows + w->dense[i];
+        double pressing;
         if (r->normal < 0)
             continue;
-        high[i] = fabs(r->high * x[w->rows[r->normal].place]);
+        pressing = x[w->rows[r->normal].place];
+        high[i] = pressing == 0.0 ? 0.0 : fabs(r->high * pressing); /* where r->high is infinite, too */
         low[i] = -high[i];
         rubs |= high[i] > 0.0;
     }

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from engine_parts import box, solid
+from engine_parts import box, ground, solid
 from random_islands import island
 
 import libgz
@@ -212,6 +212,31 @@ def test_motors_turn_joints_as_far_as_their_efforts_go(effort, reached):
     (exact, _), (states, rates) = driven_chain("world", effort), driven_chain("tree", effort)
     assert np.abs(states - exact).max() <= 1e-9
     assert sum(rate == pytest.approx(2.0) for rate in rates) == reached
+
+
+def lifted_arm(solver):
+    """How fast an arm turns that a force lifts off the ground, on which its carrier stands; friction is infinite."""
+    engine = Engine(solver=solver)
+    ground(engine, friction=np.inf)
+    carrier, arm = (
+        solid(engine, box(0.2, 0.2, 0.2), mass, (x, 0.0, 0.0999), friction=np.inf)
+        for mass, x in ((1000.0, 0.0), (1.0, 0.5))
+    )
+    hinge = libgz.HingeJoint(engine)
+    hinge.Attach(arm, carrier)
+    hinge.SetAnchor((0.25, 0.0, 0.3))
+    hinge.SetAxis((0, 1, 0))
+    arm.AddForce(0.0, 0.0, 500.0)
+    engine.step()
+    rate = hinge.GetAngleRate()
+    engine.close()
+    return rate
+
+
+def test_infinite_friction_holds_nothing_that_does_not_press():
+    rate = lifted_arm("world")
+    assert abs(rate) > 0.1
+    assert lifted_arm("tree") == pytest.approx(rate, rel=1e-6)
 
 
 def test_joints_that_export_only_how_they_count_rows_are_left_to_the_exact_solver(monkeypatch):

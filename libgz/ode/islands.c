@@ -156,7 +156,8 @@ static void solve_hanging(context *c)
             continue;
         if (!have_tree_memory(c))
             return;
-        root->solved = solve_tree(c, i);
+        /* A body that does not move, as it is kinematic, may connect several that are solved one by one. */
+        root->solved = solve_tree(c, i) && root->solved >= 0 ? 1 : -1;
     }
 }
 
@@ -186,7 +187,7 @@ static int sort_islands(context *c)
             continue;
         root = members + root_of(members, i);
         members[i].quick = root->rows > most_rows(root);
-        if (!root->rows || root->solved || !dBodyIsEnabled(c->bodies[i]))
+        if (!root->rows || root->solved > 0 || !dBodyIsEnabled(c->bodies[i]))
             continue;
         exact |= !members[i].quick;
         quick |= members[i].quick;

@@ -345,7 +345,7 @@ typedef struct {
     int touching; /* 1: the island has contacts, in the root's */
     int joined;   /* 1: it has joints, in the root's */
     int quick;    /* 1: to be solved by iteration */
-    int solved;   /* 1: by resting.c or tree.c, in the root's */
+    int solved;   /* 1: by resting.c or tree.c, -1: a part of it could not be, in the root's */
     int aside;    /* 1: the body was awake and is disabled for a part of the step */
     int64_t next;               /* body of the island, or -1 */
     int64_t first, last;        /* body of the island, in the root's; -1 before it has any */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from lxml import etree
@@ -32,16 +33,34 @@ def copy_comments(copy: Element, include: etree._Element) -> None:
         if element.file == copy.file:
             places.setdefault((element.line, element.name), element)
         waiting += element.children[::-1]
-    for comment in root.iter(etree.Comment):
-        keys = ((line_of(owner), local_name(owner)) for owner in _owners(comment))
-        found = next((places[key] for key in keys if key in places), None)
-        if found is not None:
-            found.comments += (comment.text or "",)
+    found: dict[int, tuple[Element, list[str]]] = {}
+    for comment, owners in _owners(root):
+        keys = ((line_of(owner), local_name(owner)) for owner in owners)
+        about = next((places[key] for key in keys if key in places), None)
+        if about is not None:
+            found.setdefault(id(about), (about, []))[1].append(comment)
+    for about, comments in found.values():
+        about.comments += tuple(comments)
 
 
-def _owners(comment: etree._Element) -> list[etree._Element]:
-    """What a comment may be about: what is before it on its line, behind it, before it, or around it."""
-    before = [one for one in comment.itersiblings(preceding=True) if isinstance(one.tag, str)][:1]
-    behind = [one for one in comment.itersiblings() if isinstance(one.tag, str)][:1]
-    beside = [one for one in before if one.sourceline == comment.sourceline]
-    return [*beside, *behind, *before, *comment.iterancestors()]
+def _owners(root: etree._Element) -> Iterator[tuple[str, list[etree._Element]]]:
+    """All comments, in order, with what each may be about: what is before on its line, behind, before, around it."""
+    around: list[etree._Element] = []
+    last: list[etree._Element | None] = [None]  # the element before, at each depth
+    waiting: list[tuple[str, bool]] = []  # comments of which it is not known yet what is behind them
+    for event, node in etree.iterwalk(root, events=("start", "end", "comment")):
+        element = last[-1]
+        before: list[etree._Element] = [] if element is None else [element]
+        if event == "comment":
+            waiting.append((node.text or "", bool(before) and before[0].sourceline == node.sourceline))
+            continue
+        behind = [node] if event == "start" else []
+        for comment, beside in waiting:
+            yield comment, [*(before if beside else ()), *behind, *before, *around[::-1]]
+        waiting.clear()
+        if event == "start":
+            around.append(node)
+            last.append(None)
+        else:
+            last.pop()
+            last[-1] = around.pop()

@@ -135,6 +135,7 @@ class _Scope:
         self.inner: dict[int, _Scope] = {}  # scopes of nested models
         self._poses: dict[int, GzPose] = {}
         self._open: list[Element] = []  # whose poses are being resolved
+        self._links: dict[str, str] = {}  # links that frames are fixed to, by the frames' names
         inside = list(self._inside(holder))
         for kind in NAMED:
             for element in inside:
@@ -248,14 +249,23 @@ class _Scope:
 
     def link_of(self, name: str, where: Element) -> str | None:
         """The scoped name of the link that a frame is fixed to; None where that is unknown or the world."""
-        seen: list[str] = []
+        seen: dict[str, None] = {}  # in order
+        link = self._link_behind(name, where, seen)
+        if link is not None:
+            self._links.update(dict.fromkeys(seen, link))  # else each frame of a chain would follow all of it
+        return link
+
+    def _link_behind(self, name: str, where: Element, seen: dict[str, None]) -> str | None:
         scope, way = self, ""
         while True:
-            if f"{way}{name}" in seen:
-                seen.append(f"{way}{name}")
-                self.diagnostics.warn(where, f"frame {name!r} is attached to itself: {' -> '.join(seen)}")
+            key = f"{way}{name}"
+            if key in self._links:
+                return self._links[key]
+            if key in seen:
+                message = f"frame {name!r} is attached to itself: {' -> '.join([*seen, key])}"
+                self.diagnostics.warn(where, message)
                 return None
-            seen.append(f"{way}{name}")
+            seen[key] = None
             if name in ("", MODEL):
                 link = scope._canonical_link()
                 return f"{way}{link}" if link is not None else None

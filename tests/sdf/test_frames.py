@@ -1,6 +1,7 @@
 """Named frames: resolved when a document is read; what cannot be resolved is an error with its line."""
 
 import math
+import time
 
 import pytest
 from commands import run_libgz
@@ -165,3 +166,12 @@ def test_saved_worlds_have_no_frames(tmp_path):
     done = run_libgz("sdf", "--check", tmp_path / "saved.world")
     assert done.returncode == 0
     assert "no effect" not in done.stderr
+
+
+def test_the_link_of_a_long_chain_of_frames_is_found_along_the_chain_once():
+    count = 3000
+    frames = "".join(f"<frame name='f{i}' attached_to='{f'f{i - 1}' if i else 'l'}'/>" for i in range(count))
+    text = f"<model name='m'>{LINK}{frames}</model>"
+    started = time.process_time()
+    assert warnings(text) == []
+    assert time.process_time() - started < 5  # [s]; many times as long if each frame followed all before it

@@ -1,7 +1,6 @@
-"""Named frames: resolved when a document is read; what cannot be resolved is an error with its line."""
+"""Named frames: resolved when a document is read; what cannot be resolved is a warning with its line."""
 
 import math
-import time
 
 import pytest
 from commands import run_libgz
@@ -9,6 +8,7 @@ from commands import run_libgz
 import libgz
 from libgz.base.geometry import GzPose
 from libgz.classic import physics
+from libgz.sdf import frames
 from libgz.sdf.reader import SdfFile
 
 LINK = "<link name='l'/>"
@@ -138,10 +138,10 @@ def test_a_merged_model_keeps_its_frames(tmp_path, monkeypatch):
 
 
 def test_a_thousand_frames_in_a_chain():
-    frames = "".join(
+    chain = "".join(
         f"<frame name='f{i}' attached_to='f{i - 1}'><pose>1 0 0 0 0 0</pose></frame>" for i in range(1, 150)
     )
-    body = f"<model name='m'>{LINK}<frame name='f0'/>{frames}<link name='k'><pose relative_to='f149'/></link></model>"
+    body = f"<model name='m'>{LINK}<frame name='f0'/>{chain}<link name='k'><pose relative_to='f149'/></link></model>"
     root = read(body).root
     links = list(root.child("world").child("model").named("link"))
     assert links[1].Get(GzPose, "pose").pos.x == pytest.approx(149)
@@ -168,10 +168,10 @@ def test_saved_worlds_have_no_frames(tmp_path):
     assert "no effect" not in done.stderr
 
 
-def test_the_link_of_a_long_chain_of_frames_is_found_along_the_chain_once():
+def test_the_link_of_a_long_chain_of_frames_is_found_along_the_chain_once(monkeypatch):
+    found, find = [], frames._Scope.find
+    monkeypatch.setattr(frames._Scope, "find", lambda scope, name: found.append(name) or find(scope, name))
     count = 3000
-    frames = "".join(f"<frame name='f{i}' attached_to='{f'f{i - 1}' if i else 'l'}'/>" for i in range(count))
-    text = f"<model name='m'>{LINK}{frames}</model>"
-    started = time.process_time()
-    assert warnings(text) == []
-    assert time.process_time() - started < 5  # [s]; many times as long if each frame followed all before it
+    chain = "".join(f"<frame name='f{i}' attached_to='{f'f{i - 1}' if i else 'l'}'/>" for i in range(count))
+    assert warnings(f"<model name='m'>{LINK}{chain}</model>") == []
+    assert count <= len(found) < 10 * count

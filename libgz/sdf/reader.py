@@ -412,7 +412,7 @@ class SdfFile:
         for element in parts:
             name = element.Get(str, "name")
             before = first.setdefault(name, element)
-            if before is not element:
+            if name and before is not element:  # one without a name is an error already
                 count = numbers.setdefault(name, itertools.count(1))
                 free = next(free for number in count if (free := f"{name}_{number}") not in taken)
                 taken.add(free)

@@ -250,6 +250,14 @@ class DepthCloud(RosCamera):
     depth_infos: Publication
     points: Publication
 
+    def Load(self, sensor: Any, sdf: Element) -> None:
+        """Advertise images, depths and points of a depth camera."""
+        self.open(sdf, model_of(sensor))
+        self.open_sensor(sensor, sdf, self.given.updateRate)
+        self.open_camera(sensor.Camera())
+        self.open_depths()
+        self.begin()
+
     @property
     def farthest(self) -> float:
         """Depths from here on are not seen [m]."""

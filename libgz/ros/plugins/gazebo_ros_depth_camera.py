@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
 from libgz.ros.plugins._camera import CAMERA, CAMERA_ENDPOINTS, DEPTH, DEPTH_ENDPOINTS, DepthCloud
-from libgz.ros.plugins._sensor import model_of
-
-if TYPE_CHECKING:
-    from libgz.sdf.element import Element
 
 
 class GazeboRosDepthCamera(DepthCloud, SensorPlugin):
@@ -23,14 +18,6 @@ class GazeboRosDepthCamera(DepthCloud, SensorPlugin):
 
     parameters = (*CAMERA, *(one for one in DEPTH if one.name != "pointCloudCutoffMax"))
     endpoints = (*CAMERA_ENDPOINTS, *DEPTH_ENDPOINTS)
-
-    def Load(self, sensor: Any, sdf: Element) -> None:
-        """Advertise."""
-        self.open(sdf, model_of(sensor))
-        self.open_sensor(sensor, sdf, self.given.updateRate)
-        self.open_camera(sensor.Camera())
-        self.open_depths()
-        self.begin()
 
     @property
     def farthest(self) -> float:

@@ -677,9 +677,11 @@ def test_a_model_is_inserted_deleted_and_the_world_saved(opened):
 
     page.keyboard.press("Delete")
     page.get_by_role("dialog", name="Delete rover?").get_by_role("button", name="Cancel").click()
+    page.locator("dialog").wait_for(state="detached")  # keys are its own until then
     assert asked(page, "delete", wait=False) == []
     page.keyboard.press("Delete")
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
+    page.locator("dialog").wait_for(state="detached")
     assert asked(page, "delete") == [["-", {"name": "rover"}]]
     page.evaluate("world.select({entity: 1})")
     page.keyboard.press("Delete")

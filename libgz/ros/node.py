@@ -47,7 +47,8 @@ class Publisher:
     def __init__(self, node: Node, topic: str, kind: MessageType, queue: int, latch: bool) -> None:
         self.node, self.topic, self.kind, self.queue, self.latch = node, topic, kind, queue, latch
         self.codec = codec(kind)
-        self.latched: bytes | None = None
+        self._latched: bytes | None = None
+        self._latching = threading.Lock()  # of what is kept, and of who gets it
         self.readers: tuple[Reader, ...] = ()
         self.listened = latch
         self.users = 0
@@ -61,14 +62,19 @@ class Publisher:
         """Send a message, given by its parts, to all subscribers; nobody waits for a slow one."""
         size = sum(map(len, body))
         parts = [U32.pack(size), *body]
+        readers = self.readers
         if self.latch:
-            self.latched = b"".join(parts)
-        for reader in self.readers:
+            with self._latching:
+                self._latched, readers = b"".join(parts), self.readers
+        for reader in readers:
             reader.push(parts, size + U32.size)
 
     def connected(self, reader: Reader) -> None:
-        """A subscriber came."""
-        self.readers = (*self.readers, reader)
+        """A subscriber came; what was kept waits for it, before all that is published from now on."""
+        with self._latching:
+            if self._latched is not None:
+                reader.connection.queue.append((self._latched,))
+            self.readers = (*self.readers, reader)
         self.listened = True
         self.node.note_change(self)
 

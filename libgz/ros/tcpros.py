@@ -62,11 +62,10 @@ class Sink(Protocol):
     topic: str
     kind: MessageType
     queue: int
-    latched: bytes | None
     latch: bool
 
     def connected(self, reader: Reader) -> None:
-        """A subscriber came."""
+        """A subscriber came: what the topic keeps for it is queued."""
 
     def disconnected(self, reader: Reader) -> None:
         """A subscriber went."""
@@ -154,8 +153,7 @@ class Caller(Connection):
         self.send(encode_header(answer))
         if not self.closed:
             sink.connected(self.reader)
-            if sink.latched is not None:
-                self.send(sink.latched)
+            self.flush()
 
     def _open_service(self, fields: Mapping[str, str]) -> None:
         name = fields["service"][:200]

@@ -327,6 +327,17 @@ def test_a_message_may_be_filled_again_when_it_is_published(node, master):
     assert codec(STRING).unpack(read_block(sock)).data == "published"
 
 
+def test_a_kept_message_comes_once_where_another_one_is_published_meanwhile(node, master):
+    topic = node.publish("talk", STRING.name, 10, latch=True)
+    topic.publish(STRING(data="kept"))
+    node.node.notify = lambda: topic.publish(STRING(data="meanwhile"))  # as a step may, when a subscriber comes
+    wait_for(lambda: "/talk" in master.publishers)
+    sock, _ = open_topic(master, "/talk")
+    assert [codec(STRING).unpack(read_block(sock)).data for _ in range(2)] == ["kept", "meanwhile"]
+    topic.publish(STRING(data="later"))
+    assert codec(STRING).unpack(read_block(sock)).data == "later"
+
+
 def test_a_repeated_refusal_does_not_fill_the_log(node, master, caplog):
     node.publish("talk", STRING.name)
     for _ in range(150):

@@ -1,5 +1,6 @@
 """A master of ROS 1 and a node of the tests' own, by the standard library; nothing of libgz's wire is used here."""
 
+import functools
 import socket
 import struct
 import threading
@@ -47,7 +48,7 @@ class Master:
         self.nodes[caller] = uri
         self.publishers.setdefault(topic, {})[caller] = (kind, uri)
         for other in self.subscribers.get(topic, {}).values():
-            ask(other, "publisherUpdate", "/master", topic, [uri])
+            ask(other, "publisherUpdate", "/master", topic, [one for _, one in self.publishers[topic].values()])
         return 1, "", []
 
     def registerSubscriber(self, caller, topic, kind, uri):
@@ -174,7 +175,7 @@ class Service:
 class Talker:
     """Publishes one topic, once it is subscribed to: a node with one connection at a time."""
 
-    def __init__(self, master, topic, kind, md5):
+    def __init__(self, master, topic, kind, md5, name="/talker"):
         wait_for(lambda: master.subscribers.get(topic))  # else nobody is told of it
         self.topic, self.kind, self.md5 = topic, kind, md5
         self.listener = socket.create_server(("127.0.0.1", 0))
@@ -183,11 +184,12 @@ class Talker:
         self.thread = threading.Thread(target=self.server.serve_forever, args=(0.02,), daemon=True)
         self.thread.start()
         uri = f"http://127.0.0.1:{self.server.server_address[1]}/"
-        master.registerPublisher("/talker", topic, kind, uri)
+        self.unregister = functools.partial(master.unregisterPublisher, name, topic, uri)
+        master.registerPublisher(name, topic, kind, uri)
         self.socket, _ = self.listener.accept()
         master.sockets += [self.socket, self.listener]
         self.asked = decode(read_block(self.socket))
-        self.socket.sendall(encode({"callerid": "/talker", "type": kind, "md5sum": md5, "latching": 0}))
+        self.socket.sendall(encode({"callerid": name, "type": kind, "md5sum": md5, "latching": 0}))
 
     def _request(self, _caller, _topic, _protocols):
         return 1, "", ["TCPROS", "127.0.0.1", self.listener.getsockname()[1]]
@@ -196,6 +198,7 @@ class Talker:
         self.socket.sendall(struct.pack("<I", len(body)) + body)
 
     def close(self):
+        self.unregister()
         self.server.shutdown()
         self.server.server_close()
         self.thread.join()

@@ -127,6 +127,11 @@ class Subscription:
         subscriber = self._subscriber = node.subscribe(topic, kind, received, **more)
         self._end = AtEnd(lambda: node.unsubscribe(subscriber, received))
 
+    @property
+    def publishers(self) -> int:
+        """How many nodes of ROS 1 publish the topic."""
+        return len(self._subscriber.publishers)
+
     def end(self) -> None:
         """Unsubscribe; can be called twice."""
         self._end.disconnect()

@@ -11,6 +11,7 @@ from ros2_robots import wagon
 from ros_peers import Service, Talker, open_topic, read_block, wait_for
 
 from libgz.apps.spawn_controllers import main as spawner
+from libgz.ros.control.drive import Limiter
 from libgz.ros.control.trajectory import Trajectory
 from libgz.ros.packing import codec
 from libgz.ros.types import Stamp, message_type, service_type
@@ -72,10 +73,10 @@ class Arm:
             return False
         return self.call("switch_controller", "SwitchController", start_controllers=list(names), strictness=2).ok
 
-    def send(self, topic, message):
+    def send(self, topic, message, name="/talker"):
         """Publish one message, and step until it is there."""
         wait_for(lambda: topic in self.master.subscribers, self.core.Step)
-        talker = Talker(self.master, topic, message.kind.name, message.kind.md5)
+        talker = Talker(self.master, topic, message.kind.name, message.kind.md5, name)
         talker.send(codec(message.kind).pack(message))
         return talker
 
@@ -240,6 +241,7 @@ WHEELS = "".join(
     for side, y in (("left", 0.2), ("right", -0.2))
 )
 ROVER = f"<robot name='rover'><link name='base'/>{WHEELS}</robot>"
+WHEEL_STATES = "wheel_joint_controller_state"
 LIMITS = {"has_acceleration_limits": True, "max_acceleration": 1.0, "has_velocity_limits": True, "max_velocity": 0.5}
 BASE = {
     "type": "diff_drive_controller/DiffDriveController",
@@ -247,12 +249,14 @@ BASE = {
     "right_wheel": ["right"],
     "linear": {"x": LIMITS},
     "publish_cmd": True,
+    "publish_wheel_joint_controller_state": True,
+    "allow_multiple_cmd_vel_publishers": False,
     "pose_covariance_diagonal": [0.1] * 6,
     "twist_covariance_diagonal": [0.2] * 6,
 }
 
 
-def test_a_diff_drive_controller_drives_with_the_sizes_of_the_description(master, start):
+def test_a_diff_drive_controller_drives_with_the_sizes_of_the_description(master, start, caplog):
     master.parameters |= {"/arm/base": BASE, "/robot_description": ROVER}
     plugin = "<plugin name='control' filename='libgazebo_ros_control.so'><robotNamespace>/arm</robotNamespace>"
     world = wagon("").replace(
@@ -261,7 +265,7 @@ def test_a_diff_drive_controller_drives_with_the_sizes_of_the_description(master
     core, _ = start(world)
     rover = Arm(master, core, "wagon")
     assert rover.load("base")
-    sockets = {topic: rover.read(f"/arm/base/{topic}") for topic in ("odom", "cmd_vel_out")}
+    sockets = {topic: rover.read(f"/arm/base/{topic}") for topic in ("odom", "cmd_vel_out", WHEEL_STATES)}
     transforms = rover.read("/tf")
     command = message_type("geometry_msgs/Twist")()
     command.linear.x, command.angular.z = 2.0, 0.5
@@ -283,5 +287,27 @@ def test_a_diff_drive_controller_drives_with_the_sizes_of_the_description(master
     assert (found.header.frame_id, found.child_frame_id) == ("odom", "base_link")
     assert (found.pose.covariance[7], found.twist.covariance[7]) == (0.1, 0.2)
     assert transforms("tf2_msgs/TFMessage").transforms[0].child_frame_id == "base_link"
+    wheels = sockets[WHEEL_STATES]("control_msgs/JointTrajectoryControllerState")
+    while wheels.header.stamp.seconds < begin + 1.4:
+        wheels = sockets[WHEEL_STATES]("control_msgs/JointTrajectoryControllerState")
+    assert wheels.joint_names == ["left", "right"]
+    assert wheels.desired.velocities == pytest.approx([4.0, 6.0])
+    assert wheels.actual.velocities == pytest.approx([4.0, 6.0], abs=0.3)
+    assert wheels.error.positions == pytest.approx(wheels.desired.positions - wheels.actual.positions)
     talker.close()
     wait_for(lambda: abs(rover.model.WorldLinearVel().X()) < 0.01, core.Step)  # commands are too old
+    rivals = [Talker(master, "/arm/base/cmd_vel", command.kind.name, command.kind.md5, name) for name in "ab"]
+    rivals[0].send(codec(command.kind).pack(command))
+    wait_for(lambda: "topic /arm/base/cmd_vel: 2 nodes publish commands; one may" in caplog.text, core.Step)
+    assert abs(rover.model.WorldLinearVel().X()) < 0.01
+    for rival in rivals:
+        rival.close()
+
+
+def test_limits_without_a_maximum_stop_a_diff_drive_controller_of_ros_1(caplog):
+    limiter = Limiter({"has_velocity_limits": True}, "/base/linear/x", 0.0)
+    assert limiter.limit(1.0, 0.1) == 0.0
+    assert "controller /base/linear/x: has_velocity_limits without max_velocity; it is taken as 0" in caplog.text
+    turned = {"has_acceleration_limits": True, "max_acceleration": 1.0, "min_acceleration": 2.0}
+    assert Limiter(turned, "/base/linear/x", 0.0).limit(5.0, 0.1) == pytest.approx(0.1)
+    assert "are 2 and 1: no limits; the maximum is taken" in caplog.text

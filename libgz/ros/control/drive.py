@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -18,6 +19,8 @@ from libgz.ros.types import Stamp
 
 __all__ = ["DiffDrive", "DiffDrive2"]
 
+log = logging.getLogger("libgz.ros")
+
 MOST_WINDOW = 10_000  # velocities whose mean is taken
 
 
@@ -28,14 +31,16 @@ class Limiter:
         values: ``has_velocity_limits``, ``max_velocity``, ``min_velocity`` and the same of acceleration and jerk; a
             minimum that is not given is the negative maximum.
         where: the name of these parameters.
+        missing: the maximum that is taken, with a warning, where none is given; the maximum holds, too, where it is
+            below the minimum. None: neither may be.
 
     Raises:
         ParameterError: limits are wanted without a maximum, or the minimum is above it.
     """
 
-    def __init__(self, values: Mapping[str, Any], where: str) -> None:
+    def __init__(self, values: Mapping[str, Any], where: str, missing: float | None = None) -> None:
         self._velocity, self._acceleration, self._jerk = (
-            _limits(values, name, where) for name in ("velocity", "acceleration", "jerk")
+            _limits(values, name, where, missing) for name in ("velocity", "acceleration", "jerk")
         )
         self.reset()
 
@@ -56,17 +61,21 @@ class Limiter:
 
 
 def _clamp(value: float, low: float, high: float) -> float:
-    return max(low, min(high, value))
+    return min(max(low, value), high)
 
 
-def _limits(values: Mapping[str, Any], name: str, where: str) -> tuple[float, float]:
+def _limits(values: Mapping[str, Any], name: str, where: str, missing: float | None) -> tuple[float, float]:
     if not values.get(f"has_{name}_limits", False):
         return -math.inf, math.inf
-    most = number_of(values, f"max_{name}", math.nan, where)
-    least = number_of(values, f"min_{name}", math.nan, where)
-    least = -most if math.isnan(least) else least
+    most = number_of(values, f"max_{name}", math.nan if missing is None else missing, where)
+    least = number_of(values, f"min_{name}", -most, where)
+    if missing is not None and f"max_{name}" not in values:
+        log.warning("controller %s: has_%s_limits without max_%s; it is taken as %g", where, name, name, missing)
     if not least <= most:
-        raise ParameterError(f"parameters {where}/min_{name} and max_{name} are {least:g} and {most:g}: no limits")
+        text = f"parameters {where}/min_{name} and max_{name} are {least:g} and {most:g}: no limits"
+        if missing is None:
+            raise ParameterError(text)
+        log.warning("%s; the maximum is taken", text)
     return least, most
 
 
@@ -79,9 +88,11 @@ class DiffDrive(Controller):
 
     Attributes:
         limited: the parameter that asks for the topic ``cmd_vel_out``.
+        missing: the maximum where limits have none.
     """
 
     limited = "publish_cmd"
+    missing: float | None = 0.0
 
     def load(self) -> None:
         """Find the wheels, subscribe and advertise."""
@@ -104,7 +115,10 @@ class DiffDrive(Controller):
         )
         self._frames = [str(values.get("odom_frame_id", "odom")), str(values.get("base_frame_id", "base_link"))]
         self._covariances = [_diagonal(values, f"{key}_covariance_diagonal", name) for key in ("pose", "twist")]
-        self._limits = [Limiter(_nested(values, *keys), name) for keys in (("linear", "x"), ("angular", "z"))]
+        self._limits = [
+            Limiter(_nested(values, *keys), "/".join((name, *keys)), self.missing)
+            for keys in (("linear", "x"), ("angular", "z"))
+        ]
         window = int(_clamp(self._number("velocity_rolling_window_size", 10.0), 1.0, MOST_WINDOW))
         self._speeds: deque[tuple[float, float]] = deque(maxlen=window)
         self._ticks = Ticks(bounded_rate(self._number("publish_rate", 50.0), f"parameter {name}/publish_rate"))
@@ -116,8 +130,13 @@ class DiffDrive(Controller):
         self._limited = None
         if values.get(self.limited, False):
             self._limited = session.publish(f"{name}/cmd_vel_out", "geometry_msgs/TwistStamped", 10)
+        first = session.version == 1
+        states = first and values.get("publish_wheel_joint_controller_state", False)
+        self._wheels = _WheelStates(self) if states else None
+        self._alone = first and not values.get("allow_multiple_cmd_vel_publishers", True)
         topic, kind = self.command_topic()
-        self.listening = [session.subscribe(f"{name}/{topic}", f"geometry_msgs/{kind}", self._on_command)]
+        self._commands = session.subscribe(f"{name}/{topic}", f"geometry_msgs/{kind}", self._on_command)
+        self.listening = [self._commands]
 
     # What the two eras do differently ----------------------------------------------------------------------------
 
@@ -164,6 +183,11 @@ class DiffDrive(Controller):
         return number_of(self.values, key, default, self.name)
 
     def _on_command(self, message: Any) -> None:
+        if self._alone and self._commands.publishers > 1:
+            self.session.log_refusal(
+                f"{self.name}/cmd_vel", f"{self._commands.publishers} nodes publish commands; one may"
+            )
+            return
         if not finite(message):
             self.session.log_refusal(self.name, "a number is not finite")
             return
@@ -211,6 +235,8 @@ class DiffDrive(Controller):
         ):
             for joint in joints:
                 joint.command = speed / radius
+        if self._wheels is not None:
+            self._wheels.update(now, elapsed)
 
     def _move(self, wanted: tuple[float, float], elapsed: float) -> None:
         """Integrate the motion of the wheels, or the commands, along an arc."""
@@ -258,10 +284,51 @@ class DiffDrive(Controller):
             self.session.send_transform(stamp, parent, child, (self._x, self._y, 0.0), turn)
 
 
+class _WheelStates:
+    """Publishes what the wheels of a drive should do, and what they do: ``wheel_joint_controller_state``."""
+
+    def __init__(self, drive: DiffDrive) -> None:
+        self._joints = drive.joints
+        self._publication = drive.session.publish(
+            f"{drive.name}/wheel_joint_controller_state", "control_msgs/JointTrajectoryControllerState", 100
+        )
+        self._message = self._publication.kind(joint_names=[joint.name for joint in self._joints])
+        count = len(self._joints)
+        self._ways = [0.0] * count  # that the commands so far amount to [rad]
+        self._before = [(0.0, 0.0)] * count  # speeds: commanded, measured [rad/s]
+
+    def update(self, now: float, elapsed: float) -> None:
+        """Publish; the commands are those of the next `elapsed` seconds."""
+        if elapsed <= 0.0:
+            return
+        speeds = [(float(joint.command or 0.0), joint.velocity) for joint in self._joints]
+        self._ways = [way + wanted * elapsed for way, (wanted, _) in zip(self._ways, speeds, strict=True)]
+        changes = [
+            ((wanted - one) * elapsed, (present - other) / elapsed)  # the original multiplies what is desired, too
+            for (wanted, present), (one, other) in zip(speeds, self._before, strict=True)
+        ]
+        self._before = speeds
+        if not self._publication.listened:
+            return
+        message = self._message
+        set_stamp(message.header.stamp, now)
+        desired, actual, error = message.desired, message.actual, message.error
+        desired.positions, actual.positions = self._ways, [joint.position for joint in self._joints]
+        desired.effort, actual.effort = [math.nan] * len(self._joints), [joint.effort for joint in self._joints]
+        for at, part in enumerate((desired, actual)):
+            part.velocities = [one[at] for one in speeds]
+            part.accelerations = [one[at] for one in changes]
+        for name in ("positions", "velocities", "accelerations", "effort"):
+            pairs = zip(getattr(desired, name), getattr(actual, name), strict=True)
+            setattr(error, name, [wanted - present for wanted, present in pairs])
+        self._publication.publish(message)
+
+
 class DiffDrive2(DiffDrive):
     """The controller of ros2_controllers: other names of parameters, and commands with a time."""
 
     limited = "publish_limited_velocity"
+    missing = None
 
     def wheel_names(self, side: str) -> Any:
         """The parameter that names the wheels of a side."""

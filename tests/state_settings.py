@@ -31,6 +31,7 @@ OF_WORLDS = {
     "contact records": lambda world: setattr(world.engine, "record_contacts", True),
     "surface layer": lambda world: setattr(world.engine, "surface_layer", 0.01),
     "motion": lambda world: setattr(world.engine, "record_motion", True),
+    "gyroscopic torque": lambda world: setattr(world.engine, "explicit_gyroscopic", True),
     "exact rest": lambda world: setattr(world.engine, "exact_rest", not world.engine.exact_rest),
 }
 # Those of SDF worlds, with sensors, by the API of Gazebo classic.

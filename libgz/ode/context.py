@@ -112,6 +112,7 @@ class StepContext(ctypes.Structure):
         ("work", c_void_p),
         ("alone", c_int64),
         ("iterating", c_int64),
+        ("explicit_gyroscopic", c_int64),
     ]
 
 

@@ -198,6 +198,33 @@ void begin_motion(context *c)
     }
 }
 
+/* Add the gyroscopic torque -w x I w of the step's begin to bodies that are awake, as Gazebo's copy of ODE does. */
+void add_gyroscopic_torques(context *c)
+{
+    int64_t i;
+    int k;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        const double *r, *w, *torque;
+        double own[3], moment[3], global[3], gyroscopic[3];
+        body_mass m;
+        if (!body || !dBodyIsEnabled(body) || dBodyIsKinematic(body))
+            continue;
+        r = dBodyGetRotation(body);
+        w = dBodyGetAngularVel(body);
+        torque = dBodyGetTorque(body);
+        dBodyGetMass(body, &m);
+        for (k = 0; k < 3; k++)
+            own[k] = r[k] * w[0] + r[4 + k] * w[1] + r[8 + k] * w[2];
+        for (k = 0; k < 3; k++)
+            moment[k] = dot(m.inertia + 4 * k, own);
+        for (k = 0; k < 3; k++)
+            global[k] = dot(r + 4 * k, moment);
+        cross(w, global, gyroscopic);
+        dBodySetTorque(body, torque[0] - gyroscopic[0], torque[1] - gyroscopic[1], torque[2] - gyroscopic[2]);
+    }
+}
+
 void gz_read(context *c)
 {
     c->diverged = read_bodies(c, c->body_state, 0);

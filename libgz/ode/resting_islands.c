@@ -55,7 +55,7 @@ static void describe_body(const context *c, void *body, resting_body *b)
     const double *r = dBodyGetRotation(body), *v = dBodyGetLinearVel(body), *w = dBodyGetAngularVel(body);
     const double *torque = dBodyGetTorque(body);
     double turned[3][3], angular[3], gyroscopic[3], load[3];
-    int i, k;
+    int i, k, turns = dBodyGetGyroscopicMode(body);
     body_mass m;
     dBodyGetMass(body, &m);
     b->mass = m.mass;
@@ -71,7 +71,7 @@ static void describe_body(const context *c, void *body, resting_body *b)
     find_load(c, body, m.mass, load);
     for (i = 0; i < 3; i++) {
         b->momentum[i] = m.mass * v[i] + load[i];
-        b->momentum[3 + i] = angular[i] + c->step * (torque[i] - gyroscopic[i]);
+        b->momentum[3 + i] = angular[i] + c->step * (torque[i] - (turns ? gyroscopic[i] : 0.0));
     }
 }
 

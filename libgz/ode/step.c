@@ -112,6 +112,8 @@ static int solve(context *c)
     c->reset_row = 0;
     c->iterating = 0;
     begin_motion(c);
+    if (c->explicit_gyroscopic)
+        add_gyroscopic_torques(c);
     c->abandoned = 0;
     guarded = 1;
     if (SET_JUMP(escape))

@@ -282,6 +282,7 @@ typedef struct {
     struct workspace *work;
     int64_t alone;            /* not 0: others leave ODE to this world while it collides */
     int64_t iterating;        /* 1: it has ODE's random numbers */
+    int64_t explicit_gyroscopic; /* 1: the step adds gyroscopic torques, and ODE's bodies are in the mode without */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -470,6 +471,7 @@ int64_t read_bodies(const context *c, double *state, int stepped);
 void read_joints(const context *c, double *state);
 void apply_springs(context *c);
 void begin_motion(context *c);
+void add_gyroscopic_torques(context *c);
 
 /* islands.c */
 member alone(int64_t row, int fast);

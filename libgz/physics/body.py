@@ -111,6 +111,8 @@ class Body:
             handle = ode().dBodyCreate(self.engine.world)
             self._id = handle
             self.row = self.engine.tables.add_body(self, handle)
+            if self.engine.explicit_gyroscopic:
+                ode().dBodySetGyroscopicMode(handle, 0)
         else:
             self.engine.dummies[self] = None
 

@@ -362,6 +362,22 @@ class Engine:
         self._context.exact_rest = int(value)
 
     @property
+    def explicit_gyroscopic(self) -> bool:
+        """Whether gyroscopic torque is -w x I w of the begin of a step, as in Gazebo classic; off by default.
+
+        ODE finds that torque implicitly: C. Lacoursiere, Stabilizing gyroscopic forces in rigid multibody simulations,
+        2006. The explicit one adds energy to bodies with unequal moments of inertia, the more the faster they turn.
+        """
+        return bool(self._context.explicit_gyroscopic)
+
+    @explicit_gyroscopic.setter
+    @exclusive
+    def explicit_gyroscopic(self, value: bool) -> None:
+        self._context.explicit_gyroscopic = int(value)
+        for body in self.bodies.values():
+            self._ode.dBodySetGyroscopicMode(body.id, int(not value))
+
+    @property
     def contact_count(self) -> int:
         """Contact points in the last step."""
         return int(self._context.contact_count)

@@ -63,13 +63,13 @@ _PROGRESS, _REST = (getattr(StepContext, name).offset - _FIRST for name in ("see
 # The attributes of an engine that set most of them.
 SETTINGS = ("step_time", "contact_rule", "count_turns", "max_contacts", "cone", "gravity", "record_contacts")
 # Other attributes of an engine: settings, those that are set together, and plain ones.
-SWITCHES = ("record_motion", "exact_rest", "surface_layer")
+SWITCHES = ("record_motion", "exact_rest", "explicit_gyroscopic", "surface_layer")
 SOLVER = ("iterations", "over_relaxation")
 CONSTRAINTS = ("erp", "cfm", "correcting_velocity")
 COUNTERS = ("collisions", "abandoned")
 _POSE = struct.Struct("7d")
 _numbers = attrgetter(
-    *("_context.record_motion", "_context.exact_rest", "_surface_layer"),
+    *("_context.record_motion", "_context.exact_rest", "_context.explicit_gyroscopic", "_surface_layer"),
     *(*SOLVER, *CONSTRAINTS, "_context.max_distance", *COUNTERS),
 )
 _DISTANCE = len(SWITCHES) + len(SOLVER) + len(CONSTRAINTS)  # the number with which that begins

@@ -65,6 +65,10 @@ def _set_exact_rest(world: World, value: bool) -> None:
     world.engine.exact_rest = value
 
 
+def _set_explicit_gyroscopic(world: World, value: bool) -> None:
+    world.engine.explicit_gyroscopic = value
+
+
 def _set_iterations(world: World, value: int) -> None:
     world.engine.set_quick_step(value, world.engine.over_relaxation)
 
@@ -104,6 +108,12 @@ PHYSICS = {
         (*_SOLVER, "friction_model"), str, lambda world: FRICTION_MODELS[world.engine.cone], _set_friction_model
     ),
     "exact_rest": Parameter((*_SOLVER, "exact_rest"), bool, lambda world: world.engine.exact_rest, _set_exact_rest),
+    "explicit_gyroscopic": Parameter(
+        (*_SOLVER, "explicit_gyroscopic"),
+        bool,
+        lambda world: world.engine.explicit_gyroscopic,
+        _set_explicit_gyroscopic,
+    ),
     "erp": Parameter((*_CONSTRAINTS, "erp"), float, lambda world: world.engine.erp, _set_erp),
     "cfm": Parameter((*_CONSTRAINTS, "cfm"), float, lambda world: world.engine.cfm, _set_cfm),
     "contact_max_correcting_vel": Parameter(

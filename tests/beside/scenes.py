@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from beside.worlds import FOUR, GROUND, TOUCHING, box_collision, inertia, wheel, world
+from beside.worlds import FOUR, GROUND, TOUCHING, box_collision, inertia, plugin, wheel, world
 
 NEAR = 1e-3  # [m]
 # Gazebo's contacts creep at rest, sink and turn, because its solver ends before it has converged; libgz's stand: see
@@ -171,6 +171,26 @@ def rotors(count):
         parts += link(f"r{i}", f"{x:.6f} {y:.6f} .26 0 0 0", 0.01, 0.0001)
         parts += joint(f"j{i}", "revolute", "base", f"r{i}", "0 0 1", dynamics="<damping>1e-5</damping>")
     return rolling("copter", parts)
+
+
+EXPLICIT = "<explicit_gyroscopic>true</explicit_gyroscopic>"  # as Gazebo's copy of ODE
+
+
+def tumbling(*rotors):
+    """A body with unequal moments of inertia that turns freely, and thin rotors on it, by their axes."""
+    moments = "<ixx>.1</ixx><iyy>.25</iyy><izz>.3</izz><ixy>.01</ixy><ixz>-.02</ixz><iyz>.015</iyz>"
+    parts = (
+        f"<link name='base'><inertial><pose>.05 -.02 .03 .1 .2 .3</pose><mass>2</mass><inertia>{moments}</inertia>"
+        "</inertial></link>"
+    )
+    for i, axis in enumerate(rotors):
+        parts += (
+            f"<link name='r{i}'><pose>{i - 0.5} .1 .1 .2 0 {i}</pose><inertial><mass>.05</mass><inertia><ixx>1e-6</ixx>"
+            f"<iyy>2.73e-3</iyy><izz>2.73e-3</izz></inertia></inertial></link>"
+            f"{joint(f'j{i}', 'revolute', 'base', f'r{i}', axis, dynamics='<damping>1e-4</damping>')}"
+        )
+    velocity = plugin("InitialVelocityPlugin", "<linear>0 0 .3</linear><angular>3 .2 4</angular>")
+    return f"<model name='m'><pose>0 0 5 .3 .2 .1</pose>{parts}{velocity}</model>"
 
 
 def gripper():
@@ -463,6 +483,12 @@ ROBOTS = {
     "quadrotor": world(GROUND, rotors(4), tolerance=NEAR),
     "hexarotor in the air": world(
         rotors(6).replace("<pose>0 0 0 0 0 0</pose>", "<pose>0 0 9 .2 .1 0</pose>", 1), tolerance=NEAR
+    ),
+    "tumbling": world(tumbling(), solver=EXPLICIT, tolerance=1e-9),
+    "tumbling, exact solver": world(tumbling(), solver=f"<type>world</type>{EXPLICIT}", tolerance=1e-9),
+    "tumbling with rotors": world(tumbling(".1 0 1", "0 .2 1"), solver=EXPLICIT, tolerance=1e-5),
+    "tumbling with rotors, exact solver": world(
+        tumbling(".1 0 1", "0 .2 1"), solver=f"<type>world</type>{EXPLICIT}", tolerance=1e-9
     ),
     "gripper": world(gripper(), tolerance=TOUCHING),
     "humanoid": world(GROUND, humanoid(), tolerance=TOUCHING),

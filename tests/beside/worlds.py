@@ -49,10 +49,10 @@ def plugin(name, inside=""):
     return f"<plugin name='{name}' filename='lib{name}.so'>{inside}</plugin>"
 
 
-def world(*parts, commands=(), tolerance=EXACT, gravity="0 0 -9.8"):
+def world(*parts, commands=(), tolerance=EXACT, gravity="0 0 -9.8", solver=""):
     text = (
         f"<sdf version='1.6'><world name='default'><gravity>{gravity}</gravity><physics type='ode'><max_step_size>0.001"
-        "</max_step_size><real_time_update_rate>0</real_time_update_rate></physics>"
+        f"</max_step_size><real_time_update_rate>0</real_time_update_rate><ode><solver>{solver}</solver></ode></physics>"
         f"{''.join(parts)}</world></sdf>"
     )
     return Beside(text, tuple(commands), tolerance)

@@ -383,6 +383,9 @@ def test_parameters_without_effect_are_kept_and_reported(view, caplog):
     engine.SetParam("precon_iters", 2)
     assert engine.GetParam("precon_iters") == 2
     assert "precon_iters is kept, and has no effect" in caplog.text
+    assert engine.GetParam("explicit_gyroscopic") is False
+    engine.SetParam("explicit_gyroscopic", True)
+    assert view.core.engine.explicit_gyroscopic
     engine.SetParam("magnetic_field", Vector3d(1, 2, 3))
     assert view.MagneticField() == Vector3d(1, 2, 3)
 

@@ -24,6 +24,31 @@ def test_free_fall_is_semi_implicit_euler():
     assert body.GetPosition().x == pytest.approx(n * h, abs=1e-9)
 
 
+@pytest.mark.parametrize("solver", ["world", "quick", "tree"])
+def test_explicit_gyroscopic_torque_is_that_of_the_begin_of_a_step(solver):
+    engine = Engine(step_time=0.01, solver=solver)
+    before = solid(engine, box(0.1, 0.2, 0.3))
+    engine.explicit_gyroscopic = True
+    after = solid(engine, box(0.1, 0.2, 0.3), position=(0, 0, 5))
+    rate, moments = np.array((1.0, 2.0, 3.0)), np.array((0.13, 0.10, 0.05)) / 12  # of a box of 1 kg
+    expected = rate - 0.01 * np.cross(rate, moments * rate) / moments
+    for body in (before, after):  # was made before the switch, and after it
+        body.SetAngularVel(tuple(rate))
+    engine.step()
+    for body in (before, after):
+        assert tuple(body.GetAngularRate()) == pytest.approx(expected, abs=1e-14)
+    state = engine.get_state()
+    engine.explicit_gyroscopic = False
+    for body in (before, after):
+        body.SetRotation((1, 0, 0, 0))
+        body.SetAngularVel(tuple(rate))
+    engine.step()
+    assert tuple(before.GetAngularRate()) == tuple(after.GetAngularRate()) != pytest.approx(expected, abs=1e-4)
+    engine.set_state(state)
+    assert engine.explicit_gyroscopic
+    assert tuple(before.GetAngularRate()) == pytest.approx(expected, abs=1e-14)
+
+
 @pytest.mark.parametrize("slope", [10, 20, 30])
 def test_box_on_a_slope_slides_by_its_friction(slope):
     angle, friction, seconds = math.radians(slope), math.tan(math.radians(20)), 1.0

@@ -207,9 +207,9 @@ class Run:
             if self.capture is not None:
                 self.capture.take()
             if self.control is not None:
-                self.control.act()
-                if self.control.requests.speed not in (None, pacer.speed):
-                    pacer = Pacer(self.control.requests.speed)
+                moved, speed = self.control.act(), self.control.requests.speed
+                if moved or speed not in (None, pacer.speed):
+                    pacer = Pacer(pacer.speed if speed is None else speed)
             while not self.over(done) and not pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
                 pass
             if self._next_status <= time.monotonic():

@@ -250,8 +250,7 @@ class Server:
             done += self._step(core, control, 1 if watched else self._most(done), pacer)
             for recorder in recorders:
                 recorder.take()
-            snapshots.act()
-            if pacer.speed != core.simSpeed:
+            if snapshots.act() or pacer.speed != core.simSpeed:
                 pacer = Pacer(core.simSpeed)
             while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
                 pass

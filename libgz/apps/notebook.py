@@ -62,9 +62,12 @@ class _Controls:
                 self._world.paused = False
             return None
         with self._world.lock:
+            before = self._world.GetSimTime()
             answer = self._requests.obey(Request(verb, argument, json.dumps(content).encode() if content else b""))
-        if verb == "speed":
-            self._pacer = Pacer(self._requests.speed or 0.0)
+            if verb == "speed":
+                self._pacer = Pacer(self._requests.speed or 0.0)
+            elif self._world.GetSimTime() != before:
+                self._pacer = Pacer(self._pacer.speed)
         return json.loads(answer) if answer else None
 
     def interface(self, kind: str, id: str) -> Any:

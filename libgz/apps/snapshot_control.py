@@ -59,8 +59,16 @@ class SnapshotControl:
         if self._control is not None:
             self._control.close()
 
-    def act(self) -> None:
-        """Answer what was asked for; after each step."""
+    def act(self) -> bool:
+        """Answer what was asked for, after each step; whether that set another time, from which pacing begins anew."""
+        before = self._time()
+        self._answer()
+        return self._time() != before
+
+    def _time(self) -> float:
+        return self.world.GetSimTime() + self.world.GetPauseTime()
+
+    def _answer(self) -> None:
         self.requests.stepped()
         while self._control is not None and self._control.waiting:
             request = self._control.waiting.popleft()

@@ -293,3 +293,18 @@ def test_no_request_ends_the_server(monkeypatch, caplog):
     assert b"is no JSON" in nested._answer[1]
     assert b"ZeroDivisionError" in failing._answer[1]
     assert "request 'save' failed" in caplog.text
+
+
+def test_pacing_begins_anew_where_a_request_sets_another_time():
+    with libgz.World() as world:
+        world.Initialize()
+        control = SnapshotControl(world)
+        assert not control.act()
+        begin = world.get_state()
+        world.step(100)
+        later = world.get_state()
+        for state, moved in ((later, False), (begin, True), (later, True)):
+            request = Request("restore", "-", state)
+            control._control = SimpleNamespace(waiting=deque([request]))
+            assert control.act() == moved
+            assert request._answer[0] == "ok"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import errno
+import os
 from pathlib import Path
 
 from libgz.apps.console import port_number, writing
@@ -68,6 +70,19 @@ def empty_world(path: Path, sdf: bool = False) -> str:
     return SDF if sdf or ".sdf" in path.suffixes else LEGACY
 
 
+def take_free_port() -> None:
+    """Let the world have another port where that of GAZEBO_MASTER_URI is taken: several worlds can be edited at a time."""
+    from libgz.classic.transport.address import get_master_uri, listening_sockets
+
+    address = get_master_uri()
+    try:
+        for one in listening_sockets(address):
+            one.close()
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            os.environ["GAZEBO_MASTER_URI"] = address._replace(port=0).uri
+
+
 def run(options: argparse.Namespace) -> int:
     """Edit a world until Ctrl-C.
 
@@ -86,6 +101,9 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"{str(path)!r} is no file")
     words = ["--pause", "--view", "--view-host", options.view_host, "--view-port", str(options.view_port)]
     words += [] if options.no_open else ["--open"]
-    words += [] if is_sdf(path) else ["-s", "auto"]  # of classic, -s names a plugin
+    if is_sdf(path):  # -s of classic names a plugin
+        take_free_port()
+    else:
+        words += ["-s", "auto"]
     words += ["--untrusted"] if options.untrusted else []
     return main([*words, str(path.absolute())])

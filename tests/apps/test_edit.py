@@ -1,6 +1,7 @@
 """libgz edit: a world that runs paused, and an empty one where there is none."""
 
 import argparse
+import os
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import libgz
 from libgz.apps import edit, gazebo
 from libgz.base.errors import ParameterError
+from libgz.classic.transport.address import Address, listening_sockets
 from libgz.reference.check import check
 
 
@@ -33,6 +35,18 @@ def test_an_empty_world_is_created_once_and_runs_paused(tmp_path, monkeypatch, c
     assert {"--pause", "--view", "--open", "--untrusted"} <= set(words[1])
     assert "--open" not in words[0]
     assert ("-s" in words[0]) != sdf
+
+
+def test_several_sdf_worlds_can_be_edited_at_a_time(monkeypatch):
+    [taken] = listening_sockets(Address("127.0.0.1", 0))
+    with taken:
+        uri = f"http://127.0.0.1:{taken.getsockname()[1]}"
+        monkeypatch.setenv("GAZEBO_MASTER_URI", uri)
+        edit.take_free_port()
+        assert os.environ["GAZEBO_MASTER_URI"] == "http://127.0.0.1:0"
+    monkeypatch.setenv("GAZEBO_MASTER_URI", uri)
+    edit.take_free_port()
+    assert os.environ["GAZEBO_MASTER_URI"] == uri
 
 
 def test_a_directory_is_no_world(tmp_path):

@@ -21,13 +21,16 @@ export class Lights {
   constructor(store) {
     this.store = store;
     this.group = new Group();
-    this.hemisphere = new HemisphereLight(0xffffff, 0xa8a29a, 1);
+    this.hemisphere = new HemisphereLight(0xffffff, 0x9c968d, 1);
+    this.hemisphere.position.copy(ABOVE); // where the sky is; three's own is along y
+    // A little light from the eye, so that sides away from the sun have a shape.
+    this.eye = new DirectionalLight(0xffffff, 1);
     this.sun = new DirectionalLight(0xffffff, 1);
     // The light from straight above, whose blurred shadows darken what is close to the ground.
     this.above = new DirectionalLight(0xffffff, 1);
     this.above.shadow.radius = 7;
     this.sun.shadow.radius = 1.6;
-    this.group.add(this.hemisphere, this.sun, this.sun.target, this.above, this.above.target);
+    this.group.add(this.hemisphere, this.eye, this.eye.target, this.sun, this.sun.target, this.above, this.above.target);
     /** @type {{light: any, row: number, shape: any}[]} */
     this._others = [];
     /** @type {{row: number, shape: any} | null} what the sun is, of the scene */
@@ -71,12 +74,13 @@ export class Lights {
     if (source) toned(source.shape.material.diffuse, this.sun.color);
     this.sun.color.multiply(WARM);
     // Without any light the world would be black; a world that has only lamps is lit by them.
-    this.sun.intensity = source ? 1.25 * FULL * share : any ? 0 : FULL;
+    this.sun.intensity = source ? 1.35 * FULL * share : any ? 0 : FULL;
     this.sun.visible = this.sun.intensity > 0;
     this.casts = (source ? source.entity.cast_shadows !== false : true) && scene.shadows !== false;
     this.hemisphere.color.set(0xe9f1ff).lerp(sky, 0.3);
     const around = FULL * (0.6 + 0.4 * Math.min(Math.max(ambient, 0), 1)) * (any && !source ? 0.5 : 1);
-    this.hemisphere.intensity = (fine ? 0.62 : 1.05) * around; // of fine materials, the sky's image does the rest
+    this.hemisphere.intensity = (fine ? 0.48 : 0.8) * around; // of fine materials, the sky's image does the rest
+    this.eye.intensity = 0.28 * around;
     this.above.position.copy(ABOVE).multiplyScalar(FAR);
     this.above.color.copy(this.hemisphere.color);
     this.above.intensity = 0.42 * around;
@@ -132,10 +136,14 @@ export class Lights {
 
   /**
    * Let shadows cover what is in view; returns whether they have changed.
+   * @param {Vector3} eye
    * @param {Vector3} middle of the view
    * @param {number} radius [m] around it
    */
-  cover(middle, radius) {
+  cover(eye, middle, radius) {
+    this.eye.position.copy(eye);
+    this.eye.target.position.copy(middle);
+    this.eye.target.updateMatrixWorld();
     const casts = this.shadows && this.possible && this.casts;
     this.sun.castShadow = casts && this.sun.visible;
     this.above.castShadow = casts && this.soft;

@@ -28,12 +28,18 @@ const COLLISION = new Color(0xff8c1a); // of shapes that collide
 export const SEEN_THROUGH = 0.45; // opacity of models that are switched to transparent
 
 const LEAST = 0.012, MOST = 0.86; // of the light that a surface reflects: nothing is quite black or white
+const GLOSS = 0.035; // what a plain material lacks: the mirrored light that tone mapping expects
 const gray = new Color();
 
-/** The colour of a surface, of a colour in a world file: a little softer than pure ones. @param {number[]} rgb */
-export function paint(rgb) {
+/**
+ * The colour of a surface, of a colour in a world file: a little softer than pure ones.
+ * @param {number[]} rgb
+ * @param {boolean} fine
+ */
+function paint(rgb, fine) {
   const color = toned(rgb), tone = 0.3 * color.r + 0.59 * color.g + 0.11 * color.b;
-  return color.lerp(gray.setRGB(tone, tone, tone), 0.05).multiplyScalar(MOST - LEAST).addScalar(LEAST);
+  const least = fine ? LEAST : LEAST + GLOSS;
+  return color.lerp(gray.setRGB(tone, tone, tone), 0.05).multiplyScalar(MOST - least).addScalar(least);
 }
 
 /** A colour of a world file, which has the tones of a screen. @param {number[]} rgb @param {Color} into */
@@ -66,7 +72,9 @@ export function lookOf(shape, assets, showing, form) {
   const colored = !map && form.geometry.hasAttribute("color");
   const opacity = material.opacity * (showing.transparent ? SEEN_THROUGH : 1);
   // Images and colours of vertices are tinted only by colours that are darker than the default one.
-  const color = (map || colored ? toned : paint)(material.diffuse.map((/** @type {number} */ part) => (map || colored ? 1.25 : 1) * part));
+  const color = map || colored
+    ? toned(material.diffuse.map((/** @type {number} */ part) => 1.25 * part))
+    : paint(material.diffuse, showing.fine);
   const emission = material.emission.slice(0, 3);
   const matrix = shape.texture?.matrix ?? [1, 0, 0, 0, 1, 0];
   const rejection = shape.texture?.alpha_rejection ?? 0;

@@ -466,7 +466,7 @@ export class Stage {
     this.ground.follow(camera.position, this.renderer.getPixelRatio());
     this.sky.reach(this.cameras.distance);
     const radius = Math.min(Math.max(1.4 * this.cameras.distance, 1.5), 120);
-    if (this.lights.cover(controls.target, radius)) this.renderer.shadowMap.needsUpdate = true;
+    if (this.lights.cover(camera.position, controls.target, radius)) this.renderer.shadowMap.needsUpdate = true;
     this.marks.face(camera, this.renderer);
     this.renderer.render(this.scene, camera);
     if (this._built && this.lights.shadows && (still || this.quality.level.fine)) {

@@ -155,6 +155,8 @@ class WorldView(Closing):
             with contextlib.suppress(GazeboError):
                 self.viewer.frame()
             self._closed.wait(LAST)
+        if self._widget is not None:
+            self._widget.end()
 
     @property
     def url(self) -> str:

@@ -92,8 +92,14 @@ class NotebookWidget(anywidget.AnyWidget):  # type: ignore[misc,unused-ignore]
 
     def __init__(self, viewer: Viewer, width: str, height: int) -> None:
         super().__init__(width=width, height=height)
-        self._viewer, self._views = viewer, dict[str, _View]()
+        self._viewer, self._views, self._ended = viewer, dict[str, _View](), False
         self.on_msg(self._hear)
+
+    def end(self) -> None:
+        """The viewer is closed: the pages say so."""
+        self._ended = True
+        for name in list(self._views):
+            self.send({"view": name, "closed": True})
 
     def _hear(self, _widget: Any, content: Any, _buffers: Any) -> None:
         """A message of a view: it opens, closes, has shown what it got, or is one of its page."""
@@ -110,7 +116,10 @@ class NotebookWidget(anywidget.AnyWidget):  # type: ignore[misc,unused-ignore]
 
             self._views[name] = view = _View(self._viewer, self._viewer.controls is not None, send)
             send({"page": frame_page("libgz")}, None)
-            self._viewer.open(view)
+            if self._ended:
+                send({"closed": True}, None)
+            else:
+                self._viewer.open(view)
         elif view is None:
             return
         elif content.get("close") is True:

@@ -109,9 +109,10 @@ HOST = """async (script) => {
     const module = await import(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
     const heard = [];
     window.sent = [];
+    window.send = (content) => window.sent.push(content);
     const model = {
         get: (name) => ({ width: "100%", height: 500 })[name],
-        send: (content) => window.sent.push(content),
+        send: (content) => window.send(content),
         on: (_, hear) => heard.push(hear),
         off: (_, hear) => heard.splice(heard.indexOf(hear), 1),
     };
@@ -151,4 +152,18 @@ def test_the_page_in_a_frame_shows_and_steps_the_world(view, monkeypatch):
         frame.get_by_role("button", name="Step", exact=True).click()
         wait_for(lambda: passes(f"libgz.store.state.simTime > {before}"), "a step is made and shown")
         assert frame.evaluate("libgz.store.control")
+
+        view.close()
+        wait_for(lambda: passes("!libgz.store.connected"), "the view is closed")
+        assert "This view is closed" in frame.inner_text("#banner")
+        page.evaluate("() => { window.send = () => { throw new Error('the kernel has ended'); }; }")
+        page.evaluate("window.dispatchEvent(new Event('pagehide'))")
         assert errors == []
+
+
+def test_a_page_that_comes_after_the_end_says_so(view, monkeypatch):
+    kernel = Kernel(view, monkeypatch)
+    view.close()
+    kernel.hear(view="a", open=True)
+    kernel.until(lambda message, _: message.get("closed"))
+    kernel.hear(view="a", close=True)

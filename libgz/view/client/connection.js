@@ -7,6 +7,8 @@ import { receive } from 'libgz/messages.js';
 
 const RETRY = 500; // [ms] before the first new attempt; the next ones wait longer
 const SLOWEST = 4000; // [ms]
+const LOST = 'The connection to the viewer was lost. Connecting again …';
+const CLOSED = 'This view is closed. Run its cell again to open it.';
 const ALIVE = 1000; // [ms] between two signs of life while the page is shown
 
 /** The socket; it connects again when it is lost. */
@@ -42,7 +44,8 @@ export class Connection {
       this.socket = null;
       for (const { reject } of this.asked.values()) reject(new Error('The connection to the viewer was lost.'));
       this.asked.clear();
-      this.store.lose();
+      this.store.lose(this.makeSocket ? CLOSED : LOST);
+      if (this.makeSocket) return;
       window.setTimeout(() => void this.open(), this.wait);
       this.wait = Math.min(1.5 * this.wait, SLOWEST);
     });

@@ -2,7 +2,7 @@
 // Notebook: runs in a notebook's page. It shows the page in a frame of its own, and passes messages on to the kernel.
 
 /**
- * @typedef {{view: string, page?: string, text?: string, asset?: string, kind?: string, end?: boolean}} Content
+ * @typedef {{view: string, page?: string, text?: string, asset?: string, kind?: string, end?: boolean, closed?: boolean}} Content
  * @typedef {object} Model of anywidget
  * @property {(name: string) => any} get
  * @property {(content: object) => void} send
@@ -29,12 +29,23 @@ function render({ model, el }) {
       el.append(frame);
     } else port1.postMessage({ ...content, data });
   };
-  port1.onmessage = ({ data }) => model.send({ view, ...data });
+  /** Send a message; the page learns that its kernel has ended. @param {object} message */
+  const send = (message) => {
+    try {
+      model.send({ view, ...message });
+    } catch {
+      port1.postMessage({ closed: true });
+    }
+  };
+  const leave = () => send({ close: true });
+  port1.onmessage = ({ data }) => send(data);
   model.on('msg:custom', hear);
-  model.send({ view, open: true });
+  window.addEventListener('pagehide', leave);
+  send({ open: true });
   return () => {
+    window.removeEventListener('pagehide', leave);
     model.off('msg:custom', hear);
-    model.send({ view, close: true });
+    leave();
   };
 }
 

@@ -24,10 +24,13 @@ export class Port extends EventTarget {
 
   /**
    * @param {import('libgz/store.js').Store} store
-   * @param {{text?: string, asset?: string, kind?: string, end?: boolean, data?: ArrayBuffer}} message
+   * @param {{text?: string, asset?: string, kind?: string, end?: boolean, closed?: boolean, data?: ArrayBuffer}} message
    */
-  #hear(store, { text, asset, kind, end, data }) {
-    if (end) requestAnimationFrame(() => this.port?.postMessage({ shown: true }));
+  #hear(store, { text, asset, kind, end, closed, data }) {
+    if (closed) {
+      this.readyState = WebSocket.CLOSED;
+      this.dispatchEvent(new Event('close'));
+    } else if (end) requestAnimationFrame(() => this.port?.postMessage({ shown: true }));
     else if (asset !== undefined && data) {
       store.assetsHere = { ...store.assetsHere, [asset]: URL.createObjectURL(new Blob([data], { type: kind })) };
     } else this.dispatchEvent(new MessageEvent('message', { data: text ?? data }));

@@ -122,12 +122,12 @@ export class Store extends EventTarget {
     this.link = link;
   }
 
-  /** The connection was lost. */
-  lose() {
+  /** The connection was lost. @param {string} text for users */
+  lose(text) {
     this.connected = this.control = false;
     this.controllers = { here: false, other: false, canAsk: false };
     this.asked = '';
-    this.status = { text: 'The connection to the viewer was lost. Connecting again …', level: 'lost' };
+    this.status = { text, level: 'lost' };
     this.#emit('status');
     this.#emit('hello');
   }
@@ -382,7 +382,7 @@ function contactOf(row) {
 }
 
 /** A pose in the frame of another one. @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
-export function composed(a, b) {
+function composed(a, b) {
   const [x, y, z, w, i, j, k] = Array.from(a), [px, py, pz, qw, qi, qj, qk] = Array.from(b);
   const tx = 2 * (j * pz - k * py), ty = 2 * (k * px - i * pz), tz = 2 * (i * py - j * px);
   return [

@@ -204,9 +204,7 @@ export class Workplace {
   }
 
   #showStatus() {
-    const { status, connected, scene } = this.store;
-    const lost = !connected && scene;
-    const text = status?.text || (lost ? 'The connection is lost. Trying again …' : '');
+    const { text } = this.store.status;
     show(this.banner, Boolean(text));
     if (this.banner.getAttribute('data-text') === text) return;
     this.banner.setAttribute('data-text', text);

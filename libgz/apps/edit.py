@@ -71,7 +71,7 @@ def empty_world(path: Path, sdf: bool = False) -> str:
 
 
 def take_free_port() -> None:
-    """Let the world have another port where that of GAZEBO_MASTER_URI is taken: several worlds can be edited at a time."""
+    """Take another port where that of GAZEBO_MASTER_URI is taken: several worlds can be edited at a time."""
     from libgz.classic.transport.address import get_master_uri, listening_sockets
 
     address = get_master_uri()

@@ -105,7 +105,7 @@ export class Assets {
 }
 
 /** All shapes of a scene. @param {any} scene */
-export function* shapesOf(scene) {
+function* shapesOf(scene) {
   for (const entity of scene.entities) for (const body of entity.bodies) yield* body.shapes;
   for (const body of scene.others) yield* body.shapes;
 }
@@ -141,7 +141,7 @@ async function readTexture(address) {
 }
 
 /** @param {ImageBitmap} image turned upside down */
-export function textureOf(image) {
+function textureOf(image) {
   const texture = new Texture(image);
   texture.flipY = false;
   texture.colorSpace = SRGBColorSpace;

@@ -699,13 +699,13 @@ function disposeSprite(sprite) {
 }
 
 /** ``model::link::sensor``. @param {any} entity @param {any} sensor */
-export function sensorName(entity, sensor) {
+function sensorName(entity, sensor) {
   const body = entity.bodies.find((/** @type {any} */ one) => one.id === sensor.body);
   return `${entity.id}::${body?.name ?? ""}::${sensor.name ?? ""}`;
 }
 
 /** The name of a camera's image: the id of its interface, or ``model::link::sensor``; empty for none. @param {any} entity @param {any} sensor */
-export function imageName(entity, sensor) {
+function imageName(entity, sensor) {
   if ("name" in sensor) return sensorName(entity, sensor);
   return entity.interfaces.find((/** @type {any} */ one) => one.type === "camera")?.id ?? "";
 }

@@ -19,7 +19,7 @@ export async function receive(store, data) {
 }
 
 /** @param {ArrayBuffer} data @returns {import('libgz/store.js').State} */
-export function stateOf(data) {
+function stateOf(data) {
   const [, revision, paused, bodies, bodyColumns, joints, jointColumns] = new Uint32Array(data, 0, 8);
   const [steps, simTime, pauseTime, realTime] = new Float64Array(data, 32, 4);
   return {

@@ -7,7 +7,7 @@
 /** @typedef {import('libgz/menu.js').Entry} Entry */
 
 /** Name of a switch, label, whether it can be set for one model alone. */
-export const SWITCHES = /** @type {const} */ ([
+const SWITCHES = /** @type {const} */ ([
   ['Sensors', [['lasers', 'Laser rays', true], ['sonars', 'Sonar cones', true], ['frusta', 'Camera frusta', true]]],
   [
     'Mechanics',

@@ -507,6 +507,66 @@ def test_attributes_are_edited_within_their_types_and_limits(opened):
 # Plots and console ---------------------------------------------------------------------------------------------------
 
 
+BUILT_AGAIN = """async () => {
+    const { Store } = await import('libgz/store.js');
+    const store = new Store();
+    const scene = (...names) => store.setScene({
+        assets: {}, others: [],
+        entities: names.map(([number, id]) => ({ number, id, bodies: [] })),
+    });
+    const hidden = (number) => store.isOn('hidden', number);
+    const shown = () => [store.selection, store.follow, hidden(9), hidden(2), store.isOn('grid')];
+    scene([1, 'ground'], [2, 'box']);
+    store.select({ entity: 2, part: { kind: 'body', name: 'link' } });
+    store.setFollow(2);
+    store.setSwitch('hidden', true, 2);
+    scene([1, 'ground'], [9, 'box']);
+    const edited = shown();
+    scene([1, 'ground'], [2, 'box']);
+    const undone = shown();
+    scene([1, 'ground']);
+    return [edited, undone, shown()];
+}"""
+
+
+def test_what_is_built_again_stays_selected_followed_and_hidden(opened):
+    edited, undone, deleted = opened().evaluate(BUILT_AGAIN)
+    part = {"kind": "body", "name": "link"}
+    assert edited == [{"entity": 9, "part": part}, 9, True, False, True]
+    assert undone == [{"entity": 2, "part": part}, 2, False, True, True]
+    assert deleted == [None, None, False, False, True]
+
+
+def test_the_inspector_stays_where_it_is_while_a_model_is_edited(opened):
+    attributes = [{"key": f"a{i}", "label": f"a{i}", "type": "number", "value": i} for i in range(40)]
+    page = opened("verbs=edit+attributes&paused")
+    page.evaluate(
+        "list => { const { store } = workplace, { ask } = store;"
+        " store.ask = async (verb, ...rest) => (verb === 'attributes' ? list : ask.call(store, verb, ...rest)); }",
+        attributes,
+    )
+    row(page, "arm").click()
+    field = page.locator("[data-key=a30] input")
+    field.focus()
+    top = page.evaluate("document.querySelector('#inspector').scrollTop")
+    assert top > 100
+    page.evaluate("workplace.inspector.build()")
+    until(page, "document.activeElement.closest('[data-key=a30]')")
+    assert page.evaluate("document.querySelector('#inspector').scrollTop") == top
+    row(page, "rover").click()
+    until(page, "document.querySelector('[data-key=a30]') && !document.querySelector('#inspector').scrollTop")
+
+
+def test_an_empty_world_says_how_to_begin(opened):
+    page = opened("paused")
+    hint = page.locator(".empty-hint")
+    assert not hint.is_visible()
+    page.evaluate("() => { const { store } = workplace; store.entities = new Map(); store.emit('scene'); }")
+    assert "is empty" in hint.inner_text()
+    hint.get_by_role("button").click()
+    page.get_by_label("Search models").wait_for()
+
+
 def test_ids_of_interfaces_have_any_letters(opened):
     page = opened()
     page.evaluate("world.entities.get(3).interfaces.push({type: 'gps', id: 'a#b'}); world.select({entity: 3})")
@@ -827,7 +887,9 @@ def test_loading_and_lost_connections_are_shown(opened):
     page.evaluate("workplace.stage.ready = true; world.emit('progress')")
     assert page.get_by_role("progressbar").count() == 0
     assert not page.locator("#banner").is_visible()
-    page.evaluate("world.connected = false; world.emit('status')")
+    page.evaluate(
+        "world.connected = false; world.status = {text: 'The connection is lost.', level: 'lost'}; world.emit('status')"
+    )
     assert "connection is lost" in page.inner_text("#banner")
     assert button(page, "Pause").is_disabled()
     page.evaluate(

@@ -273,9 +273,11 @@ export const isOffered = (action) => action.offered?.() ?? true;
 /** @param {Action} action */
 export const isUsable = (action) => isOffered(action) && (action.can?.() ?? true);
 
+const ARROWS = { Left: '←', Right: '→', Up: '↑', Down: '↓' };
+
 /**
  * How a key is written for users.
  * @param {string} key
  */
 export const keyName = (key) =>
-  key.replace('Arrow', '').replace('Delete', 'Del').replace('Escape', 'Esc').replaceAll('+', ' + ');
+  key.replace(/Arrow(\w+)/, (_, way) => ARROWS[/** @type {keyof typeof ARROWS} */ (way)]).replace('Delete', 'Del').replace('Escape', 'Esc').replaceAll('+', ' + ');

@@ -8,6 +8,7 @@ import { isOffered, keyName, labelOf } from 'libgz/actions.js';
 import { element, fill, setText, show } from 'libgz/dom.js';
 import { capitalized } from 'libgz/format.js';
 import { icon } from 'libgz/icons.js';
+import { isGround } from 'libgz/store.js';
 
 /** @typedef {{ name: string, title: string, group: string, about: string }} Model */
 
@@ -184,22 +185,31 @@ export class Dialogs {
    */
   async place(model) {
     const [x = 0, y = 0, z = 0] = this.workplace.stage.place() ?? [];
-    this.#selectNew(await this.workplace.ask('insert', '-', { model, pose: [x, y, z, 1, 0, 0, 0] }));
+    this.workplace.selectNamed(await this.workplace.ask('insert', '-', { model, pose: [x, y, z, 1, 0, 0, 0] }));
   }
 
   /** Copy what is selected, and select the copy. */
   async duplicate() {
     const { store, ask } = this.workplace;
     const entity = store.selection && store.entities.get(store.selection.entity);
-    if (entity) this.#selectNew(await ask('duplicate', '-', { name: entity.id }));
+    if (entity) this.workplace.selectNamed(await ask('duplicate', '-', { name: entity.id }));
   }
 
   /** Move what is selected until it is aligned with another model along an axis. */
   align() {
-    const { store, ask } = this.workplace;
+    const { store, ask, toasts } = this.workplace;
     const entity = store.selection && store.entities.get(store.selection.entity);
     if (!entity) return;
-    const others = [...store.entities.values()].filter((one) => one !== entity && one.kind === 'model');
+    const here = store.entityPose(entity.number) ?? [];
+    /** @param {import('libgz/store.js').Entity} one */
+    const distance = (one) => Math.hypot(...Array.from(store.entityPose(one.number) ?? []).slice(0, 3).map((part, i) => part - (here[i] ?? 0)));
+    const others = [...store.entities.values()]
+      .filter((one) => one !== entity && one.kind === 'model' && !one.parent && !isGround(one))
+      .sort((one, other) => distance(one) - distance(other));
+    if (!others.length) {
+      toasts.add('There is no other model to align with.', 'info');
+      return;
+    }
     /** @param {string} label @param {string[][]} options */
     const list = (label, options) => {
       const select = element('select', { 'aria-label': label }, options.map(([value, text]) => element('option', { value, text })));
@@ -216,22 +226,6 @@ export class Dialogs {
       dialog.close();
       void ask('align', axis.select.value, { names: [other.select.value, entity.id], to: to.select.value });
     });
-  }
-
-  /** @param {unknown} names */
-  #selectNew(names) {
-    const { store } = this.workplace;
-    const name = Array.isArray(names) ? String(names[0]) : '';
-    if (!name) return;
-    const look = () => {
-      const number = store.ids.get(name);
-      if (number === undefined) return;
-      store.removeEventListener('scene', look);
-      store.select({ entity: number });
-    };
-    store.addEventListener('scene', look);
-    window.setTimeout(() => store.removeEventListener('scene', look), 5000);
-    look();
   }
 
   /** Files that are dropped on the view. */
@@ -269,12 +263,12 @@ export class Dialogs {
     const ending = file.name.split('.').at(-1)?.toLowerCase() ?? '';
     const pose = [place[0] ?? 0, place[1] ?? 0, place[2] ?? 0, 1, 0, 0, 0];
     if (file.size > LARGEST) toasts.add(`${file.name} is larger than ${LARGEST >> 20} MiB.`);
-    else if (DESCRIPTIONS.includes(ending)) this.#selectNew(await ask('insert', '-', { text: await file.text(), pose }));
+    else if (DESCRIPTIONS.includes(ending)) this.workplace.selectNamed(await ask('insert', '-', { text: await file.text(), pose }));
     else if (MESHES.includes(ending) && store.abilities.has('mesh')) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       let text = '';
       for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
-      this.#selectNew(await ask('mesh', '-', { file: file.name, data: btoa(text), pose }));
+      this.workplace.selectNamed(await ask('mesh', '-', { file: file.name, data: btoa(text), pose }));
     } else {
       const known = store.abilities.has('mesh') ? [...DESCRIPTIONS, ...MESHES] : DESCRIPTIONS;
       toasts.add(`${file.name} cannot be inserted; allowed are ${known.join(', ')}.`);
@@ -288,11 +282,11 @@ export class Dialogs {
     const { store } = workplace;
     const save = this.#button('Save', 'primary');
     const cancel = this.#button('Cancel');
-    const text =
-      store.scene?.era === 'classic'
-        ? 'The world is written as SDF.'
-        : 'What changed is written to the world’s file, with comments and order as they are; the file as it is now is kept as NAME.bak.';
-    const diff = element('div', { class: 'diff', role: 'region', 'aria-label': 'Changes', tabindex: 0, hidden: true });
+    const compares = store.abilities.has('diff');
+    const text = compares
+      ? 'What changed is written to the world’s file, with comments and order as they are; the file as it is now is kept as NAME.bak.'
+      : 'The world is written to a file of the server.';
+    const diff = element('div', { class: 'diff', role: 'region', 'aria-label': 'Changes', tabindex: 0, hidden: !compares, text: 'Comparing with the file …' });
     const dialog = this.#open('Save the world?', [element('p', { text }), diff], [cancel, save], 'save-dialog');
     cancel.addEventListener('click', () => dialog.close());
     save.addEventListener('click', async () => {
@@ -301,11 +295,11 @@ export class Dialogs {
       if (path !== undefined) workplace.toasts.add(`Saved: ${path || 'the world’s file'}`, 'info');
     });
     save.focus();
-    if (!store.abilities.has('diff')) return;
+    if (!compares) return;
     const changes = await workplace.ask('diff');
-    if (changes === undefined || changes === null) return;
+    show(diff, Boolean(changes));
+    if (!changes) return;
     const lines = String(changes.text ?? changes);
-    show(diff, true);
     if (lines.trim()) fill(diff, lines.split('\n').map(diffLine));
     else setText(diff, 'Nothing has changed.');
   }

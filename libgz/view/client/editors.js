@@ -104,7 +104,10 @@ function row(workplace, subject, attribute) {
   const send = async (value) => {
     const answer = await workplace.ask('edit', '-', { ...subject, key: attribute.key, value });
     if (answer === undefined) write(attribute.value);
-    else attribute.value = answer?.value ?? value;
+    else {
+      attribute.value = answer?.value ?? value;
+      if (answer?.name && !subject.part && answer.name !== subject.name) workplace.selectNamed([answer.name]);
+    }
   };
   const { field, read, write } = fieldOf(id, attribute);
   for (const control of field.matches('input, select') ? [field] : field.querySelectorAll('input')) {

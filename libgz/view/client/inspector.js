@@ -25,6 +25,13 @@ import { entityMenu, imageOf } from 'libgz/tree.js';
  * @property {string} unit
  * @property {boolean} [whole] whether they are integers
  * @property {number} [count] of an array
+ *
+ * @typedef {object} Place what is scrolled to, and the field with the focus
+ * @property {number} scrollTop
+ * @property {number} scrollHeight
+ * @property {string} name of the attribute that its row is known by, and
+ * @property {string | null} [key] the value of it
+ * @property {number} field place in the row
  */
 
 const PERIOD = 120; // [ms] between two refreshes of numbers
@@ -44,6 +51,9 @@ export class Inspector {
     /** @type {Set<string>} groups of rows that are open */
     this.opened = new Set();
     this.shown = '';
+    /** Done when the fields of the attributes are there. @type {Promise<void>} */
+    this.edited = Promise.resolve();
+    this.named = ''; // what is shown
     this.builds = 0; // how often it was made anew: what is asked for one is not for the next
     const { store } = workplace;
     const refresh = throttled(() => this.refresh(), PERIOD);
@@ -75,8 +85,10 @@ export class Inspector {
 
   build() {
     const { store } = this.workplace;
+    const place = this.#place();
     this.shown = this.#subject;
     this.builds += 1;
+    this.edited = Promise.resolve();
     this.live = [];
     store.want('fields', this.workplace.plots?.fields() ?? []);
     const { selection } = store;
@@ -90,6 +102,35 @@ export class Inspector {
       else this.#showModel(selection.entity, entity);
     }
     this.refresh();
+    const named = `${entity?.id} ${selection?.part?.kind} ${selection?.part?.name}`;
+    if (this.named === named) this.#return(place);
+    else this.root.scrollTop = 0;
+    this.named = named;
+  }
+
+  /** Where the user is. @returns {Place} */
+  #place() {
+    const { scrollTop, scrollHeight } = this.root;
+    const field = document.activeElement;
+    const row = field && this.root.contains(field) ? field.closest('[data-key], [data-series]') : null;
+    const name = row?.hasAttribute('data-key') ? 'data-key' : 'data-series';
+    return { scrollTop, scrollHeight, name, key: row?.getAttribute(name), field: row ? fieldsOf(row).findIndex((one) => one === field) : -1 };
+  }
+
+  /** Be there again when all has come that is asked for: what is shown was only built again. @param {Place} place */
+  #return({ scrollTop, scrollHeight, name, key, field }) {
+    const { builds } = this;
+    const space = element('div');
+    space.style.height = `${Math.max(scrollHeight - this.root.scrollHeight, 0)}px`;
+    this.root.append(space);
+    this.root.scrollTop = scrollTop;
+    void this.edited.then(() => {
+      space.remove();
+      if (this.builds !== builds) return;
+      this.root.scrollTop = scrollTop;
+      const row = key && [...this.root.querySelectorAll(`[${name}]`)].find((one) => one.getAttribute(name) === key);
+      if (row && document.activeElement === document.body) fieldsOf(row)[field]?.focus({ preventScroll: true });
+    });
   }
 
   // Kinds ------------------------------------------------------------------------------------------------------------
@@ -650,7 +691,7 @@ export class Inspector {
    */
   #addEditors(name, part, kind) {
     const { builds } = this;
-    void editors(this.workplace, { name, part, kind }).then((groups) => {
+    this.edited = editors(this.workplace, { name, part, kind }).then((groups) => {
       if (this.builds !== builds) return;
       const sections = groups.map(({ title, rows }) => this.#section(title, rows));
       const after = this.root.querySelector('[data-section=Properties]');
@@ -707,6 +748,9 @@ function plottable(workplace, series, name, value, unit = series.unit) {
     ),
   );
 }
+
+/** @param {Element} row @returns {HTMLElement[]} */
+const fieldsOf = (row) => [...row.querySelectorAll('input, select')].filter((one) => one instanceof HTMLElement);
 
 /**
  * The ids of what an entity carries.

@@ -200,6 +200,7 @@ export class Store extends EventTarget {
       const known = Object.entries(scene.assets).filter(([, address]) => address in here);
       scene.assets = Object.fromEntries(known.map(([file, address]) => [file, here[address]]));
     }
+    const former = this.entities;
     this.scene = scene;
     this.entities = new Map(scene.entities.map((entity) => [entity.number, entity]));
     this.ids = new Map(scene.entities.map((entity) => [entity.id, entity.number]));
@@ -208,9 +209,25 @@ export class Store extends EventTarget {
       for (const body of entity.bodies) this.bodies.set(body.id, { body, entity: entity.number, row: body.row });
     }
     for (const body of scene.others) this.bodies.set(body.id, { body, entity: 0, row: body.row });
-    if (this.selection && !this.entities.has(this.selection.entity)) this.select(null);
-    if (this.follow !== null && !this.entities.has(this.follow)) this.setFollow(null);
+    this.#renumber((number) => this.ids.get(former.get(number)?.id ?? '') ?? (this.entities.has(number) ? number : null));
     this.#emit('scene');
+  }
+
+  /**
+   * Keep what is selected, followed, hidden: an entity that was edited is built again, with another number.
+   * @param {(number: number) => number | null} now the number of an entity of the former scene; null if it is not there
+   */
+  #renumber(now) {
+    const { selection, follow } = this;
+    const entity = selection && now(selection.entity);
+    if (selection && entity !== selection.entity) this.select(entity === null ? null : { ...selection, entity });
+    if (follow !== null && now(follow) !== follow) this.setFollow(now(follow));
+    this.switches = new Set([...this.switches].flatMap((key) => {
+      const [name = '', number] = key.split(' ');
+      if (number === undefined) return [key];
+      const other = now(Number(number));
+      return other === null ? [] : [`${name} ${other}`];
+    }));
   }
 
   /** @param {State} state */
@@ -374,6 +391,9 @@ export class Store extends EventTarget {
     this.dispatchEvent(new CustomEvent('problem', { detail: { text, level } }));
   }
 }
+
+/** Whether an entity is the ground of a world: an infinite plane. @param {Entity} entity */
+export const isGround = ({ bodies }) => bodies.some(({ shapes }) => shapes.some(({ kind }) => kind === 'plane'));
 
 /** @param {number[]} row @returns {Contact} */
 function contactOf(row) {

@@ -41,6 +41,7 @@ export class Tree {
     this.shown = [];
     /** @type {Map<string, Row>} */
     this.made = new Map();
+    /** Names of what is unfolded: an edited model gets another number. */
     this.open = new Set([WORLD]);
     this.active = WORLD;
     this.search = element('input', {
@@ -97,7 +98,7 @@ export class Tree {
       { key: WORLD, label: scene.world || 'world', note: `${entities.size}`, icon: 'world', depth: 0, entity: 0, children: models },
     ];
     if (this.roots[0] && models.length <= 8)
-      for (const model of models) if (model.children.some((child) => !child.part)) this.open.add(model.key);
+      for (const model of models) if (model.children.some((child) => !child.part)) this.open.add(nameOf(model));
     this.draw();
   }
 
@@ -156,7 +157,7 @@ export class Tree {
       found.push(node);
       const own = !wanted || node.label.toLowerCase().includes(wanted) || node.note.toLowerCase().includes(wanted);
       let any = own;
-      if (wanted ? true : this.open.has(node.key)) for (const child of node.children) any = collect(child) || any;
+      if (wanted ? true : this.open.has(nameOf(node))) for (const child of node.children) any = collect(child) || any;
       if (wanted && !any) found.length = place;
       return any;
     };
@@ -228,7 +229,7 @@ export class Tree {
     const { store } = this.workplace;
     const { root, node } = row;
     const [own, many] = [node.entity !== 0 && !node.part, node.children.length > 0];
-    const open = this.search.value.trim() !== '' || this.open.has(node.key);
+    const open = this.search.value.trim() !== '' || this.open.has(nameOf(node));
     const isHidden = own && store.isOn('hidden', node.entity);
     const isLocked = own && store.isOn('locked', node.entity);
     const selected = this.#isSelected(node);
@@ -316,8 +317,8 @@ export class Tree {
 
   /** @param {TreeNode} node @param {boolean} open */
   #unfold(node, open) {
-    if (open) this.open.add(node.key);
-    else this.open.delete(node.key);
+    if (open) this.open.add(nameOf(node));
+    else this.open.delete(nameOf(node));
     this.draw();
   }
 
@@ -331,7 +332,7 @@ export class Tree {
     /** @param {TreeNode} node @param {TreeNode[]} above @returns {boolean} */
     const find = (node, above) => {
       if (this.#isSelected(node)) {
-        for (const one of above) this.open.add(one.key);
+        for (const one of above) this.open.add(nameOf(one));
         this.active = node.key;
         return true;
       }
@@ -364,7 +365,7 @@ export class Tree {
       this.#scrollTo();
     };
     const many = node.children.length > 0;
-    const open = this.open.has(node.key);
+    const open = this.open.has(nameOf(node));
     const { store } = this.workplace;
     if (event.key === 'ArrowDown') go(place + 1);
     else if (event.key === 'ArrowUp') go(place - 1);
@@ -395,6 +396,9 @@ export class Tree {
     if (node.entity) openMenu(point, () => entityMenu(this.workplace, node.entity), node.label);
   }
 }
+
+/** @param {TreeNode} node with others below it */
+const nameOf = (node) => (node.entity ? node.label : WORLD);
 
 /**
  * What can be done with an entity.

@@ -4,7 +4,7 @@
  * @module
  */
 
-import { makeActions } from 'libgz/actions.js';
+import { isOffered, makeActions } from 'libgz/actions.js';
 import { Console } from 'libgz/console.js';
 import { Dialogs } from 'libgz/dialogs.js';
 import { element, fill, setText, show } from 'libgz/dom.js';
@@ -18,11 +18,12 @@ import { Overlays } from 'libgz/overlays.js';
 import { Plots } from 'libgz/plots.js';
 import { Sampler } from 'libgz/series.js';
 import { recall, remember } from 'libgz/settings.js';
+import { isGround } from 'libgz/store.js';
 import { Timeline } from 'libgz/timeline.js';
 import { Toasts } from 'libgz/toasts.js';
 import { Tool } from 'libgz/tool.js';
 import { Toolbar } from 'libgz/toolbar.js';
-import { Tree } from 'libgz/tree.js';
+import { imageOf, Tree } from 'libgz/tree.js';
 
 /** @typedef {import('libgz/store.js').Store} Store */
 /** @typedef {import('libgz/stage.js').Stage} Stage */
@@ -67,7 +68,7 @@ export class Workplace {
     this.layout.addTab('plots', 'Plots', 'plot', this.plots.root);
     this.layout.addTab('console', 'Console', 'console', this.console.root, this.console.badge);
     this.layout.strip.append(this.timeline.root);
-    this.layout.stage.append(this.#makeViewTools(), this.loading.root, this.banner, this.drive.root, this.toasts.root);
+    this.layout.stage.append(this.#makeViewTools(), this.#makeEmptyHint(), this.loading.root, this.banner, this.drive.root, this.toasts.root);
     this.overlays = new Overlays(this);
     this.keys = new Keys(this);
     this.layout.apply();
@@ -90,6 +91,25 @@ export class Workplace {
       this.toasts.add(error instanceof Error ? error.message : String(error));
       return undefined;
     }
+  }
+
+  /**
+   * Select an entity, as soon as it is in the scene.
+   * @param {string[] | null} [names] of what was made; the first counts
+   */
+  selectNamed(names) {
+    const { store } = this;
+    const [name] = names ?? [];
+    if (name === undefined) return;
+    const look = () => {
+      const number = store.ids.get(name);
+      if (number === undefined) return;
+      store.removeEventListener('scene', look);
+      store.select({ entity: number });
+    };
+    store.addEventListener('scene', look);
+    window.setTimeout(() => store.removeEventListener('scene', look), 5000);
+    look();
   }
 
   /** Why this page does not control the world, as a sentence for users. */
@@ -155,6 +175,19 @@ export class Workplace {
     const refresh = () => made.forEach((tool) => tool?.refresh());
     for (const event of ['hello', 'handles', 'selection', 'follow', 'scene']) store.addEventListener(event, refresh);
     refresh();
+    return root;
+  }
+
+  /** What to do first in a world with nothing but ground and light. */
+  #makeEmptyHint() {
+    const { actions, store } = this;
+    const insert = element('button', { type: 'button', class: 'text primary', text: 'Insert a model', on: { click: () => actions.insert.act() } });
+    const root = element('div', { class: 'empty-hint', hidden: true }, element('p', { text: 'This world is empty.' }), insert, element('p', { class: 'hint', text: 'or drop an SDF, URDF or mesh file here' }));
+    const refresh = () => {
+      const fills = (/** @type {import('libgz/store.js').Entity} */ entity) => imageOf(entity) !== 'light' && entity.bodies.length > 0 && !isGround(entity);
+      show(root, isOffered(actions.insert) && Boolean(store.scene) && ![...store.entities.values()].some(fills));
+    };
+    for (const event of ['hello', 'scene']) store.addEventListener(event, refresh);
     return root;
   }
 

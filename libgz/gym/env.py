@@ -38,6 +38,7 @@ Fields: TypeAlias = "Sequence[str] | Mapping[str, tuple[float, float] | None]"
 Observe: TypeAlias = "tuple[Callable[[World], Any], spaces.Space[Any]]"
 
 PERIOD = 0.1  # [s]
+EXAMPLES = {"actions": "'robot1::joint': ['effort']", "randomise": "'crate/mass': {'uniform': [1, 2]}"}
 MOST_SETTLING = 200  # steps until all that is observed has measured
 SEEDS = 2**31
 
@@ -129,6 +130,13 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             hint = nearest(render_mode, modes)
             raise ParameterError(f"render_mode is {render_mode!r}; allowed are {', '.join(modes)} and None{hint}")
         self.render_mode = render_mode
+        functions = {"reward": reward, "terminated": terminated, "start": start, "update": update, "info": info}
+        for name, function in functions.items():
+            if function is not None and not callable(function):
+                raise ParameterError(f"{name} is {function!r}; it must be a function, or None")
+        for name, table in {"actions": actions, "randomise": randomise or {}}.items():
+            if not isinstance(table, Mapping):
+                raise ParameterError(f"{name} is {table!r}; it must be a table, such as {{{EXAMPLES[name]}}}")
         self._variant = Variant(world)
         self._actions, self._observations, self._flat = actions, observations, flat
         self._reward, self._terminated, self._start, self._update, self._info = reward, terminated, start, update, info
@@ -238,7 +246,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             for field, bounds in _listed(fields, f"actions[{key!r}]").items():
                 commands += commands_of(self.world, key, field, bounds)
         if not commands:
-            raise ParameterError("actions is empty; name at least one command, such as {'robot1::joint': ['effort']}")
+            raise ParameterError(f"actions is empty; name at least one command, such as {{{EXAMPLES['actions']}}}")
         self._commands = commands
         self._writers = [one.write for one in commands]
         self._all_seen = {one.label: one.value for one in self._readings}

@@ -51,6 +51,8 @@ class Variant:
     """
 
     def __init__(self, world: str | os.PathLike[str]) -> None:
+        if not isinstance(world, str | os.PathLike):
+            raise ParameterError(f"world is {world!r}; it must be the path, the name or the text of a worldfile")
         self.world = world
         text = os.fspath(world)
         self._text = text if text.lstrip().startswith("<") else None

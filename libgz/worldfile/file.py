@@ -36,7 +36,9 @@ OTHER_ROOTS = {
     "sdf": "an SDF world of Gazebo classic",
     "robot": "a robot description (URDF)",
     "html": "a web page",
+    "rosparam": "a file of parameters of ROS",
 }
+OUTER_SDF = ("world", "model", "actor", "light")  # elements of SDF that stand inside <sdf>
 
 
 class WorldFile:
@@ -159,8 +161,11 @@ class WorldFile:
                 "which libgz does not read; worlds of 0.3 - 0.7 have a root like <gz:world>"
             )
         other = OTHER_ROOTS.get(root.name) if root.prefix is None else None
-        if root.tag == "world" and any(child.tag in ("model", "include") for child in root.children):
-            other = "an SDF world without <sdf version='1.6'> around it"
+        inside = {child.tag for child in root.children}
+        if root.tag == "model" and "sdf" in inside:
+            other = "the model.config of a model's folder"
+        elif root.tag in OUTER_SDF and (root.tag != "world" or inside & {"model", "include"}):
+            other = f"an SDF {root.tag} without <sdf version='1.6'> around it"
         if other is not None:
             raise WorldFileError(
                 f"{self.label}:{root.line}: <{root.tag}>: this is {other}, "

@@ -163,6 +163,9 @@ ERRORS = [
     (DRIVE, {"position.robot1": {"pos[0]": (2, 1)}}, {}, "the lower bound, 2, must be below the upper one, 1"),
     (DRIVE, ODOMETRY, {"period": 0.03}, "must be a multiple of the world's step, 0.02 s"),
     (DRIVE, ODOMETRY, {"render_mode": "rgb_aray"}, "did you mean 'rgb_array'"),
+    (["cmd"], ODOMETRY, {}, r"actions is \['cmd'\]; it must be a table"),
+    (DRIVE, ODOMETRY, {"reward": 5}, "reward is 5; it must be a function, or None"),
+    (DRIVE, ODOMETRY, {"randomise": 5}, "randomise is 5; it must be a table, such as {'crate/mass'"),
     (DRIVE, ODOMETRY, {"randomise": {"crate/mas": ("uniform", 1, 2)}}, "nothing in the world reads <mas>"),
     (DRIVE, ODOMETRY, {"randomise": {"crate/mass": ("unifrm", 1, 2)}}, "did you mean 'uniform'"),
 ]

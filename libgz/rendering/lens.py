@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 WIDEST = math.radians(160.0)  # of the plain image; what is outside of it stays black
 LARGEST = 4096  # [px] a side of the plain image
+LEAST_SHOWN = 1e-7  # share of an image to which a distortion may shrink it, to be stretched again
 ROUNDS = 20  # of the search for the place that a distorted one comes from
 
 
@@ -32,10 +33,12 @@ class Intrinsics:
 
 @dataclass(frozen=True)
 class Distortion:
-    """Radial and tangential distortion (Brown, 1966) about a centre, in shares of the image.
+    """Radial and tangential distortion (Brown, 1966) about a centre, in shares of the image's sides, as in Gazebo 11.
 
-    A point (x, y) of the plane at distance 1, with r^2 = x^2 + y^2, is shown at x (1 + k1 r^2 + k2 r^4 + k3 r^6)
-    + p2 (r^2 + 2 x^2) + 2 p1 x y, and likewise for y with p1 and p2 exchanged.
+    What a plain image shows at (x, y) from the centre, x in shares of its width and y of its height, with
+    r^2 = x^2 + y^2, is shown at x (1 + k1 r^2 + k2 r^4 + k3 r^6) + p2 (r^2 + 2 x^2) + 2 p1 x y, and likewise for y with
+    p1 and p2 exchanged. If k1 is below 0, the image is then stretched about its middle until the distorted corners
+    (0, 0) and (1, 1) are as far from each other as its own.
     """
 
     k1: float = 0.0
@@ -49,7 +52,7 @@ class Distortion:
         return any((self.k1, self.k2, self.k3, self.p1, self.p2))
 
     def forward(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Where points of the plane at distance 1 are shown in it."""
+        """Where points of a plain image are shown, all of them from the centre."""
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
         return (
@@ -65,6 +68,15 @@ class Distortion:
             u, v = u + 0.8 * (x - shown[0]), v + 0.8 * (y - shown[1])
         lost = np.hypot(self.forward(u, v)[0] - x, self.forward(u, v)[1] - y) > 1e-3
         return np.where(lost, np.nan, u), np.where(lost, np.nan, v)
+
+    @property
+    def stretch(self) -> tuple[float, float]:
+        """By how much the image is stretched, so that barrel distortion leaves no black border."""
+        if self.k1 >= 0.0:
+            return 1.0, 1.0
+        near, far = (self.forward(*(np.array([end - middle]) for middle in self.center)) for end in (0.0, 1.0))
+        width, height = (float(b[0] - a[0]) for a, b in zip(near, far, strict=True))
+        return (1.0 / width, 1.0 / height) if min(width, height) > LEAST_SHOWN else (1.0, 1.0)
 
 
 class Lens:
@@ -93,7 +105,7 @@ class Lens:
             raise ParameterError(f"intrinsics are {numbers}; they must be finite, and focal lengths above zero")
         column, row = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
         if distortion:
-            column, row = _undistorted(column, row, (width, height), pinhole, distortion)
+            column, row = _undistorted(column, row, (width, height), distortion)
         down = (row - pinhole.cy) / pinhole.fy
         right = (column - pinhole.cx - pinhole.s * down) / pinhole.fx
         most = math.tan(0.5 * WIDEST)
@@ -124,19 +136,12 @@ class Lens:
         return found
 
 
-def _undistorted(
-    column: Array, row: Array, size: tuple[int, int], pinhole: Intrinsics, distortion: Distortion
-) -> tuple[Array, Array]:
+def _undistorted(column: Array, row: Array, size: tuple[int, int], distortion: Distortion) -> tuple[Array, Array]:
     """Where the pixels of an image are without the distortion [px]."""
-    middle = [share * side for share, side in zip(distortion.center, size, strict=True)]
-    x, y = (column - middle[0]) / pinhole.fx, (row - middle[1]) / pinhole.fy
-    if distortion.k1 < 0.0:
-        focal = pinhole.fx, pinhole.fy
-        corners = [np.array([-m / f, (side - m) / f]) for m, f, side in zip(middle, focal, size, strict=True)]
-        shown = distortion.forward(*corners)
-        x, y = (
-            near[0] + (near[1] - near[0]) * (value - far[0]) / (far[1] - far[0])
-            for near, far, value in zip(shown, corners, (x, y), strict=True)
-        )
+    x, y = (
+        (value / side - 0.5) / stretch + 0.5 - middle
+        for value, side, stretch, middle in zip((column, row), size, distortion.stretch, distortion.center, strict=True)
+    )
     x, y = distortion.backward(x, y)
-    return x * pinhole.fx + middle[0], y * pinhole.fy + middle[1]
+    width, height = size
+    return (x + distortion.center[0]) * width, (y + distortion.center[1]) * height

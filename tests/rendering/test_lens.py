@@ -55,11 +55,33 @@ def test_a_pinhole_shows_points_where_its_matrix_says(load, pinhole, place):
 
 @pytest.mark.parametrize("bent", [Distortion(k1=0.3), Distortion(k1=0.1, k2=-0.2, p1=0.02, p2=-0.03), Distortion()])
 def test_a_distortion_moves_points_as_its_formula_says(load, bent):
-    x, y = np.array([0.25]), np.array([0.15])
     column, row, _, _ = seen(load, Lens(200, 150, HFOV, None, bent), (0.25, 0.15), size=0.03)
-    shown = bent.forward(x, y)
-    assert column == pytest.approx(100 + FOCAL * shown[0][0], abs=0.8)
-    assert row == pytest.approx(75 + FOCAL * shown[1][0], abs=0.8)
+    shown = bent.forward(np.array([FOCAL * 0.25 / 200]), np.array([FOCAL * 0.15 / 150]))
+    assert column == pytest.approx(100 + 200 * shown[0][0], abs=0.8)
+    assert row == pytest.approx(75 + 150 * shown[1][0], abs=0.8)
+
+
+# Three boxes of 0.1 m, 2 m before a camera of 400 x 300 pixels and 1.5 rad: where the real Gazebo 11.1 shows them [px].
+PLACES = ((0.0, 0.0), (-0.75, 0.0), (0.5, -0.5))
+BESIDE = [
+    (Distortion(), [(199.5, 149.5), (37.8, 149.5), (307.0, 42.0)]),
+    (Distortion(0.2), [(199.5, 149.5), (32.9, 149.5), (311.4, 37.7)]),
+    (Distortion(-0.25), [(199.5, 149.5), (22.5, 149.5), (316.1, 32.7)]),
+    (Distortion(-0.25, 0.12, 0.0, -0.0003, -0.0003), [(199.5, 149.5), (27.7, 149.5), (312.9, 36.3)]),
+    (Distortion(-0.25, 0.12, 0.0, 0.02, 0.01, (0.5, 0.4)), [(200.0, 149.9), (30.7, 149.0), (313.6, 36.2)]),
+]
+
+
+@pytest.mark.parametrize(("bent", "places"), BESIDE)
+def test_a_distortion_shows_points_where_gazebo_does(bent, places):
+    lens = Lens(400, 300, 1.5, None, bent)
+    rows, columns = np.mgrid[: lens.height, : lens.width]
+    focal = lens.width / (2.0 * math.tan(0.5 * lens.hfov))
+    across, down = ((v - 0.5 * side + 0.5) / focal for v, side in ((columns, lens.width), (rows, lens.height)))
+    for (x, y), place in zip(PLACES, places, strict=True):
+        plain = np.hypot((across - x) / 0.025, (down - y) / 0.025) < 1.0
+        shown = np.nonzero(lens.nearest(plain, 0.0))[::-1]
+        assert [one.mean() for one in shown] == pytest.approx(place, abs=1.0)
 
 
 def test_backward_inverts_forward():

@@ -6,11 +6,13 @@ coordinates of a corner are then cut alike.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
-from libgz.physics.outlines import triangulate
+from libgz.physics.outlines import joined, triangulate
 
 __all__ = ["cut_fans", "cut_polygons", "cut_strips"]
 
@@ -21,15 +23,17 @@ MOST_CUT = 50_000_000  # sum of the squares of the corners of concave polygons t
 ROUNDING = 1e-9  # of the squares of sides, below which a corner is straight
 
 
-def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
+def cut_polygons(counts: Corners, points: NDArray[np.float64], holes: NDArray[np.bool_] | None = None) -> Corners:
     """Triangles of polygons, in the order of the polygons, shape (m, 3).
 
-    Convex polygons become fans of their first corners, concave ones are cut by ears (Meisters, 1975). What cannot be
-    cut, since its sides cross or its corners do not lie in a plane, or is beyond MOST_CUT, becomes a fan, too.
+    Convex polygons become fans of their first corners, concave ones and those with holes are cut by ears (Meisters,
+    1975). What cannot be cut, since its sides cross or its corners do not lie in a plane, or is beyond MOST_CUT,
+    becomes a fan, without its holes.
 
     Args:
         counts: of corners of each polygon; those with less than three have no triangle.
         points: positions of all corners [m], shape (n, 3).
+        holes: which polygons are holes in the last one before that is none; None for no holes.
 
     Raises:
         ValueError: the polygons have more corners than there are.
@@ -37,10 +41,20 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
     if counts.sum() > len(points) or (len(counts) and counts.min() < 0):
         raise ValueError(f"the faces name {counts.sum()} corners; there are {len(points)}")
     starts = np.cumsum(counts) - counts
+    inner = _holes_by_outline(counts, holes) if holes is not None else {}
+    plain = counts > 2
+    if holes is not None:
+        plain &= ~holes
+    plain[list(inner)] = False
     found: list[tuple[Corners, Corners]] = []  # (polygon of each triangle, triangles)
     left = MOST_CUT
-    for count in np.unique(counts[counts > 2]).tolist():
-        which = np.flatnonzero(counts == count)
+    for polygon, around in inner.items():
+        rings = [starts[k] + np.arange(counts[k]) for k in (polygon, *around)]
+        left -= int(sum(map(len, rings))) ** 2
+        cut = _cut_around(points, rings, left >= 0)
+        found.append((np.full(len(cut), polygon), cut))
+    for count in np.unique(counts[plain]).tolist():
+        which = np.flatnonzero(plain & (counts == count))
         corners = starts[which, None] + np.arange(count)
         concave = _are_concave(points[corners]) if count > 3 else np.zeros(len(which), dtype=bool)
         steps = np.arange(1, count - 1)
@@ -55,6 +69,31 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64]) -> Corners:
     order = np.argsort(np.concatenate([polygons for polygons, _ in found]), kind="stable")
     triangles: Corners = np.concatenate([triangles for _, triangles in found])[order]
     return triangles
+
+
+def _holes_by_outline(counts: Corners, holes: NDArray[np.bool_]) -> dict[int, list[int]]:
+    """The holes of each polygon that has some."""
+    found: dict[int, list[int]] = {}
+    for hole in np.flatnonzero(holes & (counts > 2)).tolist():
+        outlines = np.flatnonzero(~holes[:hole])
+        if len(outlines) and counts[outlines[-1]] > 2:
+            found.setdefault(int(outlines[-1]), []).append(hole)
+    return found
+
+
+def _cut_around(points: NDArray[np.float64], rings: list[Corners], allowed: bool) -> Corners:
+    """Triangles of one polygon, the first ring, with holes."""
+    own = np.concatenate(rings)
+    fan = rings[0][cut_fans(np.array([len(rings[0])]))]
+    if not allowed or len(own) > MOST_CORNERS:
+        return fan
+    ends = np.cumsum([0, *map(len, rings)])
+    flat = _flat(points[own], _normals(points[rings[0]][None])[0])
+    try:
+        ring = joined(flat, [np.arange(start, end) for start, end in pairwise(ends.tolist())])
+        return own[ring[triangulate(flat[ring])]]
+    except ParameterError:
+        return fan
 
 
 def cut_strips(counts: Corners) -> Corners:
@@ -100,13 +139,17 @@ def _ears(points: NDArray[np.float64], fan: Corners) -> Corners:
     """Triangles of one concave polygon, seen along its normal."""
     if len(points) > MOST_CORNERS:
         return fan
-    normal = _normals(points[None])[0]
-    axis = int(np.argmax(np.abs(normal)))
-    flat = points[:, [(axis + 1) % 3, (axis + 2) % 3]]  # counter-clockwise, seen against this axis
-    if normal[axis] < 0.0:
-        flat = flat[:, ::-1]
-    span = np.ptp(flat, axis=0).max()
     try:
-        return triangulate((flat - flat.min(axis=0)) / span)
+        return triangulate(_flat(points, _normals(points[None])[0]))
     except ParameterError:
         return fan
+
+
+def _flat(points: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Corners as seen against a normal, along the axis that is next to it, within a unit square; shape (n, 2)."""
+    axis = int(np.argmax(np.abs(normal)))
+    flat = points[:, [(axis + 1) % 3, (axis + 2) % 3]]
+    if normal[axis] < 0.0:
+        flat = flat[:, ::-1]
+    result: NDArray[np.float64] = (flat - flat.min(axis=0)) / np.ptp(flat, axis=0).max()
+    return result

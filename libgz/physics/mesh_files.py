@@ -713,8 +713,8 @@ class Collada:
         return [i for i in self.all(group, "input") if i.get("semantic") == semantic]
 
     def runs(self, group: Any) -> list[NDArray[np.int64]]:
-        """The numbers of a group of faces, of each `<p>`; of a polygon with holes those of its outline."""
-        return [read_numbers(p.text, np.int64) for p in self.deep(group, "p")]
+        """The numbers of a group of faces, of each `<p>`, and of each hole (`<h>`) in a polygon."""
+        return [read_numbers(p.text, np.int64) for p in group.iter("{*}p", "{*}h")]
 
     def stride(self, group: Any) -> int:
         """How many numbers a corner of a group has."""
@@ -737,7 +737,8 @@ class Collada:
         stride = self.stride(group)
         counts = np.array([-(-len(run) // stride) for run in self.runs(group)], dtype=np.int64)
         if kind == "polygons":
-            return cut_polygons(counts, points[corners])
+            holes = np.array([self.tag(run) == "h" for run in group.iter("{*}p", "{*}h")], dtype=bool)
+            return cut_polygons(counts, points[corners], holes)
         return cut_strips(counts) if kind == "tristrips" else cut_fans(counts)
 
     def texture(self, material: Any, group: Any, cut: NDArray[np.int64]) -> Texture | None:

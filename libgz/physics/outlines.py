@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import ParameterError
 
-__all__ = ["extrude", "triangulate"]
+__all__ = ["extrude", "joined", "triangulate"]
 
 Points = NDArray[np.float64]
+
+ON_SIDE = 1e-12  # twice an area, up to which three points lie on a line
 
 
 def _cross(a: Points, b: Points, c: Points) -> float:
@@ -58,30 +62,59 @@ def triangulate(points: Points) -> NDArray[np.int64]:
 
 def _is_flat(points: Points, left: list[int], k: int) -> bool:
     a, b, c = points[left[k - 1]], points[left[k]], points[left[(k + 1) % len(left)]]
-    return abs(_cross(a, b, c)) < 1e-12
+    return abs(_cross(a, b, c)) < ON_SIDE
 
 
-def _bridged(outer: Points, hole: Points) -> Points:
-    """One polygon that goes around the outside, along a bridge to a hole, around that, and back."""
-    clockwise = hole if _area(hole) < 0.0 else hole[::-1]
-    start = int(np.argmax(clockwise[:, 0]))
-    clockwise = np.roll(clockwise, -start, axis=0)
-    far = np.linalg.norm(outer - clockwise[0], axis=1)
-    for at in np.argsort(far).tolist():
-        if _sees(clockwise[0], outer[at], [outer, clockwise]):
-            ring = [outer[: at + 1], clockwise, clockwise[:1], outer[at : at + 1], outer[at + 1 :]]
-            return np.concatenate(ring)
+def joined(points: Points, rings: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """One ring of corners, counter-clockwise: around an outline, and along bridges around the holes in it.
+
+    Args:
+        points: of all rings, shape (n, 2).
+        rings: numbers of points, the outline first, in any order around.
+
+    Raises:
+        ParameterError: their sides cross each other.
+    """
+    ring = rings[0] if _area(points[rings[0]]) > 0.0 else rings[0][::-1]
+    holes = sorted(rings[1:], key=lambda inner: -float(points[inner, 0].max()))  # each sees what is joined already
+    for number, hole in enumerate(holes, 1):
+        ring = _bridged(points, ring, hole, holes[number:])
+    return ring
+
+
+def _bridged(
+    points: Points, outer: NDArray[np.int64], hole: NDArray[np.int64], others: list[NDArray[np.int64]]
+) -> NDArray[np.int64]:
+    """One ring that goes around the outside, along a bridge to a hole, which no other hole crosses, and back."""
+    inner = hole if _area(points[hole]) < 0.0 else hole[::-1]
+    inner = np.roll(inner, -int(np.argmax(points[inner, 0])))
+    far = np.linalg.norm(points[outer] - points[inner[0]], axis=1)
+    starts, ends = (
+        np.concatenate([points[np.roll(ring, -shift)] for ring in (outer, inner, *others)]) for shift in (0, 1)
+    )
+    for at in np.argsort(far, kind="stable").tolist():
+        around = points[outer[[at - 1, at, (at + 1) % len(outer)]]]
+        if _opens_to(points[inner[0]], *around) and _sees(points[inner[0]], points[outer[at]], starts, ends):
+            return np.concatenate([outer[: at + 1], inner, inner[:1], outer[at : at + 1], outer[at + 1 :]])
     raise ParameterError("the sides of a polyline cross each other")
 
 
-def _sees(a: Points, b: Points, rings: list[Points]) -> bool:
-    """Whether no side of any polygon crosses the way between two of their corners."""
-    for ring in rings:
-        for p, q in zip(ring, np.roll(ring, -1, axis=0), strict=True):
-            apart = _cross(a, b, p) * _cross(a, b, q) < 0.0 and _cross(p, q, a) * _cross(p, q, b) < 0.0
-            if apart:
-                return False
-    return True
+def _opens_to(point: Points, before: Points, corner: Points, after: Points) -> bool:
+    """Whether a point lies between the sides of a corner; where bridges meet, several corners are at one place."""
+    inside = _cross(before, corner, point) >= 0.0, _cross(corner, after, point) >= 0.0
+    return all(inside) if _cross(before, corner, after) >= 0.0 else any(inside)
+
+
+def _sees(a: Points, b: Points, starts: Points, ends: Points) -> bool:
+    """Whether no side crosses the way between two corners, and no corner lies on it."""
+    (ax, ay), (bx, by), (px, py), (qx, qy) = a, b, starts.T, ends.T
+    along = (starts - a) @ (b - a)
+    on = np.abs((bx - ax) * (py - ay) - (by - ay) * (px - ax)) <= ON_SIDE
+    if (on & (along > ON_SIDE) & (along < (b - a) @ (b - a) - ON_SIDE)).any():
+        return False
+    beside = [(bx - ax) * (y - ay) - (by - ay) * (x - ax) for x, y in ((px, py), (qx, qy))]
+    around = [(qx - px) * (y - py) - (qy - py) * (x - px) for x, y in ((ax, ay), (bx, by))]
+    return not ((beside[0] * beside[1] < 0.0) & (around[0] * around[1] < 0.0)).any()
 
 
 def _holds(outer: Points, inner: Points) -> bool:
@@ -115,7 +148,7 @@ def extrude(rings: list[ArrayLike], height: float) -> tuple[Points, NDArray[np.i
     polygons = [np.array(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
     polygons = [p[:-1] if len(p) > 1 and (p[0] == p[-1]).all() else p for p in polygons]
     for polygon in polygons:
-        if len(polygon) < 3 or abs(_area(polygon)) < 1e-12:
+        if len(polygon) < 3 or abs(_area(polygon)) < ON_SIDE:
             raise ParameterError("a polyline needs three points that span an area")
     vertices, triangles, count = [], [], 0
     for shape in _shapes(polygons):
@@ -128,9 +161,10 @@ def extrude(rings: list[ArrayLike], height: float) -> tuple[Points, NDArray[np.i
 
 def _extrude(polygons: list[Points], height: float) -> tuple[Points, NDArray[np.int64]]:
     """The solid of one outline, and of the holes in it."""
-    outline = polygons[0] if _area(polygons[0]) > 0.0 else polygons[0][::-1]
-    for hole in sorted(polygons[1:], key=lambda p: -float(p[:, 0].max())):
-        outline = _bridged(outline, hole)
+    ends = np.cumsum([0, *map(len, polygons)])
+    rings = [np.arange(start, end) for start, end in pairwise(ends.tolist())]
+    points = np.concatenate(polygons)
+    outline = points[joined(points, rings)]
     cap = triangulate(outline)
     count = len(outline)
     low = np.column_stack([outline, np.zeros(count)])

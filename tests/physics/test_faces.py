@@ -41,6 +41,31 @@ def test_concave_polygons_keep_their_area_and_side(outline, angles, reverse):
     assert sizes.sum() == pytest.approx(area(outline))
 
 
+HOLES = [[(0.2, 0.2), (0.2, 0.8), (0.8, 0.8), (0.8, 0.2)], [(1.2, 0.3), (1.7, 0.3), (1.4, 0.7)]]
+
+
+@pytest.mark.parametrize("angles", [(0, 0, 0), (0.3, 1.2, -2.0)])
+@pytest.mark.parametrize("reverse", [False, True])
+def test_polygons_are_cut_around_their_holes(angles, reverse):
+    rings = [[(5, 5), (6, 5), (6, 6)], L_SHAPE, *HOLES, [(0, 5), (1, 5), (1, 6)]]
+    points, normal = turned([corner for ring in rings for corner in ring], angles)
+    parts = np.split(points, np.cumsum([len(ring) for ring in rings])[:-1])
+    points = np.concatenate([part[:: -1 if reverse else 1] for part in parts])
+    holes = np.array([False, False, True, True, False])
+    triangles = cut_polygons(np.array([len(ring) for ring in rings]), points, holes)
+    sizes = areas(points, triangles) @ (-normal if reverse else normal)
+    assert (sizes > -1e-12).all()
+    assert sizes.sum() == pytest.approx(1.0 + area(L_SHAPE) - sum(abs(area(hole)) for hole in HOLES))
+    assert triangles[0].tolist() == [0, 1, 2]
+
+
+def test_holes_that_cannot_be_cut_are_filled():
+    points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (5, 5, 0), (6, 7, 0), (7, 5, 0)], dtype=float)
+    found = cut_polygons(np.array([3, 3]), points, np.array([True, False]))  # a hole in nothing
+    assert found.tolist() == [[3, 4, 5]]
+    assert cut_polygons(np.array([3, 2]), points[:5], np.array([False, True])).tolist() == [[0, 1, 2]]
+
+
 def test_convex_polygons_are_fans_in_the_order_of_the_file():
     square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
     points = np.array([*square, *square[:3], *square, (0, 0, 0), (1, 1, 1)], dtype=float)

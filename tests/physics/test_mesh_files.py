@@ -130,6 +130,13 @@ def test_all_kinds_of_faces_of_collada_are_read(file, faces):
     assert area(read_mesh(file("a.dae", text))) == pytest.approx(3.0)
 
 
+def test_holes_in_polygons_of_collada_are_open(file):
+    points = "0 0 0 4 0 0 4 4 0 0 4 0 1 1 0 1 3 0 3 3 0 3 1 0"
+    faces = f"<polygons>{VERTEX}<ph><p>0 1 2 3</p><h>4 5 6 7</h></ph></polygons>"
+    text = DOCUMENT.format(asset="", points=points, faces=faces, scene="")
+    assert area(read_mesh(file("a.dae", text))) == pytest.approx(12.0)
+
+
 @pytest.mark.parametrize(("scene", "place"), [(SECOND, 0), ("", 5), (SECOND.replace("two", "none"), 5)])
 def test_the_scene_that_a_document_names_is_read(file, scene, place):
     faces = f"<triangles>{VERTEX}<p>0 1 2</p></triangles>"

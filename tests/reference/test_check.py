@@ -239,7 +239,10 @@ def test_the_command_reports_invalid_ids_of_interfaces(tmp_path, id):
         ),
         ("<html><body/></html>", "1: <html>: this is a web page, not a worldfile of 0.3 - 0.7"),
         ("<world><model name='m'/></world>", "1: <world>: this is an SDF world without <sdf version='1.6'> around it"),
-        ("<model name='m'><link name='l'/></model>", "1: <model>: this is an SDF model without <sdf version='1.6'> around"),
+        (
+            "<model name='m'><link name='l'/></model>",
+            "1: <model>: this is an SDF model without <sdf version='1.6'> around",
+        ),
         ("<model><name>m</name><sdf>m.sdf</sdf></model>", "1: <model>: this is the model.config of a model's folder"),
         ("<launch><arg name='x'/></launch>", "1: <launch>: this is a launch file of ROS"),
         ("<package/>", "1: <package>: this is the description of a ROS package, not a worldfile"),

@@ -8,12 +8,13 @@ together with all others; the distance that it keeps corrects the drift.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from libgz.base.geometry import (
     GzCoordPositionSub,
     GzPose,
+    GzQuatern,
     GzQuaternInverse,
+    GzQuaternMul,
     GzVector,
     GzVectorAdd,
     GzVectorCross,
@@ -24,20 +25,18 @@ from libgz.base.geometry import (
     rotate,
 )
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.types import JointType, dParamFMax, dParamFMax2
+from libgz.ode.types import JointType, dParamERP, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
 from libgz.physics.engine import HasEngine
-from libgz.physics.joint import AxisJoint, FixedJoint, HingeJoint, Joint, JointFunctions, SliderJoint
+from libgz.physics.joint import AxisJoint, HingeJoint, Joint, JointFunctions
 from libgz.physics.lock import exclusive
 from libgz.physics.mass import given_mass
 
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
 FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
-MOST_ERROR = 2e-3  # [rad] between gears that a step corrects
 RACK = 0.1  # mass of a gear's rack as a share of what it drives
-LEVER = 20.0  # radii at the rack, in radii of gyration
-MOMENT = 1.0  # inertia of a rack on a base that moves, as a share of what it drives
+LEVER = 1e4  # radii at the rack, in radii of gyration
 STIFF = 1e9  # inertia of a rack that is to slide and not to turn [kg m^2]
 
 
@@ -79,13 +78,13 @@ class LineJoint(Joint):
     @exclusive
     def place(self, point: GzVector, direction: GzVector, error: float) -> None:
         """Put the line through a global point [m]; `error` [m] is how far the first body is ahead along it."""
+        length = max(1.0, 2.0 * error)  # ODE keeps a distance, which is above zero
         px, py, pz = point
-        dx, dy, dz = direction
-        dx, dy, dz = 0.5 * dx, 0.5 * dy, 0.5 * dz
+        dx, dy, dz = GzVectorMul(0.5 * length, direction)
         lib, handle = ode(), self.id
         lib.dJointSetDBallAnchor1(handle, px + dx, py + dy, pz + dz)
         lib.dJointSetDBallAnchor2(handle, px - dx, py - dy, pz - dz)
-        lib.dJointSetDBallDistance(handle, max(0.0, 1.0 - error))
+        lib.dJointSetDBallDistance(handle, length - error)
 
 
 class TieJoint(Joint):
@@ -102,14 +101,6 @@ def _perpendicular(axis: GzVector) -> GzVector:
     """Some unit vector at right angles to an axis."""
     other = GzVector(1.0, 0.0, 0.0) if abs(axis.x) < 0.9 else GzVector(0.0, 1.0, 0.0)
     return GzVectorUnit(GzVectorCross(axis, other))
-
-
-def _is_still(body: Body | None) -> bool:
-    """Whether a body is the world, or fixed to it."""
-    if body is None or body.dummy:
-        return True
-    welds = (joint.bodies for joint in body.joints if isinstance(joint, FixedJoint))
-    return any(other is None or other.dummy for pair in welds for other in pair)
 
 
 class Thread:
@@ -164,20 +155,22 @@ class Thread:
 class Gears:
     """Couples the rotations of two bodies: angle 2 = -ratio * angle 1, as seen from a third.
 
-    Both angles count from references [rad], zero at first; together with the ratio they may change in each step.
+    As in Gazebo, the bodies get torques alone, and the third one none; a share of the error, ODE's ERP, is corrected in
+    each step, and an error beyond half a turn the other way round. Both angles count from references [rad], zero at
+    first; together with the ratio they may change in each step.
 
     A rack of little mass slides past both; each meshes with it at its own radius. The effort that accelerates the rack
-    is compensated in the next step.
+    beyond what is foreseen is compensated in the next step.
 
     Args:
         world: the World, or an Engine.
         bodies: the two bodies; neither is a dummy.
         axes: their axes, global.
         ratio: not zero.
-        reference: what carries both; None or a dummy for the world.
+        reference: whose turns do not count; None for the world's.
     """
 
-    SAVED = ("ratio", "references", "angles", "_local", "_hubs", "_speed", "_radii", "_mass")
+    SAVED = ("ratio", "references", "angles", "_local", "_hubs", "_speed", "_radii", "_mass", "_moments", "_begins")
 
     def __init__(
         self,
@@ -192,6 +185,7 @@ class Gears:
         self._local = [rotate(GzQuaternInverse(b.GetRotation()), a) for b, a in zip(bodies, axes, strict=True)]
         self._hubs = [self._find_hub(body) for body in bodies]
         self.angles, self.references = [0.0, 0.0], [0.0, 0.0]
+        self._begins = [self._seen(body) for body in bodies]
         self._speed: float | None = None
         self.rack = Body(world, name=f"rack of {bodies[0].label} and {bodies[1].label}")
         self._set_rack_mass()
@@ -202,24 +196,21 @@ class Gears:
             self._lines.append(line)
         self._tie = TieJoint(world, name="gears")
         self._tie.Attach(*bodies)
-        self._slider: SliderJoint | None = None
-        if reference is not None and not _is_still(reference):
-            self._slider = SliderJoint(world, name="rack")
-            self._slider.Attach(self.rack, reference)
         self.engine.add_coupling(self)
 
     def _set_rack_mass(self) -> None:
-        """Choose radii so large that the bodies get a torque and little force; set a share of the smaller mass."""
-        inertias, arms = [], []
-        for body, local, share in zip(self.bodies, self._local, (self.ratio, 1.0), strict=True):
-            mass = body.GetMass()
-            inertias.append(sum(local[i] * mass.I[4 * i + j] * local[j] for i in range(3) for j in range(3)) / share**2)
-            arms.append(math.sqrt(inertias[-1] / mass.mass))
-        radius = LEVER * max(arms)
+        """Choose radii so large that the bodies get a torque and hardly a force; set a share of the smaller mass."""
+        masses = [body.GetMass() for body in self.bodies]
+        self._moments = [
+            sum(axis[i] * mass.I[4 * i + j] * axis[j] for i in range(3) for j in range(3))
+            for axis, mass in zip(self._local, masses, strict=True)
+        ]
+        least = min(self._moments[0] / self.ratio**2, self._moments[1])
+        radius = LEVER * max(math.sqrt(own / mass.mass) for own, mass in zip(self._moments, masses, strict=True))
+        radius /= min(1.0, abs(self.ratio))
         self._radii = (-self.ratio * radius, radius)
-        self._mass = RACK * min(inertias) / radius**2
-        moment = STIFF if _is_still(self.reference) else MOMENT * min(inertias)
-        self.rack.SetMassMatrix(given_mass(self._mass, (moment, moment, moment, 0.0, 0.0, 0.0), GzPose()))
+        self._mass = RACK * least / radius**2
+        self.rack.SetMassMatrix(given_mass(self._mass, (STIFF, STIFF, STIFF, 0.0, 0.0, 0.0), GzPose()))
         self.rack.SetGravityMode(False)
 
     def _find_hub(self, body: Body) -> GzVector:
@@ -229,19 +220,17 @@ class Gears:
         point = hinges[0].GetAnchor() if hinges else body.GetCoMPose().pos
         return GzCoordPositionSub(point, pose.pos, pose.rot)
 
-    def _spin(self) -> GzVector:
-        return self.reference.GetAngularRate() if self.reference is not None else GzVector()
+    def _seen(self, body: Body) -> GzQuatern:
+        """The rotation of a body as the reference sees it."""
+        rotation = body.GetRotation()
+        return GzQuaternMul(GzQuaternInverse(self.reference.GetRotation()), rotation) if self.reference else rotation
 
     def rates(self) -> tuple[float, float]:
         """Rates of both bodies about their axes [rad/s], seen from the reference."""
-        return self._rates((self.direction(0), self.direction(1)))
-
-    def _rates(self, axes: Sequence[GzVector]) -> tuple[float, float]:
-        """Rates of both bodies about these axes, global."""
-        spin = self._spin()
+        spin = self.reference.GetAngularRate() if self.reference is not None else GzVector()
         first, second = (
-            GzVectorDot(GzVectorSub(body.GetAngularRate(), spin), axis)
-            for body, axis in zip(self.bodies, axes, strict=True)
+            GzVectorDot(GzVectorSub(body.GetAngularRate(), spin), self.direction(index))
+            for index, body in enumerate(self.bodies)
         )
         return first, second
 
@@ -273,14 +262,21 @@ class Gears:
     def restore(self) -> None:
         """Set the angles to zero."""
         self.angles = [0.0, 0.0]
+        self._begins = [self._seen(body) for body in self.bodies]
         self._speed = None
+
+    def _count(self) -> None:
+        """Measure both angles; each is the one next to that of the step before."""
+        for index, (body, axis, begin) in enumerate(zip(self.bodies, self._local, self._begins, strict=True)):
+            turned = GzQuaternMul(GzQuaternInverse(begin), self._seen(body))
+            angle = 2.0 * math.atan2(GzVectorDot(GzVector(turned.x, turned.y, turned.z), axis), turned.u)
+            self.angles[index] += math.remainder(angle - self.angles[index], math.tau)
 
     def update(self, step: float) -> None:
         """Place the rack, and both lines along it, before a step [s]."""
+        self._count()
         poses = [body.GetPose() for body in self.bodies]
         axes = [rotate(pose.rot, axis) for pose, axis in zip(poses, self._local, strict=True)]
-        rates = self._rates(axes)
-        self.angles = [angle + step * rate for angle, rate in zip(self.angles, rates, strict=True)]
         along = GzVectorCross(*axes)
         square = GzVectorDot(along, along)
         along = GzVectorMul(1.0 / math.sqrt(square), along) if square > 1e-6 else _perpendicular(axes[0])
@@ -288,30 +284,32 @@ class Gears:
             GzVectorAdd(GzVectorAdd(pose.pos, rotate(pose.rot, hub)), GzVectorMul(radius, GzVectorCross(along, axis)))
             for pose, hub, axis, radius in zip(poses, self._hubs, axes, self._radii, strict=True)
         ]
-        self._place_rack(poses[1], along, self._radii[1] * rates[1], step)
         (first, second), (first_zero, second_zero) = self.angles, self.references
-        # A larger error, as new references may cause, is corrected in many steps: at once it would disturb the rack.
-        apart = second - second_zero + self.ratio * (first - first_zero)
-        error = self._radii[1] * min(max(apart, -MOST_ERROR), MOST_ERROR)
-        for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
+        apart = math.remainder(second - second_zero + self.ratio * (first - first_zero), math.tau)
+        rates = [GzVectorDot(body.GetAngularRate(), axis) for body, axis in zip(self.bodies, axes, strict=True)]
+        wanted = -self.line.GetParam(dParamERP) / step * apart - (rates[1] + self.ratio * rates[0])
+        change = wanted / (1.0 + self.ratio**2 * self._moments[1] / self._moments[0])
+        self._place_rack(poses[1], along, self._radii[1] * rates[1], self._radii[1] * change, step)
+        for line, point, off in zip(self._lines, points, (-self._radii[1] * apart, 0.0), strict=True):
             line.place(point, along, off)
 
-    def _place_rack(self, pose: GzPose, along: GzVector, speed: float, step: float) -> None:
-        """Move the rack with its gear, and compensate the effort that accelerated it in the last step."""
-        rack, base = self.rack, self.reference
+    def _place_rack(self, pose: GzPose, along: GzVector, speed: float, change: float, step: float) -> None:
+        """Move the rack with the second gear, as it will move, and compensate what was not foreseen of the last step.
+
+        Args:
+            pose: of the rack.
+            along: its direction.
+            speed: of the gear's tooth [m/s].
+            change: of that speed in this step, as the moments of both gears alone make it [m/s].
+            step: [s].
+        """
+        rack = self.rack
         rack.SetPose(pose)
-        spin, velocity = GzVector(), GzVectorMul(speed, along)
-        if base is not None and self._slider is not None:
-            spin = base.GetAngularRate()
-            arm = GzVectorSub(pose.pos, base.GetCoMPose().pos)
-            velocity = GzVectorAdd(GzVectorAdd(base.GetLinearVel(), GzVectorCross(spin, arm)), velocity)
-        rack.SetLinearVel(velocity)
-        rack.SetAngularVel(spin)
+        rack.SetLinearVel(GzVectorMul(speed + change, along))
+        rack.SetAngularVel(GzVector())
         if self._speed is not None:
             rack.AddForce(*GzVectorMul(self._mass * (speed - self._speed) / step, along))
-        self._speed = speed
-        if self._slider is not None:
-            self._slider.SetAxis(*along)
+        self._speed = speed + change
 
     def close(self) -> None:
         """Remove the coupling."""

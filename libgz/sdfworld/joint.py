@@ -34,6 +34,7 @@ from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.sdfworld.joint_record import PARAMETERS, RANGES, JointRecord
 from libgz.sdfworld.links import accelerate_links, links_behind, move_links, slide_child, turn_child
 from libgz.sdfworld.mechanism import (
+    RATIOS,
     GearboxMechanism,
     HingeMechanism,
     Links,
@@ -58,7 +59,9 @@ NUMBERS = (
     *("given", "lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference"),
     *("stop_stiffness", "stop_dissipation"),
 )
-GEARS = ("reference_angle1", "reference_angle2", "ratio")  # keys of a gearbox that may change in each step
+# Keys of a gearbox that may change in each step: of the parent's angle, of the child's, which is Gazebo's first, and of
+# both.
+GEARS = ("reference_angle2", "reference_angle1", "ratio")
 
 
 # What a state has of a joint.
@@ -629,7 +632,8 @@ class SdfJoint:
         fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
         cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
         gearbox_ratio, from which on the angles of a gearbox count anew; ratio of a gearbox, which leaves the angles,
-        and reference_angle1, reference_angle2 [rad], from which they count.
+        and reference_angle1 of the child, reference_angle2 of the parent [rad], from which they
+        count.
 
         Raises:
             ParameterError: there is no such key, this kind of joint has none, or the value is NaN.
@@ -660,7 +664,8 @@ class SdfJoint:
             if isinstance(self._mechanism, GearboxMechanism):
                 self._mechanism.gears.set_ratio(number)
         elif key in GEARS:
-            gears = self._gears(key)
+            gears, most = self._gears(key), RATIOS["gearbox_ratio"][1]
+            number = min(max(number, -most), most)
             if key == "ratio":
                 gears.vary_ratio(number)
             else:

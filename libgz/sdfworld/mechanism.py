@@ -34,6 +34,7 @@ from libgz.sdfworld.joint_record import PARAMETERS
 
 __all__ = [
     "MECHANISMS",
+    "RATIOS",
     "GearboxMechanism",
     "Links",
     "Mechanism",
@@ -501,7 +502,7 @@ class GearboxMechanism(Mechanism):
             raise ParameterError(f"joint {plan.name!r}: a gearbox joins two links that move")
         self.plan, self.links, self.engine = plan, links, engine
         self.joint = None
-        directions = (plan.axes[0].direction, plan.axes[1].direction)
+        directions = (plan.axes[1].direction, plan.axes[0].direction)  # in Gazebo the first axis is the child's
         self.gears = Gears(engine, (links.parent, links.child), directions, plan.ratio, plan.reference)
 
     @classmethod

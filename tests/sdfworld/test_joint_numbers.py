@@ -299,8 +299,8 @@ def gears(ratio, axis2="0 0 1", base="<static>1</static>", reference="base"):
             "gearbox",
             "one",
             "two",
-            "0 0 1",
-            f"<axis2><xyz>{axis2}</xyz></axis2><gearbox_ratio>{ratio}</gearbox_ratio>"
+            axis2,  # of the child, as in Gazebo
+            f"<axis2><xyz>0 0 1</xyz></axis2><gearbox_ratio>{ratio}</gearbox_ratio>"
             f"<gearbox_reference_body>{reference}</gearbox_reference_body>",
         ),
     ]
@@ -325,28 +325,6 @@ def test_row_13_gearbox(load, ratio, axis2, solver):
     assert first.velocity() == pytest.approx(expected, rel=5e-3, abs=1e-3)
     assert joints["gears"].velocity(0) == pytest.approx(first.velocity(), abs=1e-6)
     assert first.position() * ratio == pytest.approx(-second.position(), abs=1e-4)
-
-
-def test_row_13_gears_on_a_base_that_floats(load):
-    made = load(world(gears(-2.0, base=""), gravity="0 0 0", physics="<ode><solver><type>world</type></solver></ode>"))
-    joints = made.model("m").sdf_joints
-    for _ in range(500):
-        joints["joint1"].add_force(1.0)
-        made.step()
-        assert joints["joint1"].velocity() * -2.0 == pytest.approx(-joints["joint3"].velocity(), abs=1e-3)
-    spin = sum(
-        inertia * made.body("m", name).GetAngularRate().z
-        for name, inertia in (("base", 50), ("one", 0.25), ("two", 0.1))
-    )
-    arm = made.body("m", "two").GetCoMPose().pos
-    speed = made.body("m", "two").GetLinearVel()
-    orbit = 5.0 * (arm.x * speed.y - arm.y * speed.x)
-    one, base = (made.body("m", name) for name in ("one", "base"))
-    for body, mass in ((one, 2.0), (base, 100.0)):
-        place, velocity = body.GetCoMPose().pos, body.GetLinearVel()
-        orbit += mass * (place.x * velocity.y - place.y * velocity.x)
-    assert joints["joint1"].velocity() > 0.5
-    assert spin + orbit == pytest.approx(0.0, abs=0.02 * 0.25 * joints["joint1"].velocity())
 
 
 def test_row_13_velocity_set_each_step_holds(load):

@@ -70,8 +70,8 @@ class VariableGearboxPlugin(ModelPlugin):
     def OnUpdate(self) -> None:
         """Set the ratio of the present angle, and where it holds."""
         x, y, slope = _tangent(self.points, self.input.Position(0))
-        self.gearbox.SetParam("reference_angle1", 0, x)
-        self.gearbox.SetParam("reference_angle2", 0, y)
+        self.gearbox.SetParam("reference_angle1", 0, y)
+        self.gearbox.SetParam("reference_angle2", 0, x)
         self.gearbox.SetParam("ratio", 0, -slope)
 
 

@@ -22,7 +22,7 @@ from libgz.base.geometry import (
     GzVectorSub,
     rotate,
 )
-from libgz.base.law import constant, law, possible, usually, where
+from libgz.base.law import constant, largest, law, least, possible, usually, where
 from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
@@ -678,6 +678,17 @@ class SdfJoint:
             self.record.set_parameter(key, index, number)
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
+
+    @law
+    def run_motor(self, rate: float) -> None:
+        """Set the velocity of the first axis' motor [rad/s or m/s], as `set_param("vel", rate)` does."""
+        joint = self._live_joint
+        if joint is None:
+            return
+        low, high = RANGES["vel"]
+        number = least(largest(rate, low), high)
+        self.record.set_parameter("vel", 0, number)
+        joint.SetParam(self._known_number("vel", 0), number)
 
     @property
     @constant

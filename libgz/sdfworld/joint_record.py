@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from ctypes import c_double, c_int64
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import Operation
+from libgz.base.law import Operation, law
 from libgz.ode.types import (
     dParamBounce,
     dParamCFM,
@@ -172,10 +172,12 @@ class JointRecord(ctypes.Structure):
     def efforts(self, packed: bytes) -> None:
         ctypes.memmove(ctypes.addressof(self), packed, min(len(packed), self.EFFORTS))
 
+    @law
     def parameter(self, key: str, index: int) -> float:
         """A parameter as it was set; NaN if it was not."""
-        return float(self.parameters[MOST_AXES * _PLACES[key] + min(index, MOST_AXES - 1)])
+        return self.parameters[MOST_AXES * _PLACES[key] + min(index, MOST_AXES - 1)]  # type: ignore[no-any-return]
 
+    @law
     def set_parameter(self, key: str, index: int, value: float) -> None:
         """Note a parameter of an axis."""
         self.parameters[MOST_AXES * _PLACES[key] + min(index, MOST_AXES - 1)] = value

@@ -7,9 +7,11 @@ from collections.abc import Mapping
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.geometry import GzVectorMag, GzVectorSub
+from libgz.base.law import constant, largest, law, least, possible, rarely, unrecorded, where
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.joint_record import RANGES
 
 __all__ = ["Mimic"]
 
@@ -71,31 +73,43 @@ class Mimic:
         axis = int(element.Get(str, "axis") == "axis2")
         return cls(element.Get(str, "joint"), follower, joints, axis=axis, **numbers)
 
-    def target(self) -> float:
-        """Where the follower should be now [rad or m]."""
-        return self.multiplier * (self._joints[self.leader].position(self._index) - self.reference) + self.offset
-
-    def update(self) -> None:
-        """Set the motor's velocity and limit of effort for the coming step."""
+    @constant
+    def _pair(self) -> tuple[SdfJoint, SdfJoint] | None:
+        """Follower and leader, as long as both hold links together."""
         joint, leader = self._joints.get(self.follower), self._joints.get(self.leader)
         if joint is None or leader is None or not (joint.attached and leader.attached):
+            return None
+        return joint, leader
+
+    @law
+    def update(self, step: float) -> None:
+        """Set the motor's velocity and limit of effort for the coming step of a length [s]."""
+        pair = self._pair()
+        if pair is None or not possible(step > 0.0):
             return
-        axis, step, place = joint.axes[0], joint.engine.step_time, joint.position()
-        deviation = max(axis.lower, min(axis.upper, self.target())) - place
+        joint, leader = pair
+        axis, place = joint.axes[0], joint.position()
+        target = self.multiplier * (leader.position(self._index) - self.reference) + self.offset
+        deviation = largest(axis.lower, least(axis.upper, target)) - place
         rate = self.multiplier * leader.velocity(self._index)
-        if abs(deviation) >= self.tolerance:
-            rate += SHARE * deviation / step
-        if axis.velocity > 0.0:
-            rate = max(-axis.velocity, min(axis.velocity, rate))
-        effort = axis.effort if self.effort is None else self.effort
-        if effort <= 0.0:
-            effort = math.inf
+        rate = where(abs(deviation) >= self.tolerance, rate + SHARE * deviation / step, rate)
+        rate = where(axis.velocity > 0.0, largest(-axis.velocity, least(axis.velocity, rate)), rate)
+        given = axis.effort if self.effort is None else self.effort
+        effort = least(where(given <= 0.0, math.inf, given), RANGES["fmax"][1])
+        low, high = place <= axis.lower + AT_STOP, place >= axis.upper - AT_STOP
+        if rarely(low | high | (joint.record.parameter("fmax", 0) != effort)):
+            self._limit_effort(joint, rate, effort, step)
+        joint.run_motor(rate)
+
+    @unrecorded
+    def _limit_effort(self, joint: SdfJoint, rate: float, effort: float, step: float) -> None:
+        """Set the motor's limit of effort."""
+        axis, place = joint.axes[0], joint.position()
         low, high = place <= axis.lower + AT_STOP, place >= axis.upper - AT_STOP
         if low or high:
             # At a stop ODE applies the whole effort of a motor as a torque, which hurls light links away.
             leaves = (low and rate > 0.0) or (high and rate < 0.0)
             effort = min(effort, _inertia(joint) * abs(rate) / step) if leaves else 0.0
-        joint.set_param("vel", rate)
         joint.set_param("fmax", effort)
 
 

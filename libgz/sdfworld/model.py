@@ -7,6 +7,7 @@ from typing import Any
 
 from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzQuaternIdent, GzVector
+from libgz.base.law import law
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST
 from libgz.physics.geom import Geom
@@ -428,8 +429,11 @@ class SdfModel(Entity):
     def _entity_plan(self, plan: Plan) -> None:
         """A line for joints that act or follow others, grippers, and what a subclass does."""
         acting = any(joint.acts for joint in self.sdf_joints.values())
-        if acting or self.mimics or self.grippers or overrides(self, SdfModel, "MasterUpdate"):
+        if acting or self.grippers or overrides(self, SdfModel, "MasterUpdate"):
             plan.do(self.MasterUpdate)
+            return
+        for mimic in self.mimics:
+            plan.do(mimic.update)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints; let joints follow others, and grippers hold."""
@@ -438,7 +442,7 @@ class SdfModel(Entity):
                 if joint.acts:
                     joint.update()
             for mimic in self.mimics:
-                mimic.update()
+                mimic.update(step)
         if self.grippers and step > 0.0:
             for gripper in self.grippers.values():
                 gripper.update()
@@ -546,6 +550,7 @@ class SdfModel(Entity):
 
     # Pose --------------------------------------------------------------------------------------------------------
 
+    @law
     def GetPose(self) -> GzPose:
         """Global pose of the model frame, which is fixed to the first link [m]."""
         if self._canonical is None:

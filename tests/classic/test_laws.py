@@ -11,6 +11,7 @@ from libgz.base.records import Kind
 from libgz.classic import transport
 from libgz.classic.math import PID, Quaterniond, Vector3d
 from libgz.classic.server import WorldServer, attach
+from libgz.simulation.stepping import Stepping
 
 IMU = (
     "<sensor name='imu' type='imu'><pose>.1 .2 .3 .4 .5 .6</pose><always_on>1</always_on><update_rate>{}</update_rate>"
@@ -358,3 +359,58 @@ def test_a_pid_of_ones_own_is_asked():
         controller.SetVelocityTarget("wheel", 1.0)
         world.step(3)
         assert attach(world).world.ModelByName("glider").GetJoint("wheel").GetForce(0) == 0.2
+
+
+def hinge(name, x, inside=""):
+    inertia = "<inertial><mass>1</mass><inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia></inertial>"
+    return (
+        f"<link name='{name}_link'><pose>{x} 0 1 0 0 0</pose>{inertia}</link><joint name='{name}' type='revolute'>"
+        f"<parent>world</parent><child>{name}_link</child><axis><xyz>1 0 0</xyz>"
+        f"<limit><lower>-1</lower><upper>1</upper><effort>30</effort><velocity>2</velocity></limit>{inside}</axis></joint>"
+    )
+
+
+FOLLOW = "<mimic joint='a'><multiplier>-2</multiplier><offset>.1</offset><reference>0</reference></mimic>"
+MIMIC = plugin("gazebo_mimic_joint_plugin", joint="a", mimicJoint="b", multiplier=-0.7, maxEffort=5)
+PLANAR = plugin("gazebo_ros_planar_move", cmdTimeout=0.3)
+DRIVEN = {
+    "mimic": f"<model name='m'>{hinge('a', 0)}{hinge('b', 2, FOLLOW)}</model>",
+    "plugin": f"<model name='m'>{hinge('a', 0)}{hinge('b', 2)}{MIMIC}</model>",
+    "planar": f"<model name='m'>{tumbling('m', 0).partition('>')[2].replace('</model>', '')}{PLANAR}</model>",
+}
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_what_drives_a_model_in_each_iteration_does_so_natively(name, python_steps):
+    text = f"<sdf version='1.11'><world name='default'>{GROUND}{DRIVEN[name]}</world></sdf>"
+    with pair(text) as worlds:
+        for world in worlds:
+            world.step(5)
+            model = attach(world).world.ModelByName("m")
+            if name != "planar":
+                model.GetJoint("a").SetVelocity(0, 0.3)
+            else:
+                (loaded,) = world.facade.server.plugins.of_model(model)
+                loaded.plugin.motion.command(0.4, 0.1, 0.7, world.GetSimTime())
+        for world in worlds:
+            world.step(20)
+            python_steps.clear()
+            world.step(200)
+            assert (world is worlds[1]) == (len(python_steps) > 20), len(python_steps)  # 20 Hz of odometry
+            world.step(400)  # beyond the last command, and the stops
+        native, plain = worlds
+        states = [[[*link.WorldPose().Pos(), *link.WorldPose().Rot()] for link in links(world)] for world in worlds]
+        assert states[0] == states[1]
+        assert native.get_state() == plain.get_state()
+
+
+def links(world):
+    return attach(world).world.ModelByName("m").GetLinks()
+
+
+@pytest.fixture
+def python_steps(monkeypatch):
+    """The steps that Python makes."""
+    made, run = [], Stepping._run_in_python
+    monkeypatch.setattr(Stepping, "_run_in_python", lambda stepping: (made.append(1), run(stepping))[1])
+    return made

@@ -143,11 +143,13 @@ class Link(Entity):
         """Angular velocity [rad/s]."""
         return Vector3d(*self.body.GetAngularRate())
 
+    @law
     def SetLinearVel(self, vel: VectorLike) -> None:
         """Set the linear velocity of the centre of mass [m/s]."""
         self.body.SetLinearVel(vel)
         self.body.Enable(True)
 
+    @law
     def SetAngularVel(self, vel: VectorLike) -> None:
         """Set the angular velocity [rad/s]."""
         self.body.SetAngularVel(vel)

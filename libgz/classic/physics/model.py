@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ClosedError
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
+from libgz.base.law import constant, law
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
@@ -47,6 +48,7 @@ class Model(Entity):
 
     # Pose and motion ---------------------------------------------------------------------------------------------
 
+    @law
     def pose(self) -> GzPose:
         """Global pose [m]."""
         return self.core.GetPose()
@@ -128,11 +130,13 @@ class Model(Entity):
             tree.insert(0, parent)
         return next((m.link(m.core.bodies[0]) for m in tree if m.core.bodies), None) or next(self.family_links())
 
+    @law
     def SetLinearVel(self, vel: VectorLike) -> None:
         """Set the linear velocity of its own links [m/s], in the world frame; those of nested models keep theirs."""
         for link in self.GetLinks():
             link.SetLinearVel(vel)
 
+    @law
     def SetAngularVel(self, vel: VectorLike) -> None:
         """Set the angular velocity of its own links [rad/s], in the world frame; those of nested models keep theirs."""
         for link in self.GetLinks():
@@ -182,6 +186,7 @@ class Model(Entity):
 
     # Links -------------------------------------------------------------------------------------------------------
 
+    @constant
     def GetLinks(self) -> list[Link]:
         """Its links, in the order of the file."""
         return [self.link(body) for body in self.core.bodies]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.base.law import law
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint
@@ -47,7 +48,13 @@ class MimicJointPlugin(ModelPlugin):
             effort=sdf.Get(float, "maxEffort") if sdf.HasElement("maxEffort") else None,
             tolerance=sdf.Get(float, "sensitiveness", 0.0)[0],
         )
-        self.connection = Events.ConnectWorldUpdateBegin(lambda _info: self.mimic.update())
+        self.tables = model.GetWorld().core.engine.tables.record
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    @law
+    def OnUpdate(self) -> None:
+        """Let the follower follow."""
+        self.mimic.update(self.tables.step)
 
 
 GZ_REGISTER_MODEL_PLUGIN(MimicJointPlugin)

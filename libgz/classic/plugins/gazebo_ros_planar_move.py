@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.law import law, rarely, unrecorded
 from libgz.classic import msgs, transport
+from libgz.classic.common.time import sim_nanoseconds
 from libgz.classic.event import Events
-from libgz.classic.math import Quaterniond, Vector3d
+from libgz.classic.math import Quaterniond
 from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._planar import PlanarMotion
 from libgz.classic.plugins._ros import ros_elements, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -33,7 +35,7 @@ class GazeboRosPlanarMove(ModelPlugin):
         robotNamespace: before their names.
     """
 
-    STATE = ("command", "time", "rate")
+    STATE = ("motion", "rate")
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Subscribe and advertise."""
@@ -41,7 +43,9 @@ class GazeboRosPlanarMove(ModelPlugin):
         self.model, self.world = model, model.GetWorld()
         rate = sdf.Get(float, "publishRate", 20.0)[0]
         self.rate = UpdateRate(sdf.Get(float, "odometryRate", rate)[0])
-        self.timeout = sdf.Get(float, "cmdTimeout", 0.0)[0]
+        timeout: float = sdf.Get(float, "cmdTimeout", 0.0)[0]
+        self.motion = PlanarMotion(model, timeout if timeout > 0.0 else math.inf)
+        self.clock = self.world.core.clock
         self.node = transport.Node()
         self.node.Init(self.world.Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
@@ -51,7 +55,7 @@ class GazeboRosPlanarMove(ModelPlugin):
 
     def Reset(self) -> None:
         """Stop."""
-        self.command, self.time = (0.0, 0.0, 0.0), 0.0  # forward, left [m/s], turn [rad/s]; when it came [s]
+        self.motion.command(0.0, 0.0, 0.0, 0.0)
         self.rate.last = -math.inf
 
     def OnVelMsg(self, message: Any) -> None:
@@ -59,22 +63,23 @@ class GazeboRosPlanarMove(ModelPlugin):
         turn = Quaterniond(ConvertIgn(message.orientation)).Yaw()
         command = (message.position.x, message.position.y, turn)
         if all(map(math.isfinite, command)):
-            self.command, self.time = command, self.world.SimTime().Double()
+            self.motion.command(*command, self.world.SimTime().Double())
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
+    @law
+    def OnUpdate(self) -> None:
         """Set the velocities; publish odometry, if it is time."""
-        now, pose = info.simTime.Double(), self.model.WorldPose()
-        if self.timeout > 0.0 and now - self.time > self.timeout:
-            self.command = (0.0, 0.0, 0.0)
-        forward, left, turn = self.command
-        cosine, sine = math.cos(pose.Yaw()), math.sin(pose.Yaw())
-        self.model.SetLinearVel(Vector3d(forward * cosine - left * sine, forward * sine + left * cosine, 0.0))
-        self.model.SetAngularVel(Vector3d(0.0, 0.0, turn))
-        if self.rate.due(now):
-            message = msgs.PoseStamped()
-            msgs.Set(message.time, info.simTime)
-            msgs.Set(message.pose, pose)
-            self.publisher.Publish(message)
+        now = sim_nanoseconds(self.clock) / 1e9
+        self.motion.move(now)
+        if rarely(self.rate.is_due(now)):
+            self._publish(now)
+
+    @unrecorded
+    def _publish(self, now: float) -> None:
+        self.rate.due(now)
+        message = msgs.PoseStamped()
+        msgs.Set(message.time, self.world.SimTime())
+        msgs.Set(message.pose, self.model.WorldPose())
+        self.publisher.Publish(message)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosPlanarMove)

@@ -295,9 +295,11 @@ class WorldTopics:
             return False
         if any(one.listened and time.monotonic() >= one.due for one in self._periodic):
             return False
-        return not self._skeletons.listened and not any(
-            publisher.HasConnections() for links in self._links.values() for _, publisher in links
-        )
+        for links in self._links.values():
+            for _, publisher in links:
+                if publisher.HasConnections():
+                    return False
+        return not self._skeletons.listened
 
     def update(self) -> None:
         """Publish due messages, then deliver all messages of this iteration."""

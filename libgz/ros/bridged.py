@@ -164,7 +164,12 @@ class BridgedNode:
             command = [str(self.python), str(PROGRAM), str(theirs.fileno())]
             try:
                 self.process = subprocess.Popen(
-                    command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, cwd="/", env=environment()
+                    command,
+                    pass_fds=[theirs.fileno()],
+                    stdin=subprocess.DEVNULL,
+                    cwd="/",
+                    env=environment(),
+                    process_group=0,  # so that Ctrl-C ends the server first, which ends the bridge
                 )
             except OSError as error:
                 ours.close()
@@ -482,11 +487,12 @@ class _Link(Connection):
         """The parts of frames that wait, for one call; what the node itself says comes first."""
         parts = super().next_parts()
         size = 0 if not parts else SEND_AT_ONCE
-        while size < SEND_AT_ONCE and self.messages:
-            channel, length, frame = self.messages.popleft()
-            self._count_off(channel, length)
-            parts += frame
-            size += length
+        with self._counting:
+            while size < SEND_AT_ONCE and self.messages:
+                channel, length, frame = self.messages.popleft()
+                self._count_off(channel, length)
+                parts += frame
+                size += length
         return parts
 
     def add(self, channel: Channel, size: int, frame: Frame) -> None:
@@ -499,20 +505,18 @@ class _Link(Connection):
                 self.messages.append((channel, size, frame))
 
     def _count_off(self, channel: Channel | None, size: int) -> None:
-        """Count what waits no more."""
+        """Count what waits no more; the lock of counting is held."""
         if channel is not None:
-            with self._counting:
-                channel.waiting -= 1
-                channel.waiting_bytes -= size
-                self.waiting_bytes -= size
+            channel.waiting -= 1
+            channel.waiting_bytes -= size
+            self.waiting_bytes -= size
 
     def ended(self) -> None:
         """The bridge is gone."""
         with self._counting:  # nothing is added after this
-            left = list(self.messages)
+            for channel, size, _ in self.messages:
+                self._count_off(channel, size)
             self.messages.clear()
-        for channel, size, _ in left:
-            self._count_off(channel, size)
         self._node.lost()
 
 

@@ -1,4 +1,4 @@
-"""libgz ros: install the packages that launch files of ROS 1 name, or make an environment of ROS 2."""
+"""libgz ros: install the packages that launch files name, or make an environment of ROS 2."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from libgz.ros.environment import VARIABLE, default_environment
 from libgz.ros.install import default_prefix, install, uninstall
+from libgz.ros.install2 import PREFIX
 from libgz.ros.venv import DISTRIBUTIONS, make_environment
 
 __all__ = ["configure", "run"]
@@ -15,7 +16,7 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    text = "write the packages gazebo_ros and gazebo_msgs for a ROS 1"
+    text = "write the packages that launch files name, for ROS 1 and ROS 2"
     installer = actions.add_parser("install", help=text, description=f"Install: {text}.")
     about = "folder, which is made (default: ~/.local/share/libgz/ros)"
     installer.add_argument("prefix", nargs="?", type=Path, metavar="PREFIX", help=about)
@@ -48,5 +49,6 @@ def run(options: argparse.Namespace) -> int:
     if options.uninstall:
         print(f"removed {uninstall(prefix)} files from {prefix}")
         return 0
-    print(f"installed {len(install(prefix))} files in {prefix}; in shells for ROS:\n. {prefix}/setup.sh")
+    print(f"installed {len(install(prefix))} files in {prefix}; in shells for ROS 1:\n. {prefix}/setup.sh")
+    print(f"in shells for ROS 2:\n. {prefix}/{PREFIX}/setup.sh")
     return 0

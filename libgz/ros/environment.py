@@ -12,6 +12,7 @@ from libgz.base.errors import LibraryError
 __all__ = ["VARIABLE", "default_environment", "find_python"]
 
 VARIABLE = "LIBGZ_ROS2_PYTHON"
+INDEX = Path("share/ament_index/resource_index/packages")  # of a prefix of ROS 2: the names of its packages
 
 
 def default_environment() -> Path:
@@ -28,13 +29,14 @@ def find_python() -> Path:
     if given := os.environ.get(VARIABLE):
         path = Path(given)
         return path / "bin" / "python3" if path.is_dir() else path
-    if os.environ.get("AMENT_PREFIX_PATH"):
-        found = _python_of_system()
-        if found is not None:
-            return found
+    prefixes = [Path(part) for part in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
+    sourced = any((prefix / INDEX / "rclpy").exists() for prefix in prefixes)
     made = default_environment() / "bin" / "python3"
-    if made.exists():
+    if made.exists() and not sourced:
         return made
+    found = _python_of_system() if prefixes else None
+    if found is not None:
+        return found
     raise LibraryError(
         "there is no ROS 2: source one, such as /opt/ros/jazzy/setup.bash; or run `libgz ros venv`, which makes an "
         f"environment with rclpy; or set {VARIABLE} to a Python that has it"

@@ -1,4 +1,4 @@
-"""Installation of what robots' launch files name: the packages gazebo_ros and gazebo_msgs for a ROS 1."""
+"""Installation of what robots' launch files name: the packages gazebo_ros and gazebo_msgs for ROS 1, and for ROS 2."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from libgz.base.errors import LibraryError, NotFoundError
 from libgz.base.files import write_whole
 from libgz.base.python import run_module
 from libgz.ros.cxx_headers import message_header, service_headers
+from libgz.ros.install2 import ament_contents
 from libgz.ros.pid_header import PID
 from libgz.ros.types import message_type, service_type, type_names
 
@@ -191,7 +192,7 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False
     found["setup.bash"] = f". {place}/setup.sh\n", False
-    return found
+    return found | ament_contents(place, PACKAGE, _release())
 
 
 def _release() -> str:

@@ -9,12 +9,15 @@ from pathlib import Path
 
 from libgz.base.errors import NotFoundError
 
-__all__ = ["find_package", "with_paths"]
+__all__ = ["exported_folders", "find_package", "with_paths"]
 
 DEEPEST = 6  # folders below an entry of the path
 MOST_FOLDERS = 20_000
+LONGEST_MANIFEST = 10_000  # characters that are read
 IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "rospack_nosubdirs")
 URI = re.compile(r"package://([\w.-]+)")
+EXPORT = re.compile(r"<gazebo_ros\s([^<>]*)>")  # in <export> of a manifest
+FOLDERS = re.compile(r"""(gazebo_model_path|gazebo_media_path)\s*=\s*["']([^"'<>]*)["']""")
 
 
 def _packages(folder: Path, depth: int, count: list[int]) -> Iterator[Path]:
@@ -39,28 +42,52 @@ def _packages(folder: Path, depth: int, count: list[int]) -> Iterator[Path]:
             yield from _packages(Path(entry.path), depth + 1, count)
 
 
+def _all_packages() -> Iterator[Path]:
+    """The folders of all packages of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH."""
+    places = [Path(part) for part in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if part]
+    places += [Path(part) / "share" for part in os.environ.get("AMENT_PREFIX_PATH", "").split(":") if part]
+    count = [0]
+    for place in places:
+        yield from _packages(place, 0, count)
+
+
+def exported_folders() -> dict[str, list[Path]]:
+    """The folders that packages export for Gazebo, of gazebo_model_path and gazebo_media_path.
+
+    In a manifest, that is `<export><gazebo_ros gazebo_model_path="${prefix}/models"/></export>`.
+    """
+    found: dict[str, list[Path]] = {"gazebo_model_path": [], "gazebo_media_path": []}
+    for package in _all_packages():
+        for attributes in EXPORT.findall(_manifest(package)):
+            for name, value in FOLDERS.findall(attributes):
+                parts = value.replace("${prefix}", str(package)).split(":")
+                found[name] += [Path(part) for part in parts if Path(part).is_absolute()]
+    return found
+
+
 def find_package(name: str) -> Path:
     """The folder of a package.
 
     Raises:
         NotFoundError: there is none of this name in ROS_PACKAGE_PATH.
     """
-    places = [Path(part) for part in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if part]
-    places += [Path(part) / "share" for part in os.environ.get("AMENT_PREFIX_PATH", "").split(":") if part]
-    count = [0]
-    for place in places:
-        for folder in _packages(place, 0, count):
-            if folder.name == name or _manifest_name(folder) == name:
-                return folder
+    for folder in _all_packages():
+        if folder.name == name or _manifest_name(folder) == name:
+            return folder
     raise NotFoundError(f"Package[{name}] does not have a path: it is not in ROS_PACKAGE_PATH")
 
 
-def _manifest_name(folder: Path) -> str:
+def _manifest(folder: Path) -> str:
+    """The beginning of the manifest of a package; empty where it cannot be read."""
     try:
-        text = (folder / "package.xml").read_text(errors="replace")[:10_000]
+        with (folder / "package.xml").open(errors="replace") as file:
+            return file.read(LONGEST_MANIFEST)
     except OSError:
         return ""
-    match = re.search(r"<name>\s*([\w.-]+)\s*</name>", text)
+
+
+def _manifest_name(folder: Path) -> str:
+    match = re.search(r"<name>\s*([\w.-]+)\s*</name>", _manifest(folder))
     return match.group(1) if match else ""
 
 

@@ -3,19 +3,25 @@
 import ast
 import os
 import re
+import runpy
 import shutil
 import subprocess
+import sys
 import threading
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import pytest
 from ros_peers import wait_for
 
+from libgz.apps.gzserver import make_parser
 from libgz.apps.libgz import main
+from libgz.apps.ros_option import without_ros_words
 from libgz.apps.spawn_model import main as spawn_model
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.ros.install import install
+from libgz.ros.packages import exported_folders
 from libgz.ros.types import message_type, service_type
 from libgz.ros.venv import definitions, make_environment
 
@@ -248,3 +254,75 @@ def test_an_environment_needs_a_compiler_and_a_python(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(NotFoundError, match=r"cc and c\+\+ must be installed"):
         make_environment(tmp_path / "env", "kilted", None, print)
+
+
+class Declared:
+    """Stands for what launch files of ROS 2 import of launch; keeps the arguments that they declare."""
+
+    found: dict = {}
+
+    def __init__(self, *values, **options):
+        self.values, self.options = values, options
+
+    @classmethod
+    def argument(cls, name, default_value, description=""):
+        cls.found[name] = default_value
+
+
+ARGUMENTS2 = {
+    "extra_gazebo_args", "factory", "force_system", "gdb", "help", "init", "initial_sim_time", "iters", "lockstep",
+    "minimal_comms", "params_file", "pause", "physics", "play", "profile", "record", "record_encoding", "record_filter",
+    "record_path", "record_period", "seed", "server_required", "valgrind", "verbose", "version", "world",
+}  # fmt: skip
+
+
+def launch_file(path, monkeypatch):
+    """What a launch file of ROS 2 defines, and the arguments that it declares."""
+    Declared.found = {}
+    stand_in = MagicMock(DeclareLaunchArgument=Declared.argument, ExecuteProcess=Declared)
+    for name in ("launch", "launch.actions", "launch.conditions", "launch.substitutions"):
+        monkeypatch.setitem(sys.modules, name, stand_in)
+    monkeypatch.setitem(sys.modules, "launch.launch_description_sources", stand_in)
+    found = runpy.run_path(str(path))
+    found["generate_launch_description"]()
+    return found, Declared.found
+
+
+def test_launch_files_of_ros2_start_the_server_with_their_arguments(tmp_path, monkeypatch):
+    install(tmp_path / "p")
+    prefix = tmp_path / "p" / "ros2"
+    package = prefix / "share" / "gazebo_ros"
+    found, arguments = launch_file(package / "launch" / "gzserver.launch.py", monkeypatch)
+    assert set(arguments) == ARGUMENTS2
+    assert [name for name, value in arguments.items() if value == "true"] == ["init", "factory", "force_system"]
+    given = arguments | {"pause": "true", "seed": "7", "params_file": "p.yaml", "extra_gazebo_args": "--gl none"}
+    given |= {"force_system": "false", "server_required": "True"}
+    (process,) = found["start"](MagicMock(launch_configurations=given))
+    program, world, *words = process.options["cmd"]
+    assert Path(program) == prefix / "bin" / "gzserver"
+    assert Path(world) == package / "worlds" / "empty.world"
+    systems = ["-s", "libgazebo_ros_init.so", "-s", "libgazebo_ros_factory.so"]
+    assert words == ["--pause", "--seed=7", *systems, "--ros-args", "--params-file", "p.yaml", "--", "--gl", "none"]
+    assert "on_exit" in process.options
+    assert make_parser().parse_known_args(without_ros_words([*words, world]))[1] == [world]
+    for name, wanted in {
+        "gazebo": {"server", "gui"},
+        "gzclient": {"verbose", "gui_required", "extra_gazebo_args"},
+    }.items():
+        assert wanted <= set(launch_file(package / "launch" / f"{name}.launch.py", monkeypatch)[1])
+    assert (prefix / "share/ament_index/resource_index/packages/gazebo_ros").exists()
+    environment = {"PATH": "/usr/bin:/bin", "AMENT_PREFIX_PATH": "/opt/ros/any"}
+    command = ["sh", "-c", f". {prefix}/setup.sh; gzserver --version; echo $AMENT_PREFIX_PATH"]
+    said = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+    assert "Gazebo multi-robot simulator" in said
+    assert said.endswith(f"{prefix}:/opt/ros/any\n")
+
+
+def test_folders_that_packages_export_are_searched(tmp_path, monkeypatch):
+    package = tmp_path / "share" / "worlds"
+    (package / "models" / "crate").mkdir(parents=True)
+    exports = "<gazebo_ros gazebo_model_path='${prefix}/models:relative'/><gazebo_ros plugin_path='/no'/>"
+    (package / "package.xml").write_text(f"<package><name>worlds</name><export>{exports}</export></package>")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    assert exported_folders() == {"gazebo_model_path": [package / "models"], "gazebo_media_path": []}

@@ -12,6 +12,8 @@ import pytest
 from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, wagon
 from ros_peers import wait_for
 
+from libgz.ros import bridged
+
 HERE = Path(__file__).parent
 PYTHON = os.environ.get("TEST_ROS2", "")
 
@@ -144,6 +146,30 @@ def test_every_topic_service_and_node(serve):
     assert {"/gazebo", "/bot/laser", "/bot/drive", "/joints", "/demo/state"} <= set(nodes)
     assert set(TOPICS) <= set(topics)
     assert "/apply_link_wrench" in services
+
+
+@pytest.mark.trial
+def test_entities_are_spawned_as_launch_files_do(serve, environment, tmp_path):
+    node = serve(HERE / "robot2.world")
+    program = Path(bridged.__file__).parent / "bridge" / "spawn_entity.py"
+    words = ["-topic", "/robot_description", "-entity", "any", "-x", "1.5", "-z", "0.5", "-Y", "-1.57"]
+    more = ["-robot_namespace", "fleet", "-wait", "robot", "-unpause", "--ros-args", "-r", "__node:=spawner"]
+    spawner = subprocess.Popen([PYTHON, program, *words, *more], env=environment, cwd="/", stderr=subprocess.PIPE)
+    text = {"topic": "/robot_description", "kind": "std_msgs/msg/String", "latched": True}
+    driven = ROBOT.replace(
+        "</robot>", "<gazebo><plugin name='p' filename='libgazebo_ros_planar_move.so'/></gazebo></robot>"
+    )
+    assert node.publish(**text, values={"data": driven})
+    assert spawner.communicate(timeout=60)[1] is not None
+    assert spawner.returncode == 0
+    state = {"service": "/get_entity_state", "kind": "gazebo_msgs/srv/GetEntityState", "values": {"name": "any"}}
+    place = node.call(**state)["state"]["pose"]
+    assert (place["position"]["x"], place["orientation"]["z"]) == pytest.approx((1.5, -0.7068), abs=1e-3)
+    assert node.first(topic="/fleet/odom", kind="nav_msgs/msg/Odometry") is not None
+    again = [PYTHON, program, "-file", HERE / "arm.world", "-entity", "any"]
+    done = subprocess.run(again, env=environment, cwd="/", capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 1
+    assert "Entity [any] already exists." in done.stderr
 
 
 @pytest.mark.trial

@@ -10,8 +10,10 @@ from collections import defaultdict
 from ros_peers import PATIENCE, read_exactly, wait_for
 from ros_types import described
 
+from libgz.ros.packing import Codec, read_schema
 from libgz.ros.types import message_type, service_type
 
+EMPTY = "<sdf version='1.6'><world name='default'/></sdf>"
 DECLARE, DROP, MESSAGE, ANSWER, HELLO, DECLARED, REFUSED, LISTENED, REQUEST = range(1, 10)
 
 # Copies bytes between the descriptor that the server gives and the test's socket.
@@ -137,3 +139,38 @@ def fields(name, kind):
         table[""] = table.pop(one.name)
         tables.append(table)
     return tables
+
+
+def cdr(kind, table):
+    named = {kind.name if name == "" else name: rows for name, rows in table.items()}
+    return Codec(kind, cdr=True, schema=read_schema(named, kind))
+
+
+class Server:
+    """A world that speaks ROS 2 with the tests' graph."""
+
+    def __init__(self, graph, core, ros):
+        self.graph, self.core, self.ros = graph, core, ros
+
+    def topic(self, name):
+        """The next message of a topic."""
+        kind = message_type(
+            wait_for(lambda: self.graph.declared.get(name), self.core.Step)["type"].replace("/msg/", "/"), 2
+        )
+        self.graph.listen(name)
+        self.graph.received[name].clear()
+        body = wait_for(lambda: self.graph.received[name], self.core.Step)[0]
+        return cdr(kind, fields(kind.name, "msg")[0]).unpack(body)
+
+    def send(self, topic, kind, **values):
+        """Publish a message, for the server to receive."""
+        message = message_type(kind, 2)(**values)
+        self.graph.publish(topic, cdr(message.kind, fields(kind, "msg")[0]).pack(message))
+
+    def call(self, name, kind, /, **values):
+        service = service_type(kind, 2)
+        request, response = fields(kind, "srv")
+        body = cdr(service.request, request).pack(service.request(**values))
+        answer = self.graph.call(name, body, self.core.Step)
+        assert answer[:1] == b"\1", answer
+        return cdr(service.response, response).unpack(answer[1:])

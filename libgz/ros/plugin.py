@@ -26,6 +26,7 @@ __all__ = [
     "NOISE",
     "OFFSETS",
     "SAME",
+    "TICK_SLACK",
     "Endpoint",
     "Parameter",
     "Periodic",

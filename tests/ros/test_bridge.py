@@ -17,12 +17,11 @@ from unittest.mock import MagicMock
 
 import pytest
 from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, WHEEL, wagon
-from ros_bridge import ANSWER, DECLARE, DECLARED, HELLO, LISTENED, MESSAGE, REQUEST, FakeGraph, fields
+from ros_bridge import ANSWER, DECLARE, DECLARED, EMPTY, HELLO, LISTENED, MESSAGE, REQUEST, cdr, fields
 from ros_peers import read_exactly, wait_for, within
 from ros_types import JAZZY
 from topics import Heard
 
-from libgz import World
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.classic.server import attach
 from libgz.ros import bridged, metrics, session
@@ -31,43 +30,11 @@ from libgz.ros.control.hardware import VELOCITY
 from libgz.ros.control.ros2 import JointStates2, JointTrajectories2
 from libgz.ros.environment import find_python
 from libgz.ros.names import read_names_of_ros2
-from libgz.ros.packing import Codec, read_schema
 from libgz.ros.parameters import Parameters
 from libgz.ros.server import Ros2
 from libgz.ros.types import message_type, service_type
 
 BOX = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
-EMPTY = "<sdf version='1.6'><world name='default'/></sdf>"
-
-
-def cdr(kind, table):
-    named = {kind.name if name == "" else name: rows for name, rows in table.items()}
-    return Codec(kind, cdr=True, schema=read_schema(named, kind))
-
-
-class Server:
-    """A world that speaks ROS 2 with the tests' graph."""
-
-    def __init__(self, graph, core, ros):
-        self.graph, self.core, self.ros = graph, core, ros
-
-    def topic(self, name):
-        """The next message of a topic."""
-        kind = message_type(
-            wait_for(lambda: self.graph.declared.get(name), self.core.Step)["type"].replace("/msg/", "/"), 2
-        )
-        self.graph.listen(name)
-        self.graph.received[name].clear()
-        body = wait_for(lambda: self.graph.received[name], self.core.Step)[0]
-        return cdr(kind, fields(kind.name, "msg")[0]).unpack(body)
-
-    def call(self, name, kind, /, **values):
-        service = service_type(kind, 2)
-        request, response = fields(kind, "srv")
-        body = cdr(service.request, request).pack(service.request(**values))
-        answer = self.graph.call(name, body, self.core.Step)
-        assert answer[:1] == b"\1", answer
-        return cdr(service.response, response).unpack(answer[1:])
 
 
 def channel_of(server, topic):
@@ -75,31 +42,8 @@ def channel_of(server, topic):
 
 
 @pytest.fixture
-def graph(tmp_path):
-    found = FakeGraph(tmp_path)
-    yield found
-    found.close()
-
-
-@pytest.fixture
-def start(graph, tmp_path):
-    closing = []
-
-    def start(world=EMPTY, *words):
-        ros = Ros2(words, graph.python)
-        closing.append(ros)
-        core = World(seed=1)
-        closing.append(core)
-        path = tmp_path / "test.world"
-        path.write_text(world)
-        core.LoadFile(path)
-        ros.attach(core)
-        core.Initialize()
-        return Server(graph, core, ros)
-
-    yield start
-    for one in reversed(closing):
-        one.close()
+def start(start_ros2):
+    return start_ros2
 
 
 def test_the_clock_is_best_effort_and_has_its_rate(start, graph):

@@ -1,35 +1,30 @@
-"""AckermannDrive: drives a car with two steered wheels."""
+"""AckermannWheels: the wheels of a car with two steered wheels, and what turns them."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from libgz.base.errors import ParameterError
-from libgz.classic import msgs, transport
-from libgz.classic.event import Events
-from libgz.classic.math import PID, Quaterniond, Vector3d
-from libgz.classic.msgs import ConvertIgn
-from libgz.classic.plugin import ModelPlugin
-from libgz.classic.plugins._ros import ros_elements, ros_joints, ros_rate, ros_topic
+from libgz.classic.math import PID, Vector3d
+from libgz.classic.plugins._ros import ros_joints
 from libgz.classic.plugins._wheels import radius_of, separation
-from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
-    from libgz.classic.physics import Joint, Model
+    from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
-__all__ = ["AckermannDrive"]
+__all__ = ["AckermannWheels"]
 
 PARTS = ("frontLeft", "frontRight", "rearLeft", "rearRight", "leftSteering", "rightSteering")
 
 
-class AckermannDrive(ModelPlugin):
+class AckermannWheels:
     """Turns the rear wheels, and steers the front wheels about one point, as torques of PID controllers.
 
-    The command topic takes a Pose: x of the position is the speed [m/s], yaw of the orientation the angle of a wheel in
-    the middle between the front wheels, left positive [rad]. Odometry, the pose in the world, is a PoseStamped.
+    Args:
+        model: the model.
+        sdf: the plugin's element, with names as in ROS.
 
     Elements, as in ROS 2:
         front_left_joint, front_right_joint, rear_left_joint, rear_right_joint: of the wheels.
@@ -41,46 +36,28 @@ class AckermannDrive(ModelPlugin):
         left_steering_pid_gain, right_steering_pid_gain, linear_velocity_pid_gain: p, i, d (0 0 0); of the speed, the
             error is a rate of wheels [rad/s].
         left_steering_i_range, right_steering_i_range, linear_velocity_i_range: limits of their integral terms (0 0).
-        update_rate: of odometry [Hz] (100).
-        `<ros>` with namespace and remapping of cmd_vel and odom.
+
+    Attributes:
+        joints: of the rear wheels, of the front wheels, those that steer, and that of the steering wheel, if there is
+            one.
+
+    Raises:
+        NotFoundError: there is no such joint.
+        ParameterError: the wheels have no radius, or the axles are in one place.
     """
 
-    STATE: tuple[str, ...] = ("command", "rate", "pids", "last")
+    STATE = ("command", "pids", "last")
 
-    command: tuple[float, ...]
-
-    def Load(self, model: Model, sdf: Element) -> None:
-        """Find the joints, subscribe and advertise.
-
-        Raises:
-            NotFoundError: there is no such joint.
-            ParameterError: the wheels have no radius, or the axles are in one place.
-        """
-        sdf = ros_elements(sdf)
-        self.find(model, sdf)
-        self.rate = UpdateRate(ros_rate(model, sdf, 100.0))
-        self.node = transport.Node()
-        self.node.Init(model.GetWorld().Name())
-        self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
-        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnCmd)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
-        self.Reset()
-
-    def find(self, model: Model, sdf: Element) -> None:
-        """Find the joints, and read the limits and gains.
-
-        Raises:
-            NotFoundError: there is no such joint.
-            ParameterError: the wheels have no radius, or the axles are in one place.
-        """
-        self.model = model
+    def __init__(self, model: Model, sdf: Element) -> None:
         names = {part: ros_joints(model, sdf, f"{part}Joint", f"{part}_joint")[0] for part in PARTS}
         self.rear = (names["rearLeft"], names["rearRight"])
         self.steered = (names["leftSteering"], names["rightSteering"])
         self.wheel = model.GetJoint(sdf.Get(str, "steeringWheelJoint").strip())
+        front = (names["frontLeft"], names["frontRight"])
+        self.joints = [*self.rear, *front, *self.steered, *([self.wheel] if self.wheel is not None else [])]
         self.radius = radius_of(names["rearRight"].GetChild())
-        front, rear = names["frontRight"].Anchor(0), names["rearRight"].Anchor(0)
-        self.base, self.track = front.Distance(rear), separation(names["frontLeft"], names["frontRight"])
+        self.base = names["frontRight"].Anchor(0).Distance(names["rearRight"].Anchor(0))
+        self.track = separation(*front)
         if not (self.radius > 0.0 and self.base > 0.0):
             raise ParameterError(
                 f"{sdf.where}: wheels have radius {self.radius:g} m, axles a distance of {self.base:g} m"
@@ -90,6 +67,7 @@ class AckermannDrive(ModelPlugin):
         self.ratio = turn / self.most[0] if self.most[0] else 0.0  # 0: a car that does not steer
         names_of_pids = ("leftSteering", "rightSteering", "linearVelocity")
         self.pids = [self._pid(sdf, name) for name in names_of_pids]
+        self.stop(0.0)
 
     @staticmethod
     def _pid(sdf: Element, name: str) -> PID:
@@ -97,16 +75,12 @@ class AckermannDrive(ModelPlugin):
         low, high, _ = sdf.Get(Vector3d, f"{name}IRange")
         return PID(p, i, d, max(low, high), min(low, high))
 
-    def Reset(self) -> None:
-        """Stop, with the wheels straight."""
-        self.command, self.last = (0.0, 0.0), 0.0  # speed [m/s] and angle [rad]; time of the last update [s]
-        self.rate.last = -math.inf
+    def stop(self, now: float) -> None:
+        """Stop, with the wheels straight, at sim time `now` [s]."""
+        self.command: tuple[float, float] = (0.0, 0.0)  # speed [m/s] and angle [rad]
+        self.last = now  # of the last efforts [s]
         for pid in self.pids:
             pid.Reset()
-
-    def OnCmd(self, message: Any) -> None:
-        """A new command."""
-        self.obey(message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw())
 
     def obey(self, speed: float, angle: float) -> None:
         """Take a command [m/s], [rad]; one that is not finite is left out."""
@@ -119,29 +93,19 @@ class AckermannDrive(ModelPlugin):
         tangent, half = math.tan(self.command[1]), self.track / 2.0 / self.base
         return math.atan2(tangent, 1.0 - half * tangent), math.atan2(tangent, 1.0 + half * tangent)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Apply the efforts; publish odometry, if it is time."""
-        now = info.simTime.Double()
-        self.drive(now)
-        if self.rate.due(now):
-            message = msgs.PoseStamped()
-            msgs.Set(message.time, info.simTime)
-            msgs.Set(message.pose, self.model.WorldPose())
-            self.publisher.Publish(message)
+    def angle(self) -> float:
+        """The angle of a wheel in the middle of the front wheels now [rad]."""
+        return sum(joint.Position(0) for joint in self.steered) / 2.0
 
     def drive(self, now: float) -> None:
-        """Apply the efforts of sim time `now` [s]."""
+        """Apply the efforts of sim time `now` [s], for one iteration."""
         step, self.last = now - self.last, now
         left, right, drive = self.pids
-        rate = sum(joint.GetVelocity(0) for joint in self.rear) / 2.0
+        rate = self.rear[1].GetVelocity(0)
         effort = drive.Update(rate - self.command[0] / self.radius, step)
-        for joint in self.rear:
-            joint.SetForce(0, effort)
         for joint, pid, angle in zip(self.steered, (left, right), self.angles(), strict=True):
             joint.SetForce(0, pid.Update(joint.Position(0) - angle, step))
+        for joint in self.rear:
+            joint.SetForce(0, effort)
         if self.wheel is not None:
-            self._turn(self.wheel)
-
-    def _turn(self, wheel: Joint) -> None:
-        """Turn the steering wheel with the mean of the front wheels."""
-        wheel.SetPosition(0, self.ratio * sum(joint.Position(0) for joint in self.steered) / 2.0, True)
+            self.wheel.SetPosition(0, self.ratio * self.angle(), True)

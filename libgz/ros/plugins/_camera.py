@@ -23,6 +23,9 @@ __all__ = ["CAMERA", "CAMERA_ENDPOINTS", "DEPTH", "DEPTH_ENDPOINTS", "DepthCloud
 
 log = logging.getLogger("libgz.ros")
 
+# Parameters -> their places in the projection matrix.
+PROJECTION = {"PFx": 0, "PCx": 2, "Tx": 3, "PFy": 5, "PCy": 6, "Ty": 7}
+IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 CAMERA = (
     Parameter("cameraName", "", "the namespace of its topics (in ROS 2 the sensor's name)"),
     Parameter("frameName", "", "frame of the images"),
@@ -41,6 +44,11 @@ CAMERA = (
     Parameter("distortionT2", 0.0, "distortion"),
     Parameter("autoDistortion", False, "take the distortion of the camera's `<distortion>`", ros2=True),
     Parameter("borderCrop", True, "crop the black border of a distorted image"),
+    Parameter("rectificationMatrix", "", "in ROS 2: of the calibration, nine numbers; none: identity"),
+    *(
+        Parameter(name, math.nan, f"in ROS 2: P[{place}] of the calibration (nan: as computed)")
+        for name, place in PROJECTION.items()
+    ),
 )
 CAMERA_ENDPOINTS = (
     Endpoint("publishes", "<cameraName>/<imageTopicName>", "sensor_msgs/Image"),
@@ -52,7 +60,7 @@ DEPTH = (
     Parameter("depthImageCameraInfoTopicName", "depth/camera_info", "calibration of the depths"),
     Parameter("pointCloudTopicName", "points", "points"),
     Parameter("pointCloudCutoff", 0.4, "nearest depth [m]"),
-    Parameter("pointCloudCutoffMax", 5.0, "farthest depth [m]"),
+    Parameter("pointCloudCutoffMax", 5.0, "farthest depth [m]", ros2=math.inf),
     Parameter("useDepth16UC1Format", False, "depths as 16 bits [mm] instead of floats [m]"),
 )
 DEPTH_ENDPOINTS = (
@@ -108,6 +116,7 @@ class RosCamera(RosSensor):
         self.camera_space = f"{space}{suffix}"
         self.frame_name = self.frame_of(given.frameName) if self.two else self.frame(given.frameName)
         self.baseline = given.hackBaseline if baseline is None else baseline
+        self.rectification = _matrix(given.rectificationMatrix) if self.two else IDENTITY
         self.images = self.advertise(given.imageTopicName, "sensor_msgs/Image", 2, self.camera_space)
         topic = f"{given.imageTopicName}/compressed"
         self.compressed = self.advertise(topic, "sensor_msgs/CompressedImage", 2, self.camera_space)
@@ -140,8 +149,11 @@ class RosCamera(RosSensor):
         found: Any = message_type("sensor_msgs/CameraInfo")(width=width, height=height, distortion_model="plumb_bob")
         found.D = self._distortion()
         found.K = [focal, 0.0, cx, 0.0, focal, cy, 0.0, 0.0, 1.0]
-        found.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+        found.R = list(self.rectification)
         found.P = [focal, 0.0, cx, -focal * self.baseline, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0]
+        for name, place in PROJECTION.items():
+            value = getattr(given, name) if self.two else math.nan
+            found.P[place] = found.P[place] if math.isnan(value) else value
         self.stamp(found)
         found.header.frame_id = self.frame_name
         return found  # type: ignore[no-any-return]
@@ -200,6 +212,19 @@ class RosCamera(RosSensor):
         self.stamp(message)
         message.header.frame_id = self.frame_name
         self.compressed.publish(message)
+
+
+def _matrix(text: str) -> tuple[float, ...]:
+    """Nine numbers; the identity where they are none."""
+    try:
+        numbers = tuple(map(float, text.split()))
+    except ValueError:
+        numbers = ()
+    if len(numbers) == len(IDENTITY):
+        return numbers
+    if text:
+        log.warning("<rectification_matrix> is %.200r; it must be nine numbers: the identity is taken", text)
+    return IDENTITY
 
 
 class _Part(RosCamera):
@@ -291,12 +316,18 @@ class DepthCloud(RosCamera):
         if self.points.listened:
             self.points.publish(self._cloud(depths, seen))
 
+    def _unseen(self, depths: NDArray[np.float32]) -> Any:
+        """What stands for depths that are not seen: NaN; in ROS 2 an infinity, negative where they are too near."""
+        if not self.two:
+            return np.float32(math.nan)
+        return np.where(depths <= self.given.pointCloudCutoff, np.float32(-math.inf), np.float32(math.inf))
+
     def _depth_image(self, depths: NDArray[np.float32], seen: NDArray[np.bool_]) -> Message:
         height, width = depths.shape
         if self.given.useDepth16UC1Format:
             encoding, values = "16UC1", np.where(seen, depths * 1000.0, 0.0).astype("<u2")
         else:
-            encoding, values = "32FC1", np.where(seen, depths, np.float32(math.nan)).astype("<f4")
+            encoding, values = "32FC1", np.where(seen, depths, self._unseen(depths)).astype("<f4")
         found: Any = message_type("sensor_msgs/Image")(
             width=width, height=height, encoding=encoding, step=values.itemsize * width, data=values.tobytes()
         )
@@ -305,14 +336,15 @@ class DepthCloud(RosCamera):
         return found  # type: ignore[no-any-return]
 
     def _cloud(self, depths: NDArray[np.float32], seen: NDArray[np.bool_]) -> Message:
-        """The points in the frame of an optical camera: x to the right, y down, z ahead; NaN where nothing is seen."""
+        """The points in the frame of an optical camera: x to the right, y down, z ahead; `_unseen` for each of them."""
         height, width = depths.shape
         focal = width / (2.0 * math.tan(float(self.camera.HFOV()) / 2.0))
         across = (np.arange(width) - 0.5 * (width - 1)) / focal
         down = (np.arange(height) - 0.5 * (height - 1)) / focal
-        z = np.where(seen, depths, np.float32(math.nan))
+        z = np.where(seen, depths, np.float32(0.0))
         data = np.zeros((height, width, POINT_STEP // 4), "<f4")
         data[..., 0], data[..., 1], data[..., 2] = z * across, z * down[:, None], z
+        data[..., :3] = np.where(seen[..., None], data[..., :3], np.expand_dims(self._unseen(depths), -1))
         colours = data.view(np.uint8).reshape(height, width, POINT_STEP)[..., 16:19]
         _, size = ENCODINGS.get(self.camera.ImageFormat(), ("", 0))
         image = np.frombuffer(self.camera.ImageData(), np.uint8)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError, nearest
 from libgz.base.law import Number, cos, law, sin
+from libgz.classic.plugins._planar import heading
 from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, set_pose
 from libgz.ros.session import finite, set_stamp
 from libgz.ros.types import message_type
@@ -14,13 +15,18 @@ from libgz.ros.types import message_type
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
 
-__all__ = ["COMMAND", "COMMANDS", "ODOMETRY", "Drive", "EncoderPose", "drive_joint"]
+__all__ = ["COMMAND", "COMMANDS", "COVARIANCES", "ODOMETRY", "Drive", "EncoderPose", "drive_joint"]
 
 COMMANDS = (
     Parameter("commandTopic", "cmd_vel", "commands"),
     Parameter("odometryTopic", "odom", "odometry"),
     Parameter("odometryFrame", "odom", "frame of the odometry"),
     Parameter("robotBaseFrame", "base_footprint", "frame of the robot in it"),
+)
+VARIANCES = (1e-5, 1e-5, 1e-3)  # of x, y [m^2] and yaw [rad^2]
+COVARIANCES = tuple(
+    Parameter(f"covariance{name}", value, f"in ROS 2: variance of {name.lower()}, of pose and twist")
+    for name, value in zip(("X", "Y", "Yaw"), VARIANCES, strict=True)
 )
 COMMAND = Endpoint("subscribes", "<commandTopic>", "geometry_msgs/Twist")
 ODOMETRY = (
@@ -63,17 +69,34 @@ class Drive(RosPlugin):
 
     command: tuple[float, ...] = (0.0, 0.0, 0.0)
 
-    def open_drive(self, model: Model, x: float, y: float, yaw: float) -> None:
-        """Subscribe and advertise; the variances are those of the pose."""
+    def open_drive(
+        self, model: Model, variances: tuple[float, float, float] = VARIANCES, *, of_twist: bool = False
+    ) -> None:
+        """Subscribe and advertise.
+
+        Args:
+            model: the model.
+            variances: of x, y and yaw of the pose.
+            of_twist: whether they are those of the twist, too.
+        """
         self.model, self.world = model, model.GetWorld()
         given = self.given
         self.odometry = message_type("nav_msgs/Odometry")()
         self.odometry.header.frame_id = self.frame(given.odometryFrame)
         self.odometry.child_frame_id = self.frame(given.robotBaseFrame)
+        x, y, yaw = variances
         self.odometry.pose.covariance[::7] = (x, y, UNKNOWN, UNKNOWN, UNKNOWN, yaw)
+        if of_twist:
+            self.odometry.twist.covariance[:] = self.odometry.pose.covariance
         self.odometry.pose.pose.orientation.w = 1.0
         self.transforms = self.ros.transforms  # advertised at once, as the original does
         self.commands = self.subscribe(given.commandTopic, "geometry_msgs/Twist", self.OnCommand)
+
+    @property
+    def variances(self) -> tuple[float, float, float]:
+        """Of x, y and yaw: in ROS 2, those of the parameters COVARIANCES."""
+        given = self.given
+        return (given.covarianceX, given.covarianceY, given.covarianceYaw) if self.two else VARIANCES
 
     def OnCommand(self, message: Any) -> None:
         """A new command."""
@@ -88,10 +111,7 @@ class Drive(RosPlugin):
         """Take pose and velocities of the model in the world as odometry."""
         pose, velocity = self.model.WorldPose(), self.model.WorldLinearVel()
         set_pose(self.odometry.pose.pose, pose)
-        twist, (w, x, y, z) = self.odometry.twist.twist, pose.Rot()
-        cosine, sine = w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y)  # of the yaw, times their length
-        length = math.hypot(cosine, sine)
-        cosine, sine = (cosine / length, sine / length) if length > 0.0 else (1.0, 0.0)
+        twist, (cosine, sine) = self.odometry.twist.twist, heading(pose.Rot())
         twist.linear.x = cosine * velocity.X() + sine * velocity.Y()
         twist.linear.y = cosine * velocity.Y() - sine * velocity.X()
         twist.angular.z = self.model.WorldAngularVel().Z()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from libgz.classic.sensors.noise import GaussianNoiseModel, SensorNoiseType
 from libgz.ros.plugin import RosPlugin, Ticks
 from libgz.ros.session import Publication, set_stamp
 
@@ -46,6 +47,11 @@ class RosSensor(RosPlugin):
     def frame_of(self, name: str) -> str:
         """A frame; that of the sensor's link where none is given."""
         return self.frame(name or str(self.sensor.ParentName()).rpartition("::")[2])
+
+    def variance(self, kind: SensorNoiseType) -> float:
+        """The variance of a noise of the sensor; 0 without one."""
+        noise = self.sensor.noises.get(kind)
+        return noise.GetStdDev() ** 2 if isinstance(noise, GaussianNoiseModel) else 0.0
 
     def begin(self) -> None:
         """Begin; all topics are advertised."""

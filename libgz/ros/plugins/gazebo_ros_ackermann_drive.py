@@ -5,33 +5,39 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
-from libgz.classic.plugins._ackermann import AckermannDrive
+from libgz.base.law import Number, hypot, law
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._ackermann import AckermannWheels
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, Rate, Ticks
-from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosAckermannDrive(Drive, AckermannDrive):
-    """An AckermannDrive, with its elements: takes a speed and the angle of a wheel in the middle, angular z [rad]."""
+class GazeboRosAckermannDrive(Drive, Periodic, ModelPlugin):
+    """Drives AckermannWheels, with their elements: linear x is the speed, angular z the angle of a wheel in the middle.
 
-    STATE = ("command", "ticks", "pids", "last", "travelled")
+    Efforts act in one iteration of each period, as in the original.
+    """
+
+    STATE = ("wheels", "ticks", "x", "y", "travelled")
+
+    x, y = Number(), Number()  # of the last iteration [m]
+    travelled = Number()  # [m]
 
     parameters = (
         *COMMANDS,
-        Parameter("updateRate", Rate(100.0), "of odometry [Hz]"),
+        Parameter("updateRate", Rate(100.0), "of efforts and odometry [Hz]"),
         Parameter("publishTf", False, "publish odometry (in ROS 2 publish_odom)"),
         Parameter("publishOdomTF", False, "publish its transform"),
         Parameter("publishWheelTF", False, "publish the wheels' transforms"),
         Parameter("publishDistance", False, "publish the way that was travelled"),
         Parameter("publishSteerangle", False, "publish the angle of a wheel in the middle"),
+        *COVARIANCES,
     )
     endpoints = (
         COMMAND,
@@ -48,47 +54,65 @@ class GazeboRosAckermannDrive(Drive, AckermannDrive):
             ParameterError: the wheels have no radius, or the axles are in one place.
         """
         self.open(sdf, model.GetName())
-        self.find(model, ros_elements(sdf))
+        self.wheels = AckermannWheels(model, ros_elements(sdf))
         given = self.given
-        self.ticks, self.travelled = Ticks(given.updateRate), 0.0
-        self.Reset()
-        self.open_drive(model, 1e-5, 1e-5, 1e-3)
+        self.ticks = Ticks(given.updateRate)
+        self.open_drive(model, self.variances, of_twist=self.two)
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry") if given.publishTf else None
         self.distances = self.publish("distance", "std_msgs/Float32") if given.publishDistance else None
         self.turns = self.publish("steerangle", "std_msgs/Float32") if given.publishSteerangle else None
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.Reset()
+        self.run()
 
     def Reset(self) -> None:
         """Stop, with the wheels straight."""
-        self.command, self.last, self.travelled = (0.0, 0.0), 0.0, 0.0
-        for pid in self.pids:
-            pid.Reset()
+        self.wheels.stop(self.world.core.GetSimTime())
+        self.x, self.y, _ = self.model.WorldPose().Pos()
+        self.travelled = 0.0
 
     def OnCommand(self, message: Any) -> None:
         """A new command; backwards, the angle has the other sign."""
-        self.obey(message.linear.x, math.copysign(1.0, message.linear.x) * message.angular.z)
+        self.wheels.obey(message.linear.x, math.copysign(1.0, message.linear.x) * message.angular.z)
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Apply the efforts; publish, if it is time."""
-        now = info.simTime.Double()
-        rate = sum(joint.GetVelocity(0) for joint in self.rear) / 2.0
-        self.travelled += abs(rate) * self.radius * max(now - self.last, 0.0)
-        self.drive(now)
-        if not self.ticks.due(now):
-            return
+    @law
+    def measure(self, now: Any) -> None:
+        """Add the way in the plane since the last iteration."""
+        if self.distances is not None:
+            x, y, _ = self.model.WorldPose().Pos()
+            self.travelled = self.travelled + hypot(x - self.x, y - self.y)
+            self.x, self.y = x, y
+
+    def work(self, now: float) -> None:
+        """Publish, and apply the efforts."""
         self.stamp(now)
         self.measure_world()
-        if self.publication is not None and self.publication.listened:
-            self.publication.publish(self.odometry)
-        if self.given.publishOdomTF:
-            self.send_odometry_transform()
-        if self.given.publishWheelTF:
-            self.send_wheel_transforms([*self.rear, *self.steered])
         number = message_type("std_msgs/Float32")
         if self.distances is not None and self.distances.listened:
             self.distances.publish(number(data=self.travelled))
+        if self.publication is not None and self.publication.listened:
+            self.publication.publish(self.odometry)
+        if self.given.publishWheelTF:
+            self._send_wheel_transforms()
+        if self.given.publishOdomTF:
+            self.send_odometry_transform()
         if self.turns is not None and self.turns.listened:
-            self.turns.publish(number(data=sum(joint.Position(0) for joint in self.steered) / 2.0))
+            self.turns.publish(number(data=self.wheels.angle()))
+        self.wheels.drive(now)
+
+    def _send_wheel_transforms(self) -> None:
+        """Publish the poses of wheels, and of what steers them, in the frame of the robot."""
+        base = self.model.WorldPose()
+        for joint in self.wheels.joints:
+            link = joint.GetChild()
+            pose = link.WorldPose() - base
+            w, x, y, z = pose.Rot()
+            self.ros.send_transform(
+                self.odometry.header.stamp,
+                self.odometry.child_frame_id,
+                self.frame(link.GetName()),
+                tuple(pose.Pos()),
+                (x, y, z, w),
+            )
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosAckermannDrive)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from libgz.base.errors import ParameterError
 from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._ros import ros_elements
 from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
-from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive, EncoderPose, drive_joint
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
@@ -16,6 +18,15 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 REACHED = 0.01  # [m/s]; nearer to the wanted speed, the acceleration is not limited
+
+
+class Pair(NamedTuple):
+    """A left and a right wheel, with the distance between them and their radius [m]."""
+
+    left: Joint
+    right: Joint
+    separation: float
+    radius: float
 
 
 class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
@@ -28,8 +39,9 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         *COMMANDS,
         Parameter("leftJoint", [], "joints of the left wheels (left_joint)"),
         Parameter("rightJoint", [], "joints of the right wheels (right_joint)"),
-        Parameter("wheelSeparation", 0.34, "between left and right [m]"),
-        Parameter("wheelDiameter", 0.15, "[m]"),
+        Parameter("wheelSeparation", 0.34, "between left and right [m]; in ROS 2, one for each pair of joints"),
+        Parameter("wheelDiameter", 0.15, "[m]; in ROS 2, one for each pair"),
+        Parameter("numWheelPairs", 1, "in ROS 2: accepted without effect: as many as there are joints"),
         Parameter("wheelAcceleration", 0.0, "most change of a wheel's speed [m/s^2]; 0: at once"),
         Parameter("wheelTorque", 5.0, "of each motor [N m]"),
         Parameter("updateRate", Rate(100.0), "of commands and odometry [Hz]"),
@@ -38,6 +50,7 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         Parameter("publishOdomTF", True, "publish its transform (in ROS 2 publish_odom_tf)", ros2=False),
         Parameter("publishWheelTF", False, "publish the wheels' transforms"),
         Parameter("publishWheelJointState", False, "publish the wheels' joint states"),
+        *COVARIANCES,
     )
     endpoints = (COMMAND, *ODOMETRY, Endpoint("publishes", "joint_states", "sensor_msgs/JointState"))
 
@@ -48,27 +61,48 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         source = {"0": "encoder", "1": "world"}.get(given.odometrySource, given.odometrySource)
         if source not in ("world", "encoder"):
             raise ParameterError(f"{sdf.where}: <odometrySource> is {source!r}; it must be world or encoder")
-        if not (given.wheelSeparation > 0.0 and given.wheelDiameter > 0.0):
-            raise ParameterError(f"{sdf.where}: <wheelSeparation> and <wheelDiameter> must be positive")
-        self.encoders, self.radius = source == "encoder", given.wheelDiameter / 2.0
+        self.encoders = source == "encoder"
         left, right = given.leftJoint or ["left_joint"], given.rightJoint or ["right_joint"]
         self.left = [drive_joint(model, name, sdf.where, "leftJoint") for name in left]
         self.right = [drive_joint(model, name, sdf.where, "rightJoint") for name in right]
         for joint in (*self.left, *self.right):
             joint.SetParam("fmax", 0, given.wheelTorque)
-        self.ticks, self.pose = Ticks(given.updateRate), EncoderPose(model.GetWorld().core.GetSimTime())
-        self.speeds = (0.0, 0.0)
-        self.open_drive(model, 1e-5, 1e-5, 1e-3)
+        self.pairs = self._pairs(sdf)
+        self.ticks = Ticks(given.updateRate)
+        self._stop(model.GetWorld().core.GetSimTime())
+        self.open_drive(model, self.variances, of_twist=self.two)
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry") if given.publishTf else None
         self.joint_states = None
         if given.publishWheelJointState:
             self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
         self.run()
 
+    def _pairs(self, sdf: Element) -> list[Pair]:
+        """The pairs of wheels; the longer side has the other one's last wheel.
+
+        Raises:
+            ParameterError: a separation or diameter is not positive.
+        """
+        parameters, sizes = {one.name: one for one in self.parameters}, []
+        for tag in ("wheelSeparation", "wheelDiameter"):
+            found = [one.Get(float) for one in ros_elements(sdf).named(tag)][: None if self.two else 1]
+            if not all(value > 0.0 for value in found):
+                raise ParameterError(f"{sdf.where}: <wheelSeparation> and <wheelDiameter> must be positive")
+            first = found[0] if found and not self.two else parameters[tag].default
+            sizes.append(found + [first] * max(len(self.left), len(self.right)))
+        wheels = list(zip_longest(self.left, self.right))
+        return [
+            Pair(left or self.left[-1], right or self.right[-1], separation, diameter / 2.0)
+            for (left, right), separation, diameter in zip(wheels, *sizes, strict=False)
+        ]
+
+    def _stop(self, now: float) -> None:
+        self.command, self.speeds = (0.0, 0.0, 0.0), ((0.0, 0.0),) * len(self.pairs)
+        self.pose = EncoderPose(now)
+
     def Reset(self) -> None:
         """Stop, with odometry at zero."""
-        self.command, self.speeds = (0.0, 0.0, 0.0), (0.0, 0.0)
-        self.pose = EncoderPose(self.world.core.GetSimTime())
+        self._stop(self.world.core.GetSimTime())
         for joint in (*self.left, *self.right):
             joint.SetParam("fmax", 0, self.given.wheelTorque)
 
@@ -76,8 +110,8 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
     def measure(self, now: Any) -> None:
         """Add the ways of the wheels since the last iteration."""
         if self.encoders:
-            left, right = (joints[0].GetVelocity(0) for joints in (self.left, self.right))
-            self.pose.move(now, left, right, self.radius, self.given.wheelSeparation)
+            pair = self.pairs[0]
+            self.pose.move(now, pair.left.GetVelocity(0), pair.right.GetVelocity(0), pair.radius, pair.separation)
 
     def work(self, now: float) -> None:
         """Run the wheels; publish."""
@@ -107,24 +141,26 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
 
     def _run(self) -> None:
         """Set the speeds of the motors."""
+        given = self.given
+        most = given.wheelAcceleration / given.updateRate if given.updateRate > 0.0 else 0.0
+        speeds = [self._speeds_of(pair, before, most) for pair, before in zip(self.pairs, self.speeds, strict=True)]
+        self.speeds = tuple(speeds)
+        for pair, (left, right) in zip(self.pairs, speeds, strict=True):
+            pair.left.SetParam("vel", 0, left / pair.radius)
+            pair.right.SetParam("vel", 0, right / pair.radius)
+
+    def _speeds_of(self, pair: Pair, before: tuple[float, float], most: float) -> tuple[float, float]:
+        """The next speeds of a pair [m/s], at most so far from those before, unless both wheels have their speeds."""
         speed, _, turn = self.command
-        half = turn * self.given.wheelSeparation / 2.0
+        half = turn * pair.separation / 2.0
         wanted = speed - half, speed + half
-        present = tuple(joints[0].GetVelocity(0) * self.radius for joints in (self.left, self.right))
-        most = self.given.wheelAcceleration / self.given.updateRate if self.given.updateRate > 0.0 else 0.0
-        if most > 0.0 and all(abs(want - is_) >= REACHED for want, is_ in zip(wanted, present, strict=True)):
-            changes = (max(-most, min(most, want - is_)) for want, is_ in zip(wanted, present, strict=True))
-            left, right = (before + change for before, change in zip(self.speeds, changes, strict=True))
-            self.speeds = left, right
-        else:
-            self.speeds = wanted
-        for joints, at in zip((self.left, self.right), self.speeds, strict=True):
-            _run_all(joints, at / self.radius)
-
-
-def _run_all(joints: list[Joint], rate: float) -> None:
-    for joint in joints:
-        joint.SetParam("vel", 0, rate)
+        if not most > 0.0:
+            return wanted
+        off = [want - joint.GetVelocity(0) * pair.radius for want, joint in zip(wanted, pair[:2], strict=True)]
+        if any(abs(one) < REACHED for one in off):
+            return wanted
+        left, right = (last + max(-most, min(most, one)) for last, one in zip(before, off, strict=True))
+        return left, right
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosDiffDrive)

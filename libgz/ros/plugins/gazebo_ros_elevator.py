@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 from typing import TYPE_CHECKING
 
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
@@ -12,11 +14,17 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
+log = logging.getLogger("libgz.ros")
+
 
 class GazeboRosElevator(RosPlugin, ElevatorPlugin):
     """An ElevatorPlugin, with its elements, that takes numbers of floors."""
 
-    parameters = (Parameter("topic", "elevator", "floors"),)
+    parameters = (
+        Parameter("topic", "elevator", "floors"),
+        Parameter("bottomFloor", -math.inf, "in ROS 2: the lowest one that is taken"),
+        Parameter("topFloor", math.inf, "in ROS 2: the highest one"),
+    )
     endpoints = (Endpoint("subscribes", "<topic>", "std_msgs/String"),)
 
     def Load(self, model: Model, sdf: Element) -> None:
@@ -27,6 +35,13 @@ class GazeboRosElevator(RosPlugin, ElevatorPlugin):
             sdf.AddElement("topic").Set(self.given.topic)
         super().Load(model, sdf)
         self.floors = self.subscribe(self.given.topic, "std_msgs/String", self.OnRequest)
+
+    def MoveToFloor(self, floor: int) -> None:
+        """Begin a trip to a floor; in ROS 2, not to one out of range."""
+        if self.two and not self.given.bottomFloor <= floor <= self.given.topFloor:
+            log.error("%s: there is no floor %d", self.handleName, floor)
+            return
+        super().MoveToFloor(floor)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosElevator)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from libgz.base.errors import ParameterError
-from libgz.base.law import Number, law
+from libgz.base.law import Number, ends, law
+from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
 from libgz.ros.session import finite
 
 if TYPE_CHECKING:
@@ -18,10 +21,10 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class GazeboRosForce(Periodic, ModelPlugin):
+class GazeboRosForce(RosPlugin, ModelPlugin):
     """Applies the last Wrench of a topic to a link in each iteration, until the next one comes."""
 
-    STATE = ("force", "torque", "applied")
+    STATE = ("wrench", "applied")
 
     applied = Number()  # 1: there is a wrench
 
@@ -41,9 +44,8 @@ class GazeboRosForce(Periodic, ModelPlugin):
         if given.forceFrame not in ("world", "link"):
             raise ParameterError(f"{sdf.where}: <force_frame> is {given.forceFrame!r}; it must be world or link")
         self.wrenches = self.subscribe(given.topicName, "geometry_msgs/Wrench", self.OnWrench)
-        self.world, self.ticks = model.GetWorld(), Ticks(0.0)
-        self.Reset()
-        self.run()
+        self.wrench = np.zeros(6)  # force [N], torque [N m]
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:
         """Apply nothing."""
@@ -56,22 +58,22 @@ class GazeboRosForce(Periodic, ModelPlugin):
             self._set(Vector3d(force.x, force.y, force.z), Vector3d(torque.x, torque.y, torque.z))
 
     def _set(self, force: Vector3d, torque: Vector3d) -> None:
-        self.force, self.torque = force, torque
-        self.applied = float(any((*force, *torque)))
+        self.wrench[:] = (*force, *torque)
+        self.applied = float(any(self.wrench))
 
     @law
-    def wanted(self) -> Any:
-        """While there is a wrench; else the link may sleep."""
-        return self.applied > 0.0
-
-    def work(self, now: float) -> None:
-        """Apply the wrench."""
+    def OnUpdate(self) -> None:
+        """Apply the wrench, if there is one; else the link may sleep."""
+        if ends(self.applied <= 0.0):
+            return
+        values = [self.wrench[i] for i in range(6)]
+        force, torque = Vector3d(*values[:3]), Vector3d(*values[3:])
         if self.given.forceFrame == "link":
-            self.link.AddRelativeForce(self.force)
-            self.link.AddRelativeTorque(self.torque)
+            self.link.AddRelativeForce(force)
+            self.link.AddRelativeTorque(torque)
         else:
-            self.link.AddForce(self.force)
-            self.link.AddTorque(self.torque)
+            self.link.AddForce(force)
+            self.link.AddTorque(torque)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosForce)

@@ -13,18 +13,26 @@ from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import Joint, Model
+    from libgz.classic.math import Vector3d
+    from libgz.classic.physics import Joint, Link, Model
     from libgz.sdf.element import Element
 
 
 class GazeboRosFT(Publishing, ModelPlugin):
-    """Publishes the wrench that a joint applies to its child, in the child's frame, which the message names."""
+    """Publishes the wrench that a joint applies to its child, in the child's frame, which the message names.
+
+    In ROS 2, `<body_name>` is a link, whose whole force and torque in the world are published.
+    """
 
     STATE = ("ticks",)
 
+    link: Link | None
+    joint: Joint
+
     parameters = (
         Parameter("jointName", "", "the joint"),
-        Parameter("bodyName", "", "or the joint's child"),
+        Parameter("bodyName", "", "or the joint's child; in ROS 2 a link"),
+        Parameter("frameName", "world", "in ROS 2: frame in the message of a link's wrench"),
         Parameter("topicName", "wrench", "wrenches"),
         NOISE,
         Parameter("updateRate", Rate(0.0), "[Hz]; 0: each iteration"),
@@ -34,11 +42,17 @@ class GazeboRosFT(Publishing, ModelPlugin):
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the joint, and advertise."""
         self.open(sdf, model.GetName())
-        self.world, self.joint = model.GetWorld(), self._joint(model, sdf)
-        self.joint.SetProvideFeedback(True)
+        self.world, self.link = model.GetWorld(), None
+        if self.two and self.given.bodyName:
+            self.link = named_link(model, ros_elements(sdf), "bodyName")
+            frame = self.given.frameName
+        else:
+            self.joint = self._joint(model, sdf)
+            self.joint.SetProvideFeedback(True)
+            frame = self.joint.GetChild().GetName()
         self.ticks = Ticks(self.given.updateRate)
         self.message = message_type("geometry_msgs/WrenchStamped")()
-        self.message.header.frame_id = self.frame(self.joint.GetChild().GetName())
+        self.message.header.frame_id = self.frame(frame)
         self.publication = self.advertise(self.given.topicName, "geometry_msgs/WrenchStamped")
         self.run()
 
@@ -53,12 +67,20 @@ class GazeboRosFT(Publishing, ModelPlugin):
             raise NotFoundError(f"{sdf.where}: <bodyName> is {link.GetName()!r}, which is no joint's child")
         return joints[0]
 
+    def _measured(self) -> tuple[Vector3d, Vector3d]:
+        """Force [N] and torque [N m]."""
+        if self.link is not None:
+            return self.link.WorldForce(), self.link.WorldTorque()
+        wrench = self.joint.GetForceTorque(0)
+        return wrench.body2Force, wrench.body2Torque
+
     def work(self, now: float) -> None:
         """Publish."""
-        wrench, message, deviation = self.joint.GetForceTorque(0), self.message, self.given.gaussianNoise
+        message, deviation = self.message, self.given.gaussianNoise
+        force, torque = self._measured()
         set_stamp(message.header.stamp, now)
-        set_point(message.wrench.force, wrench.body2Force, deviation)
-        set_point(message.wrench.torque, wrench.body2Torque, deviation)
+        set_point(message.wrench.force, force, deviation)
+        set_point(message.wrench.torque, torque, deviation)
         self.publication.publish(message)
 
 

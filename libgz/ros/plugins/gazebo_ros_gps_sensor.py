@@ -6,12 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
+from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.ros.plugin import Endpoint, Parameter
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
     from libgz.sdf.element import Element
+
+POSITION_NOISES = (
+    SensorNoiseType.GPS_POSITION_LATITUDE_NOISE_METERS,
+    SensorNoiseType.GPS_POSITION_LONGITUDE_NOISE_METERS,
+    SensorNoiseType.GPS_POSITION_ALTITUDE_NOISE_METERS,
+)
+DIAGONAL_KNOWN = 2  # of NavSatFix
 
 
 class GazeboRosGpsSensor(RosSensor, SensorPlugin):
@@ -37,6 +45,9 @@ class GazeboRosGpsSensor(RosSensor, SensorPlugin):
         )
         self.fix.header.frame_id = self.velocity.header.frame_id = name
         self.fix.status.status, self.fix.status.service = 0, 1
+        if self.two:
+            self.fix.position_covariance[::4] = [self.variance(kind) for kind in POSITION_NOISES]
+            self.fix.position_covariance_type = DIAGONAL_KNOWN
         self.fixes = self.advertise(self.given.topicName, "sensor_msgs/NavSatFix")
         self.velocities = self.advertise(self.given.velocityTopicName, "geometry_msgs/Vector3Stamped")
         self.begin()

@@ -6,17 +6,16 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
-from libgz.classic.event import Events
+from libgz.base.law import Number, law
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
+from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
 from libgz.ros.session import finite, set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -25,13 +24,15 @@ MOST_FRAMES, LONGEST_CHAIN = 1000, 64  # that are kept; between the world and th
 LONGEST_NAME = 1000  # characters of a frame that is kept
 
 
-class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
+class GazeboRosHandOfGod(Periodic, ModelPlugin):
     """Pulls a link, without gravity, to the frame ``<frame>_desired``, and publishes ``<frame>_actual``, both in world.
 
     The desired frame is that of the last transforms that came, also by way of others between it and the world.
     """
 
-    STATE = ("frames",)
+    STATE = ("frames", "known")
+
+    known = Number()  # 1: there is a desired pose
 
     parameters = (
         Parameter("linkName", str, "the link"),
@@ -69,7 +70,8 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
             self.subscribe("/tf", "tf2_msgs/TFMessage", self.OnTransforms, 100),
             self.ros.subscribe("/tf_static", "tf2_msgs/TFMessage", self.OnTransforms, 100, **static),
         ]
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.ticks = Ticks(0.0)
+        self.run()
 
     def OnTransforms(self, message: Any) -> None:
         """Transforms have come."""
@@ -79,10 +81,12 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
             kept = child in self.frames or len(self.frames) < MOST_FRAMES
             if kept and max(len(parent), len(child)) <= LONGEST_NAME and finite(one):
                 self.frames[child] = parent, (place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z)
+        self.known = float(self.desired() is not None)
 
     def Reset(self) -> None:
         """Let it loose until the next transform."""
         self.frames.clear()
+        self.known = 0.0
 
     def desired(self) -> Pose3d | None:
         """The pose of the desired frame in the world; None as long as it is not known."""
@@ -98,8 +102,13 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
             found = Pose3d(Vector3d(*place) + rotation.RotateVector(found.Pos()), rotation * found.Rot())
         return None
 
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Pull, and publish the pose, once it is known where to."""
+    @law
+    def wanted(self) -> Any:
+        """Once the desired pose is known."""
+        return self.known > 0.0
+
+    def work(self, now: float) -> None:
+        """Pull, and publish the pose."""
         pose, desired = self.link.WorldPose(), self.desired()
         if desired is None:
             return
@@ -109,7 +118,7 @@ class GazeboRosHandOfGod(RosPlugin, ModelPlugin):
         rate = pose.Rot().RotateVectorReverse(self.link.WorldAngularVel())
         self.link.AddForce(away * given.kl - self.link.WorldLinearVel() * linear)
         self.link.AddRelativeTorque(Vector3d(turn.X(), turn.Y(), turn.Z()) * given.ka - rate * angular)
-        set_stamp(self.stamp, self.world.core.GetSimTime())
+        set_stamp(self.stamp, now)
         w, x, y, z = pose.Rot()
         self.ros.send_transform(self.stamp, WORLD, f"{self.given.frameId}_actual", tuple(pose.Pos()), (x, y, z, w))
 

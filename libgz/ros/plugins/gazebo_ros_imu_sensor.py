@@ -8,6 +8,7 @@ from libgz.base.law import Number, law, rarely, unrecorded
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
+from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Rate, noise, set_point, set_quaternion
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
@@ -15,6 +16,15 @@ from libgz.ros.types import message_type
 if TYPE_CHECKING:
     from libgz.sdf.element import Element
     from libgz.simulation.event import Connection
+
+# Of the sensor itself, by the fields that have their variances in ROS 2.
+NOISES = {
+    field: [SensorNoiseType[f"IMU_{name.format(axis)}"] for axis in "XYZ"]
+    for field, name in {
+        "angular_velocity": "ANGVEL_{}_NOISE_RADIANS_PER_S",
+        "linear_acceleration": "LINACC_{}_NOISE_METERS_PER_S_SQR",
+    }.items()
+}
 
 
 class GazeboRosImuSensor(RosSensor, SensorPlugin):
@@ -48,7 +58,8 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
         message = self.message = message_type("sensor_msgs/Imu")()
         message.header.frame_id = self.frame_of(self.given.frameName) if self.two else self.given.frameName
         for name in ("orientation", "angular_velocity", "linear_acceleration"):
-            getattr(message, f"{name}_covariance")[::4] = self.given.gaussianNoise**2
+            own = [self.variance(kind) for kind in NOISES.get(name, ())] if self.two else []
+            getattr(message, f"{name}_covariance")[::4] = own or self.given.gaussianNoise**2
         self.publication = self.advertise(self.given.topicName, "sensor_msgs/Imu")
         self.begin()
 

@@ -7,8 +7,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.law import Number, law
+from libgz.classic.physics import Link
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Endpoint, Parameter, Periodic, Ticks
+from libgz.ros.plugin import TICK_SLACK, Endpoint, Parameter, Periodic, Rate, Ticks
 from libgz.ros.session import finite
 
 if TYPE_CHECKING:
@@ -17,23 +18,27 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("libgz.ros")
 
+WORLD = ("", "world", "map", "/world", "/map")  # names of the world's frame
+
 
 class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
     """Sets the positions of a JointTrajectory, point after point: each after the times of those before it.
 
-    In ROS 1, physics is disabled until the time of the last point is over, unless a request says otherwise.
+    Where a message's frame is a link, that link stays where it is. In ROS 1, physics is disabled until the time of the
+    last point is over, unless a request says otherwise.
     """
 
-    STATE = ("points", "names", "due", "holds")
+    STATE = ("points", "names", "due", "begin", "holds", "still")
 
     holds = False  # whether it has disabled physics
 
     due = Number(math.inf)  # sim time of the next point [s]
+    begin = Number()  # the same, as the trajectory has it [s]
 
     parameters = (
         Parameter("topicName", "set_joint_trajectory", "trajectories"),
         Parameter("serviceName", "set_joint_trajectory", "sets a trajectory"),
-        Parameter("updateRate", 0.0, "accepted without effect, as in the original"),
+        Parameter("updateRate", Rate(0.0), "in ROS 2: at most so many points a second [Hz]", ros2=Rate(100.0)),
     )
     endpoints = (
         Endpoint("subscribes", "<topicName>", "trajectory_msgs/JointTrajectory"),
@@ -55,7 +60,7 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
         self._hold(False)
         self.points: list[tuple[float, list[float]]] = []
         self.names: list[str] = []
-        self.due = math.inf
+        self.due, self.still = math.inf, ""
 
     def OnSet(self, request: Any) -> Any:
         """A trajectory by the service."""
@@ -74,16 +79,32 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
             self.world.SetPhysicsEnabled(not holds)
             self.holds = holds
 
+    def _link(self, name: str) -> Link | None:
+        """A link of the world."""
+        found = self.world.EntityByName(name) if name else None
+        return found if isinstance(found, Link) else None
+
+    def _model(self, frame: str) -> Model:
+        """The model whose joints are set: that of the frame, if it is a link."""
+        link = self._link(frame)
+        return self.model if link is None else link.GetModel()
+
     def _take(self, message: Any, holds: bool) -> tuple[bool, str]:
-        names = list(message.joint_names)
-        unknown = [name for name in names if self.model.GetJoint(name) is None]
+        names, frame = list(message.joint_names), message.header.frame_id
+        if frame in WORLD:
+            frame = ""
+        elif self._link(frame) is None:
+            return False, f"frame_id is {frame!r}; it must be world, map or a link"
+        model = self._model(frame)
+        unknown = [name for name in names if model.GetJoint(name) is None]
         if unknown:
-            return False, f"model {self.model.GetName()!r} has no joint {unknown[0]!r}"
+            return False, f"model {model.GetName()!r} has no joint {unknown[0]!r}"
         if not finite(message) or any(len(point.positions) != len(names) for point in message.points):
             return False, "a point has not one finite position for each joint"
         points = [(point.time_from_start.seconds, list(map(float, point.positions))) for point in message.points]
-        self.points, self.names = points, names
-        self.due = max(message.header.stamp.seconds, self.world.core.GetSimTime()) if points else math.inf
+        self.points, self.names, self.still = points, names, frame
+        self.begin = max(message.header.stamp.seconds, self.world.core.GetSimTime())
+        self.due = self.begin if points else math.inf
         self._hold(holds and bool(points))
         return True, "trajectory set"
 
@@ -99,11 +120,17 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
             self._hold(False)
             return
         wait, positions = self.points.pop(0)
+        model, link = self._model(self.still), self._link(self.still)
+        place = link.WorldPose() if link is not None else None
         for name, position in zip(self.names, positions, strict=True):
-            joint = self.model.GetJoint(name)
+            joint = model.GetJoint(name)
             if joint is not None:
                 joint.SetPosition(0, position, True)
-        self.due += wait
+        if link is not None and place is not None:
+            model.SetLinkWorldPose(place, link)
+        self.begin += wait
+        period = 1.0 / self.given.updateRate if self.two and self.given.updateRate > 0.0 else 0.0
+        self.due = max(self.begin, now + period - TICK_SLACK * period)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointPoseTrajectory)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
+from libgz.base.errors import NotFoundError
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
 from libgz.ros.plugin import Endpoint, Parameter, Publishing, Rate, Ticks
@@ -11,8 +13,10 @@ from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import Model
+    from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
+
+log = logging.getLogger("libgz.ros")
 
 
 class GazeboRosJointStatePublisher(Publishing, ModelPlugin):
@@ -32,11 +36,27 @@ class GazeboRosJointStatePublisher(Publishing, ModelPlugin):
         self.open(sdf, model.GetName())
         self.world = model.GetWorld()
         names = self.given.jointName
-        self.joints = [find_joint(model, name) for name in names] or [j for j in model.all_joints() if j.DOF()]
+        self.joints = [joint for name in names if (joint := self._joint(model, name)) is not None]
+        if not names:
+            self.joints = [joint for joint in model.all_joints() if joint.DOF()]
         self.ticks = Ticks(self.given.updateRate)
         self.message = message_type("sensor_msgs/JointState")(name=[joint.GetName() for joint in self.joints])
         self.publication = self.advertise("joint_states", "sensor_msgs/JointState", 1000)
         self.run()
+
+    def _joint(self, model: Model, name: str) -> Joint | None:
+        """A joint; in ROS 2, None where there is none, with an error in the log.
+
+        Raises:
+            NotFoundError: there is none, in ROS 1.
+        """
+        try:
+            return find_joint(model, name)
+        except NotFoundError as error:
+            if not self.two:
+                raise
+            log.error("%s: %s; the other joints are published", self.handleName, error)
+            return None
 
     def work(self, now: float) -> None:
         """Publish."""

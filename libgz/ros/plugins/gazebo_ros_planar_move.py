@@ -3,70 +3,99 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from libgz.classic.event import Events
-from libgz.classic.math import Vector3d
+from libgz.base.law import law, rarely, unrecorded
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.ros.plugin import Parameter, Rate, Ticks, set_pose
-from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive
+from libgz.classic.plugins._planar import PlanarMotion
+from libgz.ros.plugin import Parameter, Periodic, Rate, Ticks, set_pose
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive
 
 if TYPE_CHECKING:
-    from libgz.classic.common import UpdateInfo
+    from libgz.classic.math import Pose3d
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosPlanarMove(Drive, ModelPlugin):
-    """Sets the velocity of a model in each iteration; odometry is its pose in the world, with z at zero."""
+class GazeboRosPlanarMove(Drive, Periodic, ModelPlugin):
+    """Sets the velocity of a model, in ROS 1 in each iteration; odometry is its pose in the world.
 
-    STATE = ("command", "time", "ticks", "before", "then")
+    In ROS 1, odometry has a height of zero, and velocities by differences of poses; in ROS 2 it has those of the model.
+    """
+
+    STATE = ("motion", "moves", "ticks", "before", "then")
 
     parameters = (
         *COMMANDS,
-        Parameter("odometryRate", Rate(20.0), "of odometry [Hz]; 0: none"),
+        Parameter("updateRate", Rate(0.0), "in ROS 2: of velocities [Hz]; 0: each iteration", ros2=Rate(20.0)),
+        Parameter("odometryRate", Rate(20.0), "of odometry [Hz] (in ROS 2 publish_rate); 0: none"),
+        Parameter("publishTf", True, "in ROS 2 (publish_odom): publish odometry"),
+        Parameter("publishOdomTF", True, "in ROS 2 (publish_odom_tf): publish its transform"),
         Parameter("cmdTimeout", -1.0, "the model stops when no command has come for this time [s]; negative: never"),
+        *COVARIANCES,
     )
     endpoints = (COMMAND, *ODOMETRY)
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Subscribe and advertise."""
         self.open(sdf, model.GetName())
-        self.ticks, self.time = Ticks(self.given.odometryRate), 0.0
-        self.open_drive(model, 1e-5, 1e-5, 1e-3)
-        self.publication = self.publish(self.given.odometryTopic, "nav_msgs/Odometry")
+        given = self.given
+        self.ticks, self.moves = Ticks(given.odometryRate), Ticks(given.updateRate if self.two else 0.0)
+        self.motion = PlanarMotion(model, given.cmdTimeout if given.cmdTimeout >= 0.0 else math.inf)
+        self.open_drive(model, self.variances, of_twist=self.two)
+        self.publication = None
+        if given.publishTf or not self.two:
+            self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
         self.before, self.then = model.WorldPose(), self.world.core.GetSimTime()
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+        self.run()
 
     def Reset(self) -> None:
         """Stop."""
-        self.command, self.time = (0.0, 0.0, 0.0), 0.0
+        self.motion.command(0.0, 0.0, 0.0, 0.0)
         self.before, self.then = self.model.WorldPose(), self.world.core.GetSimTime()
 
     def commanded(self, now: float) -> None:
         """A command came at sim time `now` [s]."""
-        self.time = now
-
-    def OnUpdate(self, info: UpdateInfo) -> None:
-        """Set the velocities; publish odometry, if it is time."""
-        now, pose = self.world.core.GetSimTime(), self.model.WorldPose()
-        if self.given.cmdTimeout >= 0.0 and now - self.time > self.given.cmdTimeout:
-            self.command = (0.0, 0.0, 0.0)
         forward, left, turn = self.command
-        yaw = pose.Rot().Yaw()
-        cosine, sine = math.cos(yaw), math.sin(yaw)
-        self.model.SetLinearVel(Vector3d(forward * cosine - left * sine, left * cosine + forward * sine, 0.0))
-        self.model.SetAngularVel(Vector3d(0.0, 0.0, turn))
-        if self.given.odometryRate > 0.0 and self.ticks.due(now):
-            self._publish(now)
+        self.motion.command(forward, left, turn, now)
 
-    def _publish(self, now: float) -> None:
-        pose, elapsed = self.model.WorldPose(), now - self.then
+    @law
+    def wanted(self) -> Any:
+        """Whether there is odometry."""
+        return self.given.odometryRate > 0.0
+
+    @law
+    def measure(self, now: Any) -> None:
+        """Set the velocities, if it is time."""
+        if self.moves.endless:
+            self.motion.move(now)
+        elif rarely(self.moves.is_due(now)):
+            self._move(now)
+
+    @unrecorded
+    def _move(self, now: float) -> None:
+        self.moves.due(now)
+        self.motion.move(now)
+
+    def work(self, now: float) -> None:
+        """Publish odometry and its transform."""
+        pose = self.model.WorldPose()
         self.stamp(now)
-        message, yaw = self.odometry, pose.Rot().Yaw()
+        if self.two:
+            self.measure_world()
+        else:
+            self._differentiate(pose, now)
+        if self.given.publishOdomTF or not self.two:
+            self.send_odometry_transform()
+        if not self.two:
+            self.odometry.pose.pose.position.z = 0.0
+        if self.publication is not None and self.publication.listened:
+            self.publication.publish(self.odometry)
+
+    def _differentiate(self, pose: Pose3d, now: float) -> None:
+        """Take a pose as odometry, and the difference from the one before as its velocities."""
+        elapsed, yaw, message = now - self.then, pose.Rot().Yaw(), self.odometry
         set_pose(message.pose.pose, pose)
-        self.send_odometry_transform()
-        message.pose.pose.position.z = 0.0
         if elapsed > 0.0:
             moved = (pose.Pos() - self.before.Pos()) / elapsed
             twist = message.twist.twist
@@ -74,8 +103,6 @@ class GazeboRosPlanarMove(Drive, ModelPlugin):
             twist.linear.y = math.cos(yaw) * moved.Y() - math.sin(yaw) * moved.X()
             twist.angular.z = math.remainder(yaw - self.before.Rot().Yaw(), 2.0 * math.pi) / elapsed
         self.before, self.then = pose, now
-        if self.publication.listened:
-            self.publication.publish(message)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosPlanarMove)

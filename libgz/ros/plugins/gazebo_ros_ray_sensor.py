@@ -27,14 +27,17 @@ FLOAT32 = 7  # of PointField
 
 
 class GazeboRosRaySensor(RosSensor, SensorPlugin):
-    """Publishes each measurement as a message of the type that `<output_type>` names."""
+    """Publishes each measurement as a message of the type that `<output_type>` names.
+
+    A LaserScan is the row in the middle; a Range is the nearest reading.
+    """
 
     parameters = (
         Parameter("topicName", "~/out", "measurements"),
         Parameter("frameName", "", "frame of the measurements (the link's name)"),
         Parameter("outputType", "sensor_msgs/PointCloud2", f"of the messages: {', '.join(KINDS.values())}"),
         Parameter("radiationType", "infrared", "of a Range: ultrasound or infrared"),
-        Parameter("minIntensity", 0.0, "least intensity of points that are published"),
+        Parameter("minIntensity", 0.0, "intensities of points that are less become this one"),
     )
     endpoints = (Endpoint("publishes", "<topicName>", "<outputType>"),)
 
@@ -56,7 +59,11 @@ class GazeboRosRaySensor(RosSensor, SensorPlugin):
             message.angle_increment = sensor.AngleResolution()
             message.range_min, message.range_max = sensor.RangeMin(), sensor.RangeMax()
         elif kind.endswith("Range"):
-            message.radiation_type = RADIATIONS.get(self.given.radiationType, RADIATIONS["infrared"])
+            if self.given.radiationType not in RADIATIONS:
+                raise ParameterError(
+                    f"{sdf.where}: <radiation_type> is {self.given.radiationType!r}; it must be ultrasound or infrared"
+                )
+            message.radiation_type = RADIATIONS[self.given.radiationType]
             message.field_of_view = max(
                 sensor.AngleMax().Radian() - sensor.AngleMin().Radian(),
                 sensor.VerticalAngleMax().Radian() - sensor.VerticalAngleMin().Radian(),
@@ -74,8 +81,10 @@ class GazeboRosRaySensor(RosSensor, SensorPlugin):
         self.publication.publish(self.message)
 
     def _fill_laserscan(self, message: Any) -> None:
-        message.ranges = np.asarray(self.sensor.ranges(), np.float32)
-        message.intensities = np.asarray(self.sensor.intensities(), np.float32)
+        sensor = self.sensor
+        middle = slice((begin := sensor.VerticalRangeCount() // 2 * sensor.RangeCount()), begin + sensor.RangeCount())
+        message.ranges = np.asarray(sensor.ranges()[middle], np.float32)
+        message.intensities = np.maximum(np.asarray(sensor.intensities()[middle], np.float32), 0.0)
 
     def _fill_range(self, message: Any) -> None:
         message.range = float(min(self.sensor.ranges(), default=math.inf))
@@ -83,8 +92,8 @@ class GazeboRosRaySensor(RosSensor, SensorPlugin):
     def _points(self) -> NDArray[np.float32]:
         """Rows of x, y, z [m] and intensity of what is seen."""
         points = scan_points(self.sensor, self.along)
-        strength = np.asarray(self.sensor.intensities(), np.float64)
-        seen = np.isfinite(points).all(axis=1) & (strength >= self.given.minIntensity)
+        strength = np.maximum(np.asarray(self.sensor.intensities(), np.float64), self.given.minIntensity)
+        seen = np.isfinite(points).all(axis=1)
         rows: NDArray[np.float32] = np.column_stack([points, strength])[seen].astype(np.float32)
         return rows
 

@@ -48,8 +48,7 @@ class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
         for joint in self.joints:
             joint.SetParam("fmax", 0, given.torque)
         self.ticks = Ticks(given.updateRate)
-        self.open_drive(model, given.covarianceX, given.covarianceY, given.covarianceYaw)
-        self.odometry.twist.covariance[:] = self.odometry.pose.covariance
+        self.open_drive(model, (given.covarianceX, given.covarianceY, given.covarianceYaw), of_twist=True)
         self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
         self.run()
 

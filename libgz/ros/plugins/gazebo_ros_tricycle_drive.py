@@ -14,6 +14,7 @@ from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
+    from libgz.ros.session import Publication
     from libgz.sdf.element import Element
 
 
@@ -33,6 +34,7 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
         Parameter("actuatedWheelDiameter", 0.15, "[m]"),
         Parameter("encoderWheelDiameter", 0.15, "[m]"),
         Parameter("encoderWheelSeparation", 0.5, "[m]"),
+        Parameter("wheelSeparation", 0.0, "in ROS 2: as encoderWheelSeparation [m]"),
         Parameter("wheelTorque", 5.0, "of both motors [N m]", ros2=0.15),
         Parameter(
             "wheelAcceleration", 0.0, "most change of the wheel's rate where it sinks [rad/s^2]; in ROS 2, grows"
@@ -43,6 +45,7 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
         Parameter("steeringAngleTolerance", 0.01, "[rad]"),
         Parameter("updateRate", Rate(100.0), "of commands and odometry [Hz]"),
         Parameter("odometrySource", "world", "world or encoder; in ROS 2, 1 or 0"),
+        Parameter("publishTf", True, "in ROS 2 (publish_odom): publish odometry and its transform", ros2=False),
         Parameter("publishWheelTF", False, "publish the wheels' transforms"),
         Parameter("publishWheelJointState", False, "publish the wheels' joint states"),
     )
@@ -56,14 +59,17 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
             drive_joint(model, getattr(given, tag), sdf.where, tag)
             for tag in ("steeringJoint", "actuatedWheelJoint", "encoderWheelLeftJoint", "encoderWheelRightJoint")
         )
-        if not (given.actuatedWheelDiameter > 0.0 and given.encoderWheelSeparation > 0.0):
+        self.separation = given.wheelSeparation or given.encoderWheelSeparation
+        if not (given.actuatedWheelDiameter > 0.0 and self.separation > 0.0):
             raise ParameterError(f"{sdf.where}: <actuatedWheelDiameter> and <encoderWheelSeparation> must be positive")
         for joint in (self.wheel, self.steering):
             joint.SetParam("fmax", 0, given.wheelTorque)
         self.encoders = given.odometrySource in ("encoder", "0")
         self.ticks, self.pose = Ticks(given.updateRate), EncoderPose(model.GetWorld().core.GetSimTime())
-        self.open_drive(model, 1e-5, 1e-5, 1e-3)
-        self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
+        self.open_drive(model)
+        self.publication = None
+        if given.publishTf or not self.two:
+            self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
         self.joint_states = None
         if given.publishWheelJointState:
             self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
@@ -80,19 +86,13 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
             given = self.given
             # As in the original, whose worlds may have swapped the joints for it: turns to the left count to the right.
             right, left = (joint.GetVelocity(0) for joint in (self.left, self.right))
-            self.pose.move(now, left, right, given.encoderWheelDiameter / 2.0, given.encoderWheelSeparation)
+            self.pose.move(now, left, right, given.encoderWheelDiameter / 2.0, self.separation)
 
     def work(self, now: float) -> None:
         """Run the motors; publish."""
         self.stamp(now)
-        if self.encoders:
-            self.measure_encoders(self.pose)
-            self._turn_twist(self.odometry.twist.twist.linear)
-        else:
-            self.measure_world()
-        self.send_odometry_transform()
-        if self.publication.listened:
-            self.publication.publish(self.odometry)
+        if self.publication is not None:
+            self._publish(self.publication)
         joints = [self.steering, self.wheel, self.left, self.right]
         if self.given.publishWheelTF:
             self.send_wheel_transforms(joints, of_joints=True)
@@ -105,6 +105,17 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
             message.effort = [joint.GetForce(0) for joint in joints]
             self.joint_states.publish(message)
         self._run(1.0 / self.given.updateRate if self.given.updateRate > 0.0 else self.world.core.engine.step_time)
+
+    def _publish(self, publication: Publication) -> None:
+        """Publish odometry and its transform."""
+        if self.encoders:
+            self.measure_encoders(self.pose)
+            self._turn_twist(self.odometry.twist.twist.linear)
+        else:
+            self.measure_world()
+        self.send_odometry_transform()
+        if publication.listened:
+            publication.publish(self.odometry)
 
     def _turn_twist(self, linear: Any) -> None:
         """Encoders give the velocity in the frame of the odometry, as in the original."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from libgz.classic.event import Events
@@ -18,9 +19,12 @@ if TYPE_CHECKING:
 
 
 class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
-    """A WheelSlipPlugin, with its elements, that publishes the slips [m/s] in ROS 2."""
+    """A WheelSlipPlugin, with its elements, that publishes the slips in ROS 2."""
 
-    parameters = (Parameter("publisherUpdateRate", Rate(100.0), "of the slips [Hz]"),)
+    parameters = (
+        Parameter("publisherUpdateRate", Rate(100.0), "of the slips [Hz]"),
+        Parameter("wheelSpinTolerance", 1e-3, "speed of a wheel below which its slips are zero [m/s]"),
+    )
     endpoints = (Endpoint("in ROS 2 publishes", "wheel_slip", "gazebo_msgs/WheelSlip"),)
 
     def Load(self, model: Model, sdf: Element) -> None:
@@ -38,23 +42,24 @@ class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
         if not self.slips.listened or not self.ticks.due(self.world.core.GetSimTime()):
             return
         message = message_type("gazebo_msgs/WheelSlip", 2)()
-        for tire in self.tires:
-            lateral, longitudinal = _slip(tire)
-            message.name.append(tire.joint.GetChild().GetName())
+        for tire in sorted(self.tires, key=lambda one: one.name):
+            lateral, longitudinal = self._slip(tire)
+            message.name.append(tire.name)
             message.lateral_slip.append(lateral)
             message.longitudinal_slip.append(longitudinal)
         self.slips.publish(message)
 
-
-def _slip(tire: Tire) -> tuple[float, float]:
-    """How fast a wheel slips along its axle, and along its way [m/s]."""
-    link, axis = tire.joint.GetChild(), tire.joint.DOF() - 1
-    axle: Vector3d = tire.joint.GlobalAxis(axis)
-    velocity = link.WorldLinearVel()
-    ahead = axle.Cross(Vector3d(0.0, 0.0, 1.0))
-    ahead = ahead.Normalized() if ahead.Length() > 0.0 else Vector3d(1.0, 0.0, 0.0)
-    spin = tire.joint.GetVelocity(axis) * tire.radius
-    return velocity.Dot(axle), spin - velocity.Dot(ahead)
+    def _slip(self, tire: Tire) -> tuple[float, float]:
+        """The angle between where a wheel goes and where it points [rad], and its slip ratio; 0 while it rests."""
+        link, axis = tire.joint.GetChild(), tire.joint.DOF() - 1
+        axle: Vector3d = tire.joint.GlobalAxis(axis)
+        velocity = link.WorldLinearVel()
+        ahead = axle.Cross(Vector3d(0.0, 0.0, 1.0))
+        ahead = ahead.Normalized() if ahead.Length() > 0.0 else Vector3d(1.0, 0.0, 0.0)
+        spin, along = tire.joint.GetVelocity(axis) * tire.radius, velocity.Dot(ahead)
+        if abs(spin) < self.given.wheelSpinTolerance:
+            return 0.0, 0.0
+        return math.atan2(velocity.Dot(axle), along), (spin - along) / spin
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosWheelSlip)

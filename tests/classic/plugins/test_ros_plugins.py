@@ -135,8 +135,8 @@ def ackermann_car(most):
     """A car with an Ackermann drive, whose wheels turn by so much [rad] at most."""
     joints = {f"{end}_{side}_joint": f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right")}
     joints |= {f"{side}_steering_joint": f"{side}_steer" for side in ("left", "right")}
-    gains = {f"{side}_steering_pid_gain": "20 0 2" for side in ("left", "right")}
-    gains |= {"linear_velocity_pid_gain": "2 0 0", "max_steer": most}
+    gains = {f"{side}_steering_pid_gain": "200 0 4" for side in ("left", "right")}
+    gains |= {"linear_velocity_pid_gain": "5 0 0", "max_steer": most}
     return car(plugin("gazebo_ros_ackermann_drive", **joints, **gains))
 
 

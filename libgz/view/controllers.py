@@ -41,7 +41,7 @@ class Controllers:
         if page is self._asking:
             self._asking = None
         if page is self.page:
-            self.page, self._asking = self._asking, None
+            self._hand_over()
         self._notify()
 
     def act(self) -> None:
@@ -69,11 +69,16 @@ class Controllers:
             if page is not self.page:
                 raise GazeboError("this page does not control the world")
             if what == "give":
-                self.page = self._asking
+                self._hand_over()
             self._asking = None
         else:
             raise GazeboError(f"control is {what!r}; allowed are ask, take, give and keep")
         self._notify()
+
+    def _hand_over(self) -> None:
+        """Give control to the page that asks for it, else to the one of the others that has been open for longest."""
+        others = (page for page in self._able.values() if page is not self.page)
+        self.page, self._asking = self._asking or next(others, None), None
 
     def state_of(self, page: Page) -> dict[str, Any]:
         """What a page shows of who controls."""

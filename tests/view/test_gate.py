@@ -365,6 +365,19 @@ def test_one_page_controls_at_a_time_and_hands_over(viewer, controls):
     assert [verb for verb, _, _ in controls.asked] == ["pause"]
 
 
+def test_the_page_that_is_open_for_longest_controls_when_the_controller_is_closed(viewer):
+    with Socket(viewer.url) as one, Socket(viewer.url) as two:
+        assert one.until("hello")["control"]["here"]
+        with Socket(viewer.url) as three:
+            assert not three.until("hello")["control"]["here"]
+            assert one.ask("control", "give") == (None, None)
+            assert two.until(lambda m: m.get("control", {}).get("here"))
+            assert two.ask("control", "give") == (None, None)
+            assert one.until(lambda m: m.get("control", {}).get("here"))
+            one.run(one.socket.close())
+            assert two.until(lambda m: m.get("control", {}).get("here"))
+
+
 def test_a_controller_that_does_not_answer_hands_over(viewer, monkeypatch):
     monkeypatch.setattr("libgz.view.controllers.PATIENCE", 0.1)
     with Socket(viewer.url) as one, Socket(viewer.url) as two:

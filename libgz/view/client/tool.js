@@ -26,7 +26,7 @@ export class Tool {
     const label = labelOf(action);
     const name = iconOf(action);
     show(root, isOffered(action));
-    const disabled = !isUsable(action) || !connected;
+    const disabled = !isUsable(action) || (!connected && Boolean(action.offered)); // others need no server
     if (root.disabled !== disabled) root.disabled = disabled;
     if (this.shown !== label + name) {
       this.shown = label + name;

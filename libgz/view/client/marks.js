@@ -53,6 +53,7 @@ const TRAIL_STEP = 0.02; // [m] between two of them
 const FORCE = 0.01; // [m/N] of an arrow
 const LONGEST_FORCE = 1; // [m]
 
+const MOST_NAMES = 60; // shown at a time
 const STILL = 1e-4; // [m] and shares of colours: what nobody sees
 
 const matrix = new Matrix4(), inner = new Matrix4(), a = new Vector3(), b = new Vector3();
@@ -290,11 +291,20 @@ export class Marks {
     const size = renderer.getSize(new Vector2());
     for (const { material } of Object.values(this.lines)) material.resolution.copy(size);
     this._height = size.y;
+    const far = this._farthest(camera.position);
     for (const sprite of this._names.children) {
+      sprite.visible = sprite.position.distanceToSquared(camera.position) <= far;
       // As many pixels high on each screen, nearer or farther.
       const share = (2 * Math.tan((camera.fov * Math.PI) / 360)) / Math.max(size.y, 1);
       sprite.scale.set(sprite.userData.width * share, sprite.userData.height * share, 1);
     }
+  }
+
+  /** How far from the eye names are shown, squared [m²]: of many, the nearest. @param {Vector3} eye */
+  _farthest(eye) {
+    const { children } = this._names;
+    if (children.length <= MOST_NAMES) return Infinity;
+    return children.map(({ position }) => position.distanceToSquared(eye)).sort((one, other) => one - other)[MOST_NAMES - 1];
   }
 
   /** Where a body is. @param {number} body 0 for the world @param {Matrix4} into @returns {Matrix4 | null} */

@@ -30,7 +30,7 @@
  */
 
 const MOST_MESSAGES = 1000;
-const SPAN = 2000; // [ms] over which the real-time factor is measured
+const SPAN = 2; // [s] over which the real-time factor is measured
 const ROW = { bodies: 16, joints: 4 };
 
 /** The one model of what is known. */
@@ -234,11 +234,12 @@ export class Store extends EventTarget {
   setState(state) {
     if (state.revision !== this.scene?.revision) return; // its scene, and another state, are on their way
     this.state = state;
-    const now = performance.now(), { history } = this, last = history.at(-1);
-    if (last && last.steps > state.steps) history.length = 0; // a reset, or back in time
+    // By the server's clock: states arrive unevenly at a page that is busy. A log has the clock of its recording.
+    const now = this.log ? performance.now() / 1000 : state.realTime, { history } = this, last = history.at(-1);
+    if (last && (last.steps > state.steps || last.at > now)) history.length = 0; // a reset, or back in time
     history.push({ at: now, sim: state.simTime, steps: state.steps });
     while (history.length > 2 && history[0].at < now - SPAN) history.shift();
-    const span = (now - history[0].at) / 1000;
+    const span = now - history[0].at;
     if (span > 0.1) {
       this.realTimeFactor = state.paused ? 0 : (state.simTime - history[0].sim) / span;
       this.stepRate = state.paused ? 0 : (state.steps - history[0].steps) / span;

@@ -10,7 +10,6 @@ import { recall, remember } from 'libgz/settings.js';
 import { splitter } from 'libgz/splitter.js';
 
 /** @typedef {'tree' | 'inspector' | 'dock'} PanelName */
-/** @typedef {'plots' | 'console'} DockTab */
 
 const PHONE = '(max-width: 640px)';
 const NARROW = 1000; // [px] below, fewer panels are open at first
@@ -34,7 +33,7 @@ export class Layout {
     };
     /** @type {PanelName | ''} */
     this.sheet = '';
-    this.tab = /** @type {DockTab} */ (recall('dock.tab', 'plots'));
+    this.tab = recall('dock.tab', 'plots');
     this.stage = element('div', { id: 'view-area', class: 'view-area' });
     this.stageParent = element('div', { id: 'stage', class: 'stage' });
     this.stage.append(this.stageParent);
@@ -69,29 +68,24 @@ export class Layout {
       this.edges.inspector,
       this.panels.inspector,
     );
-    /** @type {{ tab: DockTab, button: HTMLElement, content: HTMLElement }[]} */
+    /** @type {{ tab: string, button: HTMLElement, content: HTMLElement }[]} */
     this.docked = [];
     this.phone.addEventListener('change', () => this.apply());
-    for (const [panel, label, image] of /** @type {const} */ ([
-      ['tree', 'World', 'world'],
-      ['inspector', 'Inspector', 'edit'],
-      ['plots', 'Plots', 'plot'],
-      ['console', 'Console', 'console'],
-    ]))
-      this.nav.append(
-        element(
-          'button',
-          {
-            type: 'button',
-            'data-panel': panel,
-            'aria-pressed': 'false',
-            on: { click: () => (panel === 'plots' || panel === 'console' ? this.#phoneTab(panel) : this.toggle(panel)) },
-          },
-          icon(image),
-          element('span', { text: label }),
-        ),
-      );
+    this.#addToNav('tree', 'World', 'world', () => this.toggle('tree'));
+    this.#addToNav('inspector', 'Inspector', 'edit', () => this.toggle('inspector'));
     this.#sheetGrip();
+  }
+
+  /**
+   * A button of a phone, which opens a panel.
+   * @param {string} panel its name, or that of a tab
+   * @param {string} label
+   * @param {import('libgz/icons.js').IconName} image
+   * @param {() => void} act
+   */
+  #addToNav(panel, label, image, act) {
+    const button = element('button', { type: 'button', 'data-panel': panel, 'aria-pressed': 'false', on: { click: act } }, icon(image), element('span', { text: label }));
+    this.nav.append(button);
   }
 
   get isPhone() {
@@ -141,8 +135,8 @@ export class Layout {
   }
 
   /**
-   * Add a tab to the dock.
-   * @param {DockTab} tab
+   * Add a tab to the dock, which is a sheet of its own on a phone.
+   * @param {string} tab
    * @param {string} label
    * @param {import('libgz/icons.js').IconName} image
    * @param {HTMLElement} content
@@ -171,6 +165,7 @@ export class Layout {
     this.docked.push({ tab, button, content });
     this.dockTabs.append(button);
     this.dockBody.append(content);
+    this.#addToNav(tab, label, image, () => this.#phoneTab(tab));
   }
 
   /** @param {KeyboardEvent} event */
@@ -186,7 +181,7 @@ export class Layout {
     next.button.focus();
   }
 
-  /** @param {DockTab} tab */
+  /** @param {string} tab */
   #phoneTab(tab) {
     if (this.sheet === 'dock' && this.tab === tab) this.toggle('dock', false);
     else this.openDock(tab);
@@ -213,7 +208,7 @@ export class Layout {
 
   /**
    * Open the dock at a tab.
-   * @param {DockTab} tab
+   * @param {string} tab
    */
   openDock(tab) {
     if (this.tab === tab && this.isOpen('dock')) return;
@@ -225,6 +220,7 @@ export class Layout {
   /** Show what is open. */
   apply() {
     const { isPhone } = this;
+    if (!this.docked.some(({ tab }) => tab === this.tab)) this.tab = this.docked[0]?.tab ?? '';
     for (const name of /** @type {PanelName[]} */ (['tree', 'inspector', 'dock'])) {
       const open = this.isOpen(name);
       if (name === 'dock') {
@@ -244,7 +240,7 @@ export class Layout {
     }
     for (const button of this.nav.querySelectorAll('button')) {
       const panel = button.getAttribute('data-panel');
-      const on = panel === 'plots' || panel === 'console' ? this.sheet === 'dock' && this.tab === panel : this.sheet === panel;
+      const on = this.sheet === panel || (this.sheet === 'dock' && this.tab === panel);
       button.setAttribute('aria-pressed', String(on));
     }
     document.documentElement.classList.toggle('phone', isPhone);

@@ -1,7 +1,7 @@
 """Joint: links, axes, motion and controllers of joints that are made and changed at run time."""
 
 import pytest
-from plugin_worlds import body
+from plugin_worlds import GROUND, body, collision
 
 from libgz.base.errors import ParameterError
 from libgz.classic import sensors
@@ -186,6 +186,34 @@ def test_position_and_velocity_are_set_and_integrated(arm):
     assert joint.GetVelocity(0) == pytest.approx(2.0)
     assert joint.Position() == pytest.approx(0.25 + 0.2)
     assert not joint.SetPosition(1, 0.0)
+
+
+def test_wheels_that_are_set_in_each_step_turn_a_robot_as_in_gazebo(run):
+    moments = "<inertia><ixx>{0}</ixx><iyy>{0}</iyy><izz>{0}</izz></inertia>"
+    parts = (
+        f"<link name='base'><pose>0 0 .15 0 0 0</pose><inertial><mass>5</mass>{moments.format(0.1)}</inertial></link>"
+    )
+    for side, y in (("l", 0.2), ("r", -0.2)):
+        for x in (0.1, -0.1):
+            name = f"{side}{x}"
+            parts += (
+                f"<link name='{name}'><pose>{x} {y} .1 -1.5707963 0 0</pose><inertial><mass>.5</mass>"
+                f"{moments.format(0.002)}</inertial>{collision('<sphere><radius>.1</radius></sphere>')}</link>"
+                f"<joint name='{name}' type='revolute'><parent>base</parent><child>{name}</child>"
+                "<axis><xyz>0 0 1</xyz></axis></joint>"
+            )
+    solver = "<iters>1000</iters><exact_rest>false</exact_rest>"
+    core, view = run(f"<physics><ode><solver>{solver}</solver></ode></physics>{GROUND}<model name='m'>{parts}</model>")
+    model = view.ModelByName("m")
+    wheels = [(joint, -2.0 if joint.GetName()[0] == "l" else 2.0) for joint in model.GetJoints()]
+    rates = []
+    for _ in range(200):
+        for joint, rate in wheels:
+            joint.SetVelocity(0, rate)
+        core.step(1)
+        rates.append(model.GetLink("base").WorldAngularVel().Z())
+    assert rates[:1] + rates[-1:] == pytest.approx([0.03298, 0.77951], rel=2e-4)  # Gazebo 11.1
+    assert model.WorldPose().Rot().Yaw() == pytest.approx(0.146981, rel=1e-3)
 
 
 def test_efforts_add_up_and_are_limited(arm):

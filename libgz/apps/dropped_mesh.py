@@ -134,7 +134,10 @@ def keep_mesh(name: str, data: Any) -> MeshModel:
         file = Path(temporary, "meshes", f"mesh{suffix}")
         file.parent.mkdir()
         file.write_bytes(body)
-        corners = np.concatenate([part.vertices for part in read_mesh(file)])
+        try:
+            corners = np.concatenate([part.vertices for part in read_mesh(file)])
+        except GazeboError as error:  # users know the file by its own name
+            raise GazeboError(str(error).replace(str(file), name[:100])) from None
         title = next(one for one in _names(stem) if not exists(root / one))
         model = MeshModel(title, root / title / "meshes" / file.name, corners.min(axis=0), corners.max(axis=0))
         config = f"<model><name>{title}</name><sdf version='1.6'>model.sdf</sdf></model>\n"

@@ -152,6 +152,8 @@ def test_a_dropped_mesh_becomes_a_model(ask, tmp_path, monkeypatch):
     ):
         with pytest.raises(GazeboError, match=r"mesh|empty"):
             ask("mesh", file=file, data=content)
+    with pytest.raises(GazeboError, match=r"^mesh a hollow\.stl "):  # not the file in which it was kept
+        ask("mesh", file="a hollow.stl", data=base64.b64encode(b"solid s").decode())
     with pytest.raises(GazeboError, match="a pose is seven finite numbers"):
         ask("mesh", file="a.stl", data=data, pose=[1.0])  # after it was kept
     assert sorted(one.name for one in (tmp_path / ".gazebo/models").iterdir()) == kept

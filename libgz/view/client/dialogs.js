@@ -13,7 +13,7 @@ import { isGround } from 'libgz/store.js';
 /** @typedef {{ name: string, title: string, group: string, about: string }} Model */
 
 const LARGEST = 24 << 20; // [bytes] of a file that is dropped
-const DESCRIPTIONS = ['sdf', 'urdf', 'world', 'xml', 'xacro'];
+const DESCRIPTIONS = ['sdf', 'urdf', 'world', 'xml'];
 const MESHES = ['dae', 'stl', 'obj', 'glb'];
 const DRIVING = [
   ['W A S D', 'Drive forward, left, back, right'],

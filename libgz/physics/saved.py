@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import Any
 
-__all__ = ["saved_names", "saved_values"]
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
+from libgz.physics.check import finite_tuple, rotation_tuple
+
+__all__ = ["saved_names", "saved_pose", "saved_values"]
 
 _type: Any = type  # mypy takes a class for no key of a cache
 
@@ -32,3 +35,15 @@ def saved_names(thing: Any) -> tuple[str, ...]:
 def saved_values(thing: Any) -> tuple[Any, ...]:
     """Their values, in the same order."""
     return _getter(_type(thing))(thing)
+
+
+def saved_pose(numbers: Sequence[Any]) -> GzPose:
+    """The pose of seven numbers in a state, which is not trusted.
+
+    Raises:
+        ParameterError: they are no pose.
+    """
+    return GzPose(
+        GzVector(*finite_tuple(numbers[:3], 3, "a saved position")),
+        GzQuatern(*rotation_tuple(numbers[3:], "a saved rotation")),
+    )

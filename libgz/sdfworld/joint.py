@@ -13,7 +13,6 @@ from libgz.base.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,
-    GzQuatern,
     GzQuaternInverse,
     GzVector,
     GzVectorAdd,
@@ -25,10 +24,11 @@ from libgz.base.geometry import (
 from libgz.base.law import constant, largest, law, least, possible, usually, where
 from libgz.ode.context import HeldEffort
 from libgz.physics.body import Body
-from libgz.physics.check import finite, unit_axis
+from libgz.physics.check import finite, finite_tuple, unit_axis
 from libgz.physics.couplings import Gears
 from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
+from libgz.physics.saved import saved_pose
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.sdfworld.joint_record import PARAMETERS, RANGES, JointRecord
@@ -278,11 +278,12 @@ class SdfJoint:
         self.release_deleted()
         name, (*ends, _), (_, _, _, pitch, ratio, feedback, *flags), axes, local, _ = state
         plan, tables, frames = self.plan, flags[3:6], (flags[6:13], flags[13:])
+        finite_tuple((pitch, ratio, flags[2]), 3, "pitch, ratio and step")
         plan.pitch, plan.ratio = pitch, ratio
-        self._in_child, self._in_parent = (GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:])) for frame in frames)
-        self._local = [GzVector(*axis) for axis in local]
+        self._in_child, self._in_parent = map(saved_pose, frames)
+        self._local = [GzVector(*finite_tuple(axis, 3, "an axis")) for axis in local]
         for axis, numbers in zip(self.axes, axes, strict=True):
-            axis.direction = GzVector(*numbers[:3])
+            axis.direction = GzVector(*finite_tuple(numbers[:3], 3, "an axis"))
             for key, number in zip(NUMBERS, numbers[3:], strict=True):
                 setattr(axis, key, number)
         self.record.given, self._stop_turns, self._spring_stops = map(dict, tables)

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
-from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzQuaternIdent, GzVector
+from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuaternIdent, GzVector
 from libgz.base.law import law
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST
 from libgz.physics.geom import Geom
 from libgz.physics.joint import Joint
 from libgz.physics.mass import Mass, about_centre, given_mass, is_possible, positive_definite
+from libgz.physics.saved import saved_pose
 from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, lost_link, read_joint
@@ -490,7 +491,7 @@ class SdfModel(Entity):
         """Links and joints that came since go, those that went are made again."""
         frame, added, joints, colliding = decode(state) if state is not None else (None, None, None, None)
         if frame is not None:
-            self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
+            self._frame = saved_pose(frame)
         places = dict(added or ())
         self.sdf_joints.remove_others(joints or NO_JOINTS)
         for name in [name for name in self._added if name not in places]:
@@ -499,7 +500,7 @@ class SdfModel(Entity):
             if name in self.links and self._number_of(name) != number:
                 self.remove_link(name)  # it came before what was built again
             body = self.links[name] if name in self.links else self.create_link(name)
-            local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
+            local, whole = map(saved_pose, start)
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         for name, body in self.links.items():
             self.set_self_collide(body, name in (colliding or ()))

@@ -224,11 +224,11 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any,
 
 
 def _require_objects(before: Any, value: Any) -> None:
-    """Check that a value has objects where there are some, also in containers: they are made in Load alone."""
+    """Check that a value has objects and ctypes arrays where there are some, also in containers: Load makes them."""
     kind = type(before)
     if kind in SCALARS or type(value) is Declared:
         return
-    if _class(kind).declares:
+    if _class(kind).declares or (issubclass(kind, ctypes.Array) and type(value) is not Items):
         raise StateError(f"the state is damaged: it has something else in place of a {kind.__name__}")
     if kind is dict:
         for key, item in before.items():

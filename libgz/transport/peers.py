@@ -35,6 +35,7 @@ class PeerCheck:
             self._tables = [table for table in TABLES if table.exists() and table.read_bytes()]
         except OSError:
             self._tables = []
+        self._asking = _answers()
         if not self._tables:
             log.warning("%s cannot be read: every user of this machine may connect to this server", TABLES[0])
 
@@ -55,10 +56,14 @@ class PeerCheck:
     def _owner(self, local: tuple[str, int], remote: tuple[str, int]) -> int | None:
         """The user of the socket with these ends; None if there is none."""
         uid = _asked_for(local, remote)
-        return self._listed(local, remote) if uid is None else uid
+        return self._listed(local, remote) if uid is None and not self._asking else uid
 
     def _listed(self, local: tuple[str, int], remote: tuple[str, int]) -> int | None:
-        """The same, by the kernel's lists of all sockets, which take milliseconds to read."""
+        """The same, by the kernel's lists of all sockets, which take up to 30 ms to read.
+
+        Who connects and leaves at once, again and again, would keep a server reading; so lists are read only where the
+        kernel answers no questions.
+        """
         wanted = {
             (_words(local[0], mapped), local[1], _words(remote[0], mapped), remote[1]) for mapped in (False, True)
         }
@@ -73,6 +78,15 @@ class PeerCheck:
                 if len(words) > 9 and _ends(words) in wanted and words[9] != b"0":
                     return int(words[7])
         return None
+
+
+def _answers() -> bool:
+    """Whether the kernel answers questions about sockets: it is asked about one of this process."""
+    try:
+        with socket.create_server(("127.0.0.1", 0)) as near, socket.create_connection(near.getsockname()) as own:
+            return _asked_for(own.getsockname(), own.getpeername()) is not None
+    except OSError:
+        return False
 
 
 def _asked_for(local: tuple[str, int], remote: tuple[str, int]) -> int | None:

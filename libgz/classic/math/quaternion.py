@@ -265,6 +265,10 @@ class Quaterniond(HasXYZ, GzQuatern):
     def Normalize(self) -> Quaterniond:
         """Scale it to length 1, and return it; of length 0, it becomes no rotation."""
         length = math.sqrt(self.Dot(self))
+        if length == math.inf and all(map(math.isfinite, self)):  # the squares overflow, not the length
+            largest = max(map(abs, self))
+            self.Set(*(value / largest for value in self))
+            length = math.sqrt(self.Dot(self))
         if length == 0.0:
             self.SetToIdentity()
         else:

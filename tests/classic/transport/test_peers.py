@@ -128,7 +128,12 @@ def test_one_question_finds_the_user_without_the_lists(monkeypatch, family, host
             assert PeerCheck().refusal(server) == ""
 
 
-def test_a_peer_that_has_closed_its_socket_is_not_taken_for_root():
+@pytest.mark.parametrize("asked", [True, False], ids=["asked", "listed"])
+def test_a_peer_that_has_closed_its_socket_is_not_taken_for_root(monkeypatch, asked):
+    if asked:  # any user can connect and leave at once: reading lists for each would keep the server busy
+        monkeypatch.setattr(PeerCheck, "_listed", lambda *_: pytest.fail("the lists were read"))
+    else:
+        monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)
     client, server = connected()
     with server:
         assert PeerCheck().refusal(server) == ""

@@ -26,6 +26,8 @@ MOST_PARTS = 64  # in one call
 GATHERING = 0.01  # [s] for which messages of a hurried world wait for others
 LONGEST_SEND = 0.1  # [s] that one thread waits until another has sent, which never waits for a socket
 MOST_CONNECTIONS = 1024
+MOST_INCOMPLETE = 1 << 27  # bytes of messages that have not come whole, of all connections together
+SHORT = 1 << 16  # bytes of one that is not looked at: that of a header
 PERIOD = 1.0  # [s] between two looks for peers that do not greet
 PAUSE = 0.25  # [s] without accepting, when no descriptors are left
 GREETING_TIME = 5.0  # [s] in which a peer must say what it wants
@@ -139,6 +141,12 @@ class Loop:
             return
         self.connections[connection] = None
         self.watch(connection, selectors.EVENT_READ)
+
+    def bound_incomplete(self) -> None:
+        """Close the connection with the longest incomplete message, if all together are too long."""
+        if sum(one.incomplete for one in self.connections) > MOST_INCOMPLETE:
+            longest = max(self.connections, key=lambda one: one.incomplete)
+            longest.close(f"the messages that have not come whole have more than {MOST_INCOMPLETE} bytes")
 
     def pause(self, listener: Listener) -> None:
         """Accept nothing for a while: a socket without descriptors for its connections would stay readable."""
@@ -325,8 +333,15 @@ class Connection:
             body = bytes(received[self.prefix : self.prefix + size])
             del received[: self.prefix + size]
             self.frame(body)
+        if len(received) > SHORT:
+            self.loop.bound_incomplete()
 
     prefix = 4
+
+    @property
+    def incomplete(self) -> int:
+        """How many bytes of a message have come that is not whole."""
+        return len(self._received)
 
     def frame_size(self, received: bytearray) -> int | None:
         """The size of the next frame; None if that is not known yet."""

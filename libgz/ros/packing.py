@@ -19,6 +19,7 @@ __all__ = ["CDR_HEADER", "Buffer", "Codec", "FormatError", "Schema", "codec", "r
 CDR_HEADER = b"\0\1\0\0"  # little endian, plain CDR (XCDR1)
 U32 = struct.Struct("<I")
 MOST_NESTED = 16  # types in types
+MOST_ITEMS = 100_000  # texts, times and messages in the lists of one message: each takes microseconds to read
 MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, sequences not counted
 
 # Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
@@ -194,7 +195,7 @@ class Codec:
         count = field.size or reader.count()
         if field.kind in NUMBERS:
             return reader.numbers(NUMBERS[field.kind], count)
-        reader.expect(count * self._least(field.kind))
+        reader.expect_items(count, self._least(field.kind))
         return [self._single(field.kind, reader) for _ in range(count)]
 
     def _least(self, kind: str) -> int:
@@ -481,6 +482,7 @@ class _Reader:
     def __init__(self, data: bytes, cdr: bool) -> None:
         self._data, self._cdr = data, cdr
         self._at = len(CDR_HEADER) if cdr else 0
+        self._items = 0  # of lists so far
         if cdr and data[:4] != CDR_HEADER:
             raise FormatError(f"the data do not begin as plain little-endian CDR: {data[:4].hex()}")
 
@@ -496,6 +498,17 @@ class _Reader:
         """
         if size > len(self._data) - self._at:
             raise FormatError(f"the data end after {len(self._data)} bytes; {size} more are needed at {self._at}")
+
+    def expect_items(self, count: int, least: int) -> None:
+        """Check that a list of so many items, each of some bytes at least, may follow.
+
+        Raises:
+            FormatError: too few bytes are left, or the message has too many items.
+        """
+        self.expect(count * least)
+        self._items += count
+        if self._items > MOST_ITEMS:
+            raise FormatError(f"its lists have more than {MOST_ITEMS} texts, times and messages")
 
     def number(self, letter: str) -> Any:
         """One number."""

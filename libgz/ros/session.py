@@ -183,13 +183,8 @@ class Service:
         """Answer a request now, or later."""
         try:
             result = self._handler(self._server.codecs[0].unpack(body))
-        except GazeboError as error:
-            log.error("service %s: %s", self.name, error)
-            answer(False, str(error).encode())
-            return
-        except Exception as error:
-            log.exception("service %s failed", self.name)
-            answer(False, str(error).encode())
+        except Exception as error:  # noqa: BLE001 - whatever a plugin raises
+            self.refuse(error, answer)
             return
         if not isinstance(result, Later):
             self.answer(result, answer)
@@ -206,8 +201,12 @@ class Service:
         try:
             answer(True, self._server.codecs[1].pack(response))
         except GazeboError as error:
-            log.error("service %s: %s", self.name, error)
-            answer(False, str(error).encode())
+            self.refuse(error, answer)
+
+    def refuse(self, why: Exception, answer: Callable[[bool, bytes], None]) -> None:
+        """Answer that a request is not granted."""
+        self._session.log_refusal(self.name, why, "service")
+        answer(False, str(why).encode())
 
 
 class Session(Closing):
@@ -260,10 +259,13 @@ class Session(Closing):
         """A parameter in a namespace, or in the nearest one around it that has it; None if none has."""
         return self.node.search_parameter(name, self.resolve("x", space).rpartition("/")[0])
 
-    def log_refusal(self, name: str, why: str) -> None:
-        """Log that a message of a topic is not obeyed; of many, at growing counts only."""
-        if self._refusals.due((name, why)):
-            log.error("topic %s: %s%s", name, why, self._refusals.times((name, why)))
+    def log_refusal(self, name: str, why: object, what: str = "topic") -> None:
+        """Log that a message of a topic, or a request of a service, is refused; of many, at growing counts only."""
+        text = str(why)
+        if self._refusals.due((name, text)):
+            unforeseen = isinstance(why, Exception) and not isinstance(why, GazeboError)
+            times = self._refusals.times((name, text))
+            log.error("%s %s: %s%s", what, name, text, times, exc_info=why if unforeseen else None)  # type: ignore[arg-type]
 
     def frame(self, name: str, space: str = "") -> str:
         """A frame of TF with the prefix that the parameter tf_prefix gives for a namespace."""
@@ -370,8 +372,7 @@ class Session(Closing):
             try:
                 response = later.poll()
             except GazeboError as error:
-                log.error("service %s: %s", service.name, error)
-                answer(False, str(error).encode())
+                service.refuse(error, answer)
                 continue
             if response is None and now > later.deadline:
                 response = later.overdue

@@ -9,7 +9,7 @@ from ros_types import JAZZY, NOETIC, described, stored
 from rosbags.typesys import Stores, get_typestore
 
 from libgz.base.errors import ParameterError
-from libgz.ros.packing import Codec, FormatError, codec, read_schema
+from libgz.ros.packing import MOST_ITEMS, Codec, FormatError, codec, read_schema
 from libgz.ros.types import NUMBERS, TIMES, MessageType, Stamp, message_type, service_type, type_names
 
 # What nodes of ROS say of types that rosbags does not know, from Gazebo's own gazebo_msgs and from Debian's tf2_msgs.
@@ -165,6 +165,9 @@ def test_damaged_bytes_are_refused():
     transforms = codec(message_type("tf2_msgs/TFMessage"))
     with pytest.raises(FormatError, match="end after 4 bytes"):
         transforms.unpack(b"\xff\xff\xff\xff")  # 4 billion transforms
+    many = struct.pack("<I", MOST_ITEMS + 1) + bytes(4 * (MOST_ITEMS + 1))
+    with pytest.raises(FormatError, match="more than 100000 texts"):  # it would take the time of many steps
+        codec(message_type("sensor_msgs/JointState")).unpack(bytes(16) + many + bytes(12))
     text = codec(message_type("std_msgs/String"))
     with pytest.raises(FormatError, match="UTF-8"):
         text.unpack(b"\1\0\0\0\xff")

@@ -347,6 +347,23 @@ def test_a_repeated_refusal_does_not_fill_the_log(node, master, caplog):
     assert caplog.text.count("does not publish '/none'") == 2  # the first one, and the hundredth
 
 
+def test_requests_that_are_none_do_not_fill_the_log(node, master, caplog):
+    kind = service_type("std_srvs/SetBool")
+    service = node.serve("switch", kind.name, lambda request: {}[request.data])  # which fails
+    answers = []
+    for body in (b"\1\1", b"\1"):
+        for _ in range(150):
+            service.handle(body, lambda good, text: answers.append(good))
+    assert answers == [False] * 300
+    refusals = [record for record in caplog.records if "service /switch" in record.getMessage()]
+    assert [record.exc_info is not None for record in refusals] == [
+        False,
+        False,
+        True,
+        True,
+    ]  # the first, the hundredth
+
+
 def test_all_of_many_clients_that_ask_at_once_and_keep_their_connections_are_answered(node):
     body = xmlrpc.client.dumps(("/tester",), "getPid").encode()
     head = b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Type: text/xml\r\nContent-Length: %d\r\n\r\n" % len(body)
@@ -507,6 +524,20 @@ def test_addresses_of_publishers_do_not_fill_the_log(node, master, caplog):
     assert 60 <= len(caplog.records) <= 110
     assert all(len(record.getMessage()) < 2000 for record in caplog.records)
     del subscription
+
+
+def test_messages_that_do_not_come_whole_have_a_common_bound(node, master, monkeypatch, caplog):
+    monkeypatch.setattr(loop_module, "MOST_INCOMPLETE", 1 << 20)
+    service = node.serve("serve", "std_srvs/SetBool", lambda _: None)
+    wait_for(lambda: "/serve" in master.services)
+    clients = [Service(master, "/serve") for _ in range(8)]
+    for client in clients:
+        with contextlib.suppress(OSError):  # of one that has the longest
+            client.socket.sendall(struct.pack("<I", 1 << 20) + bytes(300_000))
+    wait_for(lambda: "that have not come whole" in caplog.text)
+    wait_for(lambda: len(node.node._loop.connections) <= 4)
+    assert sum(one.incomplete for one in node.node._loop.connections) <= 1 << 20
+    del service
 
 
 def test_a_client_that_takes_no_answers_is_closed(node, master, caplog):

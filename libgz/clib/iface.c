@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -142,15 +143,38 @@ static int is_foreign(const gz_iface_t *self)
     return 1;
 }
 
+/* Whether a server's directory is that of this process's user, or of root, or, if this is root, of USER. In a directory
+ * like /tmp anybody can make one of this name, with links to files that the user's programs would then write into. */
+static int is_trusted(const char *directory)
+{
+    const char *name = getenv("USER");
+    const struct passwd *user;
+    struct stat about;
+
+    if (status_of_path(directory, &about) != 0)
+        return 1; /* opening a file in it reports why */
+    if (!S_ISDIR(about.st_mode)) {
+        GZ_ERROR("%s is no directory", directory);
+        return 0;
+    }
+    if (about.st_uid == geteuid() || about.st_uid == 0)
+        return 1;
+    user = geteuid() == 0 && name != NULL ? getpwnam(name) : NULL;
+    if (user != NULL && user->pw_uid == about.st_uid)
+        return 1;
+    GZ_ERROR("%s belongs to another user (uid %d)", directory, (int) about.st_uid);
+    return 0;
+}
+
 int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size)
 {
     struct stat about;
     size_t announced;
 
     self->client = client;
-    if (set_filename(self, client->filename, type, id) != 0)
+    if (!is_trusted(client->filename) || set_filename(self, client->filename, type, id) != 0)
         return -1;
-    self->mmap_fd = open(self->filename, O_RDWR | O_CLOEXEC);
+    self->mmap_fd = open(self->filename, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (self->mmap_fd < 0) {
         GZ_ERROR("error opening device file %s : %s", self->filename, strerror(errno));
         return -1;

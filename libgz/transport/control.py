@@ -19,7 +19,7 @@ from pathlib import Path
 from libgz.base.errors import ServerError
 from libgz.base.numbers import whole_number
 from libgz.base.waiting import wait_for
-from libgz.transport.paths import CONTROL_SOCKET, server_directory
+from libgz.transport.paths import CONTROL_SOCKET, check_owner, server_directory
 
 __all__ = ["Control", "Request", "ask"]
 
@@ -137,6 +137,7 @@ def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"", ti
     directory = server_directory(server_id)
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
         try:
+            check_owner(directory)
             connection.settimeout(timeout)
             with _short(directory) as folder:
                 connection.connect(f"{folder}/{CONTROL_SOCKET}")

@@ -30,7 +30,7 @@ from libgz.transport.layout import (
     for_abi,
     numpy_type,
 )
-from libgz.transport.paths import check_id, file_name
+from libgz.transport.paths import check_id, check_owner, file_name
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment, file_limit_hint, raise_file_limit
 from libgz.transport.tally import Tally
@@ -374,7 +374,8 @@ class Interface(Generic[D]):
         self._require_closed()
         path = f"{client.path}/{self.type}.{self.id}"
         try:
-            descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+            check_owner(client.path)
+            descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
         except OSError as error:
             hint = client.hint(self.type, self.id) if error.errno == errno.ENOENT else file_limit_hint(error)
             raise InterfaceError(f"error opening device file {path} : {error.strerror}{hint}") from None

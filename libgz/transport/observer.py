@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from libgz.base.closing import Closing
 from libgz.base.errors import ClosedError, InterfaceError, NotFoundError, ServerGoneError, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzVector
-from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_server_id, server_directory
+from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_owner, check_server_id, server_directory
 from libgz.transport.server import alive
 from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, JOINT_COLUMNS, MAGIC, Status, start_time
 
@@ -317,6 +317,7 @@ class Observer(Closing):
             InterfaceError: it is of another version of the format.
         """
         self.close()
+        check_owner(self.path)
         self._descriptor = os.open(f"{self.path}/{TABLES_FILE}", os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
         head = self._read_head()
         if head is None:

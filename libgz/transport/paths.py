@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import pwd
+import stat
 
 from libgz.base.errors import InterfaceError, ParameterError
 
@@ -14,6 +17,7 @@ __all__ = [
     "SCENE_FILE",
     "TABLES_FILE",
     "check_id",
+    "check_owner",
     "check_server_id",
     "file_name",
     "server_directory",
@@ -27,6 +31,7 @@ TABLES_FILE = ".observer.tables"
 SCENE_FILE = ".observer.scene"
 CONTROL_SOCKET = ".control"  # for requests of commands
 DATA_FILE = ".observer.data."  # and a digest of what is in it
+ROOT = 0
 LONGEST_PATH = 127  # the old library's buffers held 128 characters
 
 
@@ -42,6 +47,31 @@ def server_directory(server_id: int) -> str:
     if len(os.fsencode(path)) > LONGEST_PATH:
         raise ParameterError(f"the server's directory {path!r} is longer than {LONGEST_PATH} bytes; set TMP shorter")
     return path
+
+
+def check_owner(path: str) -> None:
+    """Check whose a server's directory is, before a client opens something in it.
+
+    In a directory like /tmp anybody can make one with the name of another user's server, and with links to files that
+    the user's programs would then write into.
+
+    Raises:
+        OSError: there is none, it is a link, or it belongs neither to this process's user, nor to root, nor, if this
+            is root, to USER.
+    """
+    about = os.lstat(path)
+    if not stat.S_ISDIR(about.st_mode):
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), path)
+    if about.st_uid not in (os.geteuid(), ROOT) and (os.geteuid() != ROOT or about.st_uid != _named_user()):
+        raise PermissionError(errno.EACCES, f"{path} belongs to another user (uid {about.st_uid})", path)
+
+
+def _named_user() -> int | None:
+    """The uid of USER, which root's programs may have from the user who started them."""
+    try:
+        return pwd.getpwnam(os.environ["USER"]).pw_uid
+    except KeyError:
+        return None
 
 
 def check_server_id(server_id: int) -> int:

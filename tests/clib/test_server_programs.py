@@ -1,5 +1,6 @@
 """C programs and servers: errors of clients, the end of a server, and servers in C."""
 
+import os
 import subprocess
 import threading
 import time
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from c_programs import compile_c, needs_compiler, run
+from served import serve
 
 import libgz
 from libgz.clib import library
@@ -63,6 +65,36 @@ def test_the_errors_are_those_of_the_old_library(tmp_path, flags, server):
         "expected file size: 921776 < 0",
     )
     assert all(word.partition(":")[0] in library.SOURCES and word.partition(":")[2].isdigit() for word in files)
+
+
+OPENER = r"""
+#include <stdlib.h>
+#include <gazebo.h>
+
+int main(int count, char **words)
+{
+    gz_client_t *client = gz_client_alloc();
+    (void) count;
+    gz_client_connect(client, atoi(words[1]));
+    return gz_position_open(gz_position_alloc(), client, words[2]) != 0;
+}
+"""
+
+
+@needs_compiler
+def test_files_of_other_users_and_links_are_not_opened(tmp_path, flags, server):
+    serve(server)
+    program = compile_c(tmp_path, OPENER, *flags)
+    run(program, server.server_id, "robot1")
+    (Path(server.path) / "position.link").symlink_to(Path(server.path) / "position.robot1")
+    assert "symbolic links" in run(program, server.server_id, "link", code=1).stderr
+    if os.geteuid() == 0:
+        os.chown(server.path, 65534, -1)
+        try:
+            done = run(program, server.server_id, "robot1", code=1)
+        finally:
+            os.chown(server.path, 0, -1)
+        assert f"{server.path} belongs to another user (uid 65534)" in done.stderr
 
 
 WAITER = r"""

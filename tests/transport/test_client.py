@@ -1,5 +1,6 @@
 """Clients: the old functions, the Pythonic client, and what they open."""
 
+import pwd
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ from served import serve
 import libgz
 from libgz.interfaces.laser import Laser
 from libgz.interfaces.sim import Sim
+from libgz.transport import paths
+from libgz.transport.control import ask
 
 
 def test_the_old_functions(server, caplog):
@@ -34,6 +37,42 @@ def test_the_old_functions(server, caplog):
     server.post()
     assert libgz.gz_client_wait(client) == 0
     assert libgz.gz_client_disconnect(client) == 0
+
+
+def test_a_directory_of_another_user_is_not_trusted(server, monkeypatch):
+    """Anybody can make one in /tmp that has the name of this user's server, and put links into it."""
+    serve(server)
+    serve(server, Sim, "default")
+    opened = [
+        lambda: libgz.Client(server.server_id).position("robot1"),
+        lambda: libgz.Observer(server.server_id),
+        lambda: ask(server.server_id, "save"),
+    ]
+    owner = Path(server.path).stat().st_uid
+    monkeypatch.setattr(paths.os, "geteuid", lambda: owner + 1)
+    monkeypatch.setattr(paths, "ROOT", owner + 2)
+    for one in opened:
+        with pytest.raises(libgz.GazeboError, match=f"belongs to another user .uid {owner}."):
+            one()
+    monkeypatch.setattr(paths, "ROOT", owner + 1)  # as root, from a shell of the server's user
+    monkeypatch.setenv("USER", pwd.getpwuid(owner).pw_name)
+    assert paths.check_owner(server.path) is None
+    monkeypatch.setenv("USER", "of nobody")
+    with pytest.raises(PermissionError):
+        paths.check_owner(server.path)
+
+
+def test_links_are_not_followed(server, tmp_path):
+    robot = serve(server)
+    serve(server, Sim, "default")
+    kept = tmp_path / "kept"
+    kept.write_bytes(bytes(robot.size))
+    (Path(server.path) / "position.link").symlink_to(kept)
+    with libgz.Client(server.server_id) as client, pytest.raises(libgz.GazeboError, match="symbolic links"):
+        client.position("link")
+    (tmp_path / "server").symlink_to(server.path)
+    with pytest.raises(NotADirectoryError):
+        paths.check_owner(str(tmp_path / "server"))
 
 
 def test_the_pythonic_client(server):

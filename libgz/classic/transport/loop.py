@@ -20,6 +20,7 @@ from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
 from libgz.classic.transport.topic import log
 from libgz.transport.peers import PeerCheck
+from libgz.transport.tally import Tally
 
 __all__ = ["Connection", "SocketLoop"]
 
@@ -61,6 +62,7 @@ class SocketLoop:
         self._writing: set[Connection] = set()  # whose sockets are full
         self._ending = False
         self._warned = False
+        self._failures = Tally(100)
         self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
         self._thread.start()
 
@@ -152,8 +154,11 @@ class SocketLoop:
     def _guarded(self, handler: Callable[..., None], *arguments: int) -> None:
         try:
             handler(*arguments)
-        except Exception:  # noqa: BLE001 - the thread must not end
-            log.exception("topics between processes: an event could not be handled")
+        except Exception as error:  # noqa: BLE001 - the thread must not end
+            kind = type(error).__name__
+            if self._failures.due(kind):  # a client may cause it again and again
+                times = self._failures.times(kind)
+                log.exception("topics between processes: an event could not be handled%s", times)
 
     def _pause(self) -> float | None:
         """Return how long to wait for events [s], and read again once there is time for it."""

@@ -7,7 +7,9 @@ connection; those that also want the last message from before, latching ones, ha
 
 from __future__ import annotations
 
+import collections
 import functools
+import math
 import socket
 import threading
 import time
@@ -32,6 +34,9 @@ SOURCES = 500  # connections of a server to publishers of other processes
 READING = ("_info", "_list", "_data", "_sdf")  # ends of the requests that only read a world
 LARGEST = 1 << 26, 1 << 30  # [bytes] of a message that a server and a client accept
 SEND_PATIENCE, CLOSE_PATIENCE = 10.0, (0.5, 5.0)  # [s] of a client for a slow receiver; of servers and clients
+LOOK_UPS = 16  # threads that look up names of machines, which may take seconds for each
+MOST_LOOK_UPS, LOOK_UP_AGAIN = 1000, 10.0  # names that wait, and when others have their turn [s]
+NO_ADDRESS = OSError, ValueError, OverflowError  # what names that are none, and their ports, raise
 ANSWER_PATIENCE = 5.0  # [s] for the master
 
 _Key = tuple[str, str, int]  # topic, host, port of a publisher
@@ -64,6 +69,9 @@ class Network:
         self._advertised: dict[str, Any] = {}  # topic to what was announced
         self._subscribed: dict[str, Any] = {}
         self._sources: dict[tuple[_Key, int], Connection] = {}  # for all subscribers, 0, or for one, its id
+        self._unknown: dict[_Key, float] = {}  # publishers without an address -> when it is looked up again [s]
+        self._to_look_up: collections.deque[tuple[Topic, _Key]] = collections.deque()
+        self._lookers = 0  # threads
         self._namespaces: list[str] = []
         self._registered: set[str] = set()  # of this process
         self._ready = threading.Event()
@@ -157,7 +165,10 @@ class Network:
             self._add_publisher(message_type("Publish").FromString(content))
         elif kind in ("publisher_del", "unadvertise"):
             found: Any = message_type("Publish").FromString(content)
-            self._publishers.pop((found.topic, found.host, found.port), None)
+            key = found.topic, found.host, found.port
+            self._publishers.pop(key, None)
+            if self._unknown.get(key, math.inf) < math.inf:
+                del self._unknown[key]
             self._types = {key[0]: name for key, name in self._publishers.items()}
         elif kind == "topic_info_response":
             with self._answered:
@@ -236,8 +247,9 @@ class Network:
             if key[0] == topic.name and target not in wanted:
                 del self._sources[key, target]
                 connection.close()
+        now = time.monotonic()
         for key, type_name in list(self._publishers.items()):
-            if key[0] == topic.name:
+            if key[0] == topic.name and self._unknown.get(key, 0.0) <= now:
                 for target, subscriber in wanted.items():
                     if (key, target) not in self._sources:
                         self._open_source(topic, key, type_name, target, subscriber)
@@ -252,8 +264,8 @@ class Network:
         try:
             flags = socket.AI_NUMERICHOST if host != "localhost" else 0
             family, kind, protocol, _, where = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)[0]
-        except OSError:
-            threading.Thread(target=self._look_up, args=(topic, key), daemon=True).start()
+        except NO_ADDRESS:
+            self._look_up_soon(topic, key)
             return
         made = socket.socket(family, kind, protocol)
         made.setblocking(False)
@@ -272,20 +284,50 @@ class Network:
     def _forget_source(self, key: _Key, target: int) -> None:
         self._sources.pop((key, target), None)
 
-    def _look_up(self, topic: Topic, key: _Key) -> None:
-        """Find the address of a publisher's machine by its name, in a thread: it may take seconds."""
-        try:
-            host = str(socket.getaddrinfo(key[1], key[2], type=socket.SOCK_STREAM)[0][4][0])
-        except OSError:
+    def _look_up_soon(self, topic: Topic, key: _Key) -> None:
+        """Find the address of a publisher's machine by its name, in one of few threads: it may take seconds."""
+        if self._unknown.get(key) == math.inf:
             return
+        if len(self._to_look_up) >= MOST_LOOK_UPS:
+            self._unknown[key] = time.monotonic() + LOOK_UP_AGAIN
+            return
+        self._unknown[key] = math.inf
+        self._to_look_up.append((topic, key))
+        if self._lookers < LOOK_UPS:
+            self._begin_look_up()
 
-        def replace() -> None:
-            type_name = self._publishers.pop(key, None)
-            if type_name is not None:
-                self._publishers[key[0], host, key[2]] = type_name
-                self._connect_sources(topic)
+    def _begin_look_up(self) -> None:
+        self._lookers += 1
+        threading.Thread(target=self._look_up_all, name="names", daemon=True).start()
 
-        self._loop.call(replace)
+    def _look_up_all(self) -> None:
+        while self._to_look_up:
+            try:
+                topic, key = self._to_look_up.popleft()
+            except IndexError:
+                break
+            try:
+                host = str(socket.getaddrinfo(key[1], key[2], type=socket.SOCK_STREAM)[0][4][0])
+            except NO_ADDRESS:
+                host = ""
+            self._loop.call(functools.partial(self._replace_publisher, topic, key, host))
+        self._loop.call(self._end_look_up)
+
+    def _end_look_up(self) -> None:
+        self._lookers -= 1
+        if self._to_look_up:  # it came meanwhile
+            self._begin_look_up()
+
+    def _replace_publisher(self, topic: Topic, key: _Key, host: str) -> None:
+        """Connect to a publisher whose machine has an address now; an empty one: it was not found."""
+        if key not in self._publishers:
+            self._unknown.pop(key, None)
+        elif not host:
+            self._unknown[key] = time.monotonic() + LOOK_UP_AGAIN
+        else:
+            self._unknown.pop(key, None)
+            self._publishers[key[0], host, key[2]] = self._publishers.pop(key)
+            self._connect_sources(topic)
 
     def _take(self, topic: Topic, type_name: str, subscriber: weakref.ref[LocalSubscriber] | None, data: bytes) -> None:
         if self.watch_only:

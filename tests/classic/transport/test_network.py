@@ -24,6 +24,7 @@ from libgz.classic.transport import (
     getAdvertisedTopics,
     init,
     is_stopped,
+    network,
     publicized_address,
     run,
     serve,
@@ -421,3 +422,35 @@ def test_a_collection_of_garbage_does_not_make_a_server_deaf():
         assert 2.9 < found[0] < 3.1
     finally:
         loop.close(0.0)
+
+
+def test_names_of_machines_that_are_none_are_left_out_and_few_are_looked_up_at_a_time(uri, node, monkeypatch, caplog):
+    looking, free, most = [], threading.Event(), 0
+    asked = network.socket.getaddrinfo
+
+    def slow(host, *values, **options):
+        if threading.current_thread().name == "names" and host.startswith("slow"):
+            looking.append(host)
+            free.wait(PATIENCE)
+        return asked(host, *values, **options)
+
+    monkeypatch.setattr(network.socket, "getaddrinfo", slow)
+    try:
+        with serve() as link:
+            heard = []
+            subscriber = node.Subscribe("/gazebo/w/talk", heard.append)
+            client = Connection(link.address.port)
+            names = ["a" * 300, "..", "\0", "", *(f"slow{i}.invalid" for i in range(3 * network.LOOK_UPS))]
+            for number, name in enumerate(names):
+                publish = msgs.Publish(topic="/gazebo/w/talk", host=name, port=number + 1, msg_type="gazebo.msgs.Any")
+                client.send("advertise", publish)
+            client.ask("get_publishers", "publisher_list", "Publishers")  # all of them have been handled
+            wait(lambda: len(looking) >= network.LOOK_UPS - 4)  # the names that are none may still be looked up
+            most = len(looking)
+            free.set()
+            wait(lambda: len(set(looking)) == len(looking) == 3 * network.LOOK_UPS)  # each once
+            assert subscriber is not None
+    finally:
+        free.set()
+    assert most <= network.LOOK_UPS
+    assert "could not be handled" not in caplog.text

@@ -13,6 +13,20 @@ from typing import NoReturn
 
 __all__ = ["gazebo", "gz", "gzclient", "gzserver", "importing", "libgz"]
 
+OWN_FRAME = 1 << 16  # of a command [words]; as much again is left in that piece of memory for those that it calls
+
+Command = Callable[[], int]
+
+
+def _with_large_stack(command: Command) -> Command:
+    """A command whose calls find place for their frames in one piece of memory, which is mapped once.
+
+    CPython maps 16 KB for frames, and unmaps them when the call that needed them returns. Calls that come and go at
+    such a border, as those of importlib do while modules import each other, map memory thousands of times.
+    """
+    command.__code__ = command.__code__.replace(co_stacksize=OWN_FRAME)
+    return command
+
 
 @contextmanager
 def importing() -> Iterator[None]:
@@ -37,7 +51,7 @@ def _end(number: int, _frame: FrameType | None) -> NoReturn:
     os._exit(128 + number)
 
 
-def _run(main: Callable[[], int]) -> int:
+def _run(main: Command) -> int:
     """Run a command, in which a Ctrl-C raises KeyboardInterrupt; after it, one ends the process as before it."""
     if signal.getsignal(signal.SIGINT) is not _end:
         return main()
@@ -48,6 +62,7 @@ def _run(main: Callable[[], int]) -> int:
         signal.signal(signal.SIGINT, _end)
 
 
+@_with_large_stack
 def gazebo() -> int:
     """The command gazebo."""
     with importing():
@@ -55,6 +70,7 @@ def gazebo() -> int:
     return _run(main)
 
 
+@_with_large_stack
 def gz() -> int:
     """The command gz."""
     with importing():
@@ -62,6 +78,7 @@ def gz() -> int:
     return _run(main)
 
 
+@_with_large_stack
 def gzclient() -> int:
     """The command gzclient."""
     with importing():
@@ -69,6 +86,7 @@ def gzclient() -> int:
     return _run(main)
 
 
+@_with_large_stack
 def gzserver() -> int:
     """The command gzserver."""
     with importing():
@@ -76,6 +94,7 @@ def gzserver() -> int:
     return _run(main)
 
 
+@_with_large_stack
 def libgz() -> int:
     """The command libgz."""
     with importing():

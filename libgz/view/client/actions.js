@@ -281,3 +281,17 @@ const ARROWS = { Left: '←', Right: '→', Up: '↑', Down: '↓' };
  */
 export const keyName = (key) =>
   key.replace(/Arrow(\w+)/, (_, way) => ARROWS[/** @type {keyof typeof ARROWS} */ (way)]).replace('Delete', 'Del').replace('Escape', 'Esc').replaceAll('+', ' + ');
+
+/**
+ * An action as an entry of a menu.
+ * @param {Action} action
+ * @returns {import('libgz/menu.js').Entry}
+ */
+export const entryOf = (action) => ({
+  label: labelOf(action),
+  icon: iconOf(action),
+  hint: action.keys?.[0] && keyName(action.keys[0]),
+  disabled: !isUsable(action),
+  checked: action.on?.(),
+  action: () => action.act(),
+});

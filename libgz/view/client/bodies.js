@@ -208,11 +208,8 @@ export class Bodies {
   /** Where an instance is. @param {Instance} instance @param {Matrix4} into */
   matrix(instance, into) {
     placed(instance.pose, 0, into, instance.scale);
-    if (instance.row < 0) return into;
-    const { state } = this.store;
-    const columns = state?.bodyColumns ?? 16;
-    if (!state || columns * (instance.row + 1) > state.bodies.length) return into;
-    return into.premultiply(placed(state.bodies, columns * instance.row, frame));
+    const body = this.store.bodyPose(instance.row);
+    return body ? into.premultiply(placed(body, 0, frame)) : into;
   }
 
   /**

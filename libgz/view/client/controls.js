@@ -5,7 +5,7 @@
  */
 
 import { element, newId, setText } from 'libgz/dom.js';
-import { short } from 'libgz/format.js';
+import { hexOf, partsOf, short } from 'libgz/format.js';
 
 /**
  * @typedef {import('libgz/workplace.js').Workplace} Workplace
@@ -175,11 +175,10 @@ export function lightControls({ ask }, entity) {
       element('input', {
         id,
         type: 'color',
-        value: `#${tint.map((part) => Math.round(255 * part).toString(16).padStart(2, '0')).join('')}`,
+        value: hexOf(tint),
         on: {
           input: (/** @type {Event} */ event) => {
-            const text = /** @type {HTMLInputElement} */ (event.target).value;
-            tint = [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
+            tint = partsOf(/** @type {HTMLInputElement} */ (event.target).value);
             send(0);
           },
         },

@@ -79,6 +79,27 @@ export function show(node, shown) {
   if (node.hidden === shown) node.hidden = !shown;
 }
 
+/**
+ * Follow a pointer from where it is pressed on an element until it is released.
+ * @param {HTMLElement} target
+ * @param {(event: PointerEvent) => { move: (event: PointerEvent) => void, end?: () => void } | undefined} begin undefined
+ *   for what is not to be followed
+ */
+export function onDrag(target, begin) {
+  target.addEventListener('pointerdown', (event) => {
+    const drag = begin(event);
+    if (!drag) return;
+    event.preventDefault();
+    target.setPointerCapture(event.pointerId);
+    target.addEventListener('pointermove', drag.move);
+    const end = () => {
+      target.removeEventListener('pointermove', drag.move);
+      drag.end?.();
+    };
+    target.addEventListener('lostpointercapture', end, { once: true });
+  });
+}
+
 let numbers = 0;
 
 /**

@@ -4,7 +4,7 @@
  * @module
  */
 
-import { element, fill, newId, show } from 'libgz/dom.js';
+import { element, fill, newId, onDrag, show } from 'libgz/dom.js';
 import { slider } from 'libgz/controls.js';
 import { icon } from 'libgz/icons.js';
 import { recall, remember } from 'libgz/settings.js';
@@ -135,10 +135,8 @@ export class Drive {
     };
     window.addEventListener('blur', stop);
     document.addEventListener('visibilitychange', () => document.hidden && stop());
-    this.pad.addEventListener('pointerdown', (event) => {
-      event.preventDefault();
+    onDrag(this.pad, (event) => {
       this.pad.focus({ preventScroll: true });
-      this.pad.setPointerCapture(event.pointerId);
       /** @param {PointerEvent} moved */
       const move = (moved) => {
         const box = this.pad.getBoundingClientRect();
@@ -148,17 +146,12 @@ export class Drive {
         this.#place([-y / reach / far, -x / reach / far, 0]);
         this.#act();
       };
+      const end = () => {
+        this.#place([0, 0, 0]);
+        this.#act();
+      };
       move(event);
-      this.pad.addEventListener('pointermove', move);
-      this.pad.addEventListener(
-        'lostpointercapture',
-        () => {
-          this.pad.removeEventListener('pointermove', move);
-          this.#place([0, 0, 0]);
-          this.#act();
-        },
-        { once: true },
-      );
+      return { move, end };
     });
   }
 

@@ -5,7 +5,7 @@
  */
 
 import { element, newId } from 'libgz/dom.js';
-import { capitalized, short as shortest, shownUnit } from 'libgz/format.js';
+import { capitalized, hexOf, partsOf, short as shortest, shownUnit } from 'libgz/format.js';
 
 const PLACES = new Set(['xyz', 'rpy', 'pose']);
 const NOTHING = 1e-11; // what is smaller is shown as zero
@@ -166,7 +166,7 @@ function fieldOf(id, { type, value, options, label }) {
     return {
       field: box,
       write: (shown) => (box.value = hexOf(shown)),
-      read: () => [...[1, 3, 5].map((at) => parseInt(box.value.slice(at, at + 2), 16) / 255), ...parts.slice(3)],
+      read: () => [...partsOf(box.value), ...parts.slice(3)],
     };
   }
   if (type === 'vector') {
@@ -196,7 +196,3 @@ function fieldOf(id, { type, value, options, label }) {
     write: (shown) => (box.value = isText ? String(shown ?? '') : short(Number(shown))),
   };
 }
-
-/** @param {number[]} parts red, green and blue, 0 to 1 */
-const hexOf = (parts) =>
-  `#${parts.slice(0, 3).map((part) => Math.round(255 * Math.min(Math.max(part, 0), 1)).toString(16).padStart(2, '0')).join('')}`;

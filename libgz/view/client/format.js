@@ -80,3 +80,10 @@ export const shownUnit = (unit) => unit.replaceAll('^2', '²').replaceAll('^3', 
 
 /** @param {string} text */
 export const capitalized = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+/** A colour as controls have it: #rrggbb. @param {number[]} parts red, green and blue, 0 to 1 */
+export const hexOf = (parts) =>
+  `#${parts.slice(0, 3).map((part) => Math.round(255 * Math.min(Math.max(part, 0), 1)).toString(16).padStart(2, '0')).join('')}`;
+
+/** Red, green and blue, 0 to 1. @param {string} hex #rrggbb */
+export const partsOf = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);

@@ -11,7 +11,7 @@ import { element, fill, newId, setText, show, throttled } from 'libgz/dom.js';
 import { anglesOf, degrees, fixed, quaternionOf, radians, short } from 'libgz/format.js';
 import { icon } from 'libgz/icons.js';
 import { menuButton } from 'libgz/menu.js';
-import { DRAGGED, keyOf, unitOf } from 'libgz/series.js';
+import { DRAGGED, keyOf, POSES, SPEEDS, unitOf } from 'libgz/series.js';
 import { recall, remember } from 'libgz/settings.js';
 import { entityMenu, imageOf } from 'libgz/tree.js';
 
@@ -188,7 +188,7 @@ export class Inspector {
       this.root,
       this.#head(imageOf(entity), entity.id, entity.type || entity.kind, number),
       this.#pose(number, entity, key),
-      moving && !entity.static && this.#section('Velocity', ['vx', 'vy', 'vz', 'wx', 'wy', 'wz'].map((name) => this.#value(key(name), 3, name))),
+      moving && !entity.static && this.#section('Velocity', SPEEDS.map((name) => this.#value(key(name), 3, name))),
       controls,
       details,
       this.#section('Interfaces', entity.interfaces.map((one) => this.#interface(`${one.type}.${one.id}`, []))),
@@ -228,11 +228,8 @@ export class Inspector {
     fill(
       this.root,
       this.#head('link', name || 'body', `link of ${entity.id}`, undefined, () => store.select({ entity: entity.number })),
-      this.#section('Pose', [
-        ...['x', 'y', 'z'].map((value) => this.#value(key(value), 3, value)),
-        ...['roll', 'pitch', 'yaw'].map((value) => this.#value(key(value), 3, value)),
-      ]),
-      row >= 0 && !body.static && this.#section('Velocity', ['vx', 'vy', 'vz', 'wx', 'wy', 'wz'].map((value) => this.#value(key(value), 3, value))),
+      this.#section('Pose', POSES.map((value) => this.#value(key(value), 3, value))),
+      row >= 0 && !body.static && this.#section('Velocity', SPEEDS.map((value) => this.#value(key(value), 3, value))),
       this.#section('Shapes', shapes.map((shape) => this.#text(shape.name || shape.kind, () => shapeText(shape)))),
       this.#section('Sensors', entity.sensors.filter((sensor) => sensor.body === body.id).map((sensor) => this.#sensorRow(entity.number, entity, sensor))),
     );
@@ -423,7 +420,7 @@ export class Inspector {
     const { store } = workplace;
     const editable = store.control && store.abilities.has('move') && entity.kind !== 'joints';
     if (!editable)
-      return this.#section('Pose', ['x', 'y', 'z', 'roll', 'pitch', 'yaw'].map((name) => this.#value(key(name), 3, name)));
+      return this.#section('Pose', POSES.map((name) => this.#value(key(name), 3, name)));
     /** @type {HTMLInputElement[]} */
     const inputs = [];
     const present = () => {
@@ -446,7 +443,7 @@ export class Inspector {
       const turn = quaternionOf(radians(roll), radians(pitch), radians(yaw));
       void workplace.ask('move', '-', { name: entity.id, pose: [x, y, z, ...turn] });
     };
-    const rows = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'].map((name, place) => {
+    const rows = POSES.map((name, place) => {
       const id = newId('pose');
       const digits = place < 3 ? 3 : 1;
       const input = element('input', {

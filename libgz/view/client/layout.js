@@ -4,7 +4,7 @@
  * @module
  */
 
-import { element, show } from 'libgz/dom.js';
+import { element, onDrag, show } from 'libgz/dom.js';
 import { icon } from 'libgz/icons.js';
 import { recall, remember } from 'libgz/settings.js';
 import { splitter } from 'libgz/splitter.js';
@@ -118,18 +118,15 @@ export class Layout {
   #sheetGrip() {
     for (const name of /** @type {PanelName[]} */ (['tree', 'inspector', 'dock'])) {
       const head = /** @type {HTMLElement} */ (this.panels[name].firstElementChild);
-      head.addEventListener('pointerdown', (event) => {
-        if (!this.isPhone || /** @type {Element} */ (event.target).closest('button, [role=tab]')) return;
-        event.preventDefault();
-        head.setPointerCapture(event.pointerId);
-        /** @param {PointerEvent} moved */
-        const move = (moved) => {
-          const share = (window.innerHeight - moved.clientY) / window.innerHeight;
-          this.root.style.setProperty('--sheet', `${Math.round(100 * Math.min(Math.max(share, 0.15), 0.85))}%`);
-          if (share < 0.14) this.toggle(name, false);
+      onDrag(head, ({ target }) => {
+        if (!this.isPhone || /** @type {Element} */ (target).closest('button, [role=tab]')) return undefined;
+        return {
+          move: ({ clientY }) => {
+            const share = (window.innerHeight - clientY) / window.innerHeight;
+            this.root.style.setProperty('--sheet', `${Math.round(100 * Math.min(Math.max(share, 0.15), 0.85))}%`);
+            if (share < 0.14) this.toggle(name, false);
+          },
         };
-        head.addEventListener('pointermove', move);
-        head.addEventListener('lostpointercapture', () => head.removeEventListener('pointermove', move), { once: true });
       });
     }
   }

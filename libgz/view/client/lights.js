@@ -115,10 +115,8 @@ export class Lights {
   /** @param {number} row @param {any} shape */
   _place(row, shape) {
     placed(shape.pose, 0, matrix);
-    const { state } = this.store, columns = state?.bodyColumns ?? 16;
-    if (state && row >= 0 && columns * (row + 1) <= state.bodies.length) {
-      matrix.premultiply(placed(state.bodies, columns * row, new Matrix4()));
-    }
+    const pose = this.store.bodyPose(row);
+    if (pose) matrix.premultiply(placed(pose, 0, new Matrix4()));
     matrix.decompose(place, turn, size);
   }
 

@@ -310,9 +310,8 @@ export class Marks {
   /** Where a body is. @param {number} body 0 for the world @param {Matrix4} into @returns {Matrix4 | null} */
   _frame(body, into) {
     if (body === 0) return into.identity();
-    const row = this._rows.get(body), { state } = this.store, columns = state?.bodyColumns ?? 16;
-    if (row === undefined || row < 0 || !state || columns * (row + 1) > state.bodies.length) return null;
-    return placed(state.bodies, columns * row, into);
+    const pose = this.store.bodyPose(this._rows.get(body) ?? -1);
+    return pose && placed(pose, 0, into);
   }
 
   /** The parts of a model that are shown. @param {any[]} parts */

@@ -19,8 +19,8 @@ import { anglesOf } from 'libgz/format.js';
 
 export const DRAGGED = 'application/x-libgz-series';
 
-const POSES = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
-const SPEEDS = ['vx', 'vy', 'vz', 'wx', 'wy', 'wz'];
+export const POSES = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
+export const SPEEDS = ['vx', 'vy', 'vz', 'wx', 'wy', 'wz'];
 const UNITS = ['m', 'm', 'm', 'rad', 'rad', 'rad', 'm/s', 'm/s', 'm/s', 'rad/s', 'rad/s', 'rad/s'];
 const NAMES = [...POSES, ...SPEEDS];
 const VELOCITY = 10; // its column in the table of bodies

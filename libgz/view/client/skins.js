@@ -78,12 +78,10 @@ export class Skins {
 
   /** Bend all skins as in the present state. */
   move() {
-    const { state } = this.store, columns = state?.bodyColumns ?? 16;
-    if (!state) return;
     for (const { mesh, bones, rows } of this.skins) {
       bones.forEach((bone, i) => {
-        if (rows[i] < 0 || columns * (rows[i] + 1) > state.bodies.length) return;
-        placed(state.bodies, columns * rows[i], bone.matrix).decompose(bone.position, bone.quaternion, bone.scale);
+        const pose = this.store.bodyPose(rows[i]);
+        if (pose) placed(pose, 0, bone.matrix).decompose(bone.position, bone.quaternion, bone.scale);
       });
       Object.assign(mesh, { boundingSphere: null, boundingBox: null }); // rays of the pointer find it at its new place
     }

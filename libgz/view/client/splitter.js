@@ -4,7 +4,7 @@
  * @module
  */
 
-import { element } from 'libgz/dom.js';
+import { element, onDrag } from 'libgz/dom.js';
 import { recall, remember } from 'libgz/settings.js';
 
 /**
@@ -40,22 +40,16 @@ export function splitter(root, { name, label, side, size, least, most }) {
   };
   set(now);
   window.addEventListener('resize', () => set(recall(`size.${name}`, size)));
-  edge.addEventListener('pointerdown', (event) => {
-    if (event.button !== 0) return;
-    event.preventDefault();
-    edge.setPointerCapture(event.pointerId);
+  onDrag(edge, (event) => {
+    if (event.button !== 0) return undefined;
     const [start, at] = [now, upright ? event.clientX : event.clientY];
-    /** @param {PointerEvent} moved */
-    const move = (moved) => {
-      const way = (upright ? moved.clientX : moved.clientY) - at;
-      set(start + (side === 'left' ? way : -way));
+    return {
+      move: (moved) => {
+        const way = (upright ? moved.clientX : moved.clientY) - at;
+        set(start + (side === 'left' ? way : -way));
+      },
+      end: () => remember(`size.${name}`, now),
     };
-    const end = () => {
-      edge.removeEventListener('pointermove', move);
-      remember(`size.${name}`, now);
-    };
-    edge.addEventListener('pointermove', move);
-    edge.addEventListener('lostpointercapture', end, { once: true });
   });
   edge.addEventListener('dblclick', () => {
     set(size);

@@ -4,7 +4,7 @@
  * @module
  */
 
-import { iconOf, isOffered, isUsable, keyName, labelOf } from 'libgz/actions.js';
+import { entryOf, isOffered } from 'libgz/actions.js';
 import { element, fill, newId, setText, show } from 'libgz/dom.js';
 import { clock, fixed } from 'libgz/format.js';
 import { icon } from 'libgz/icons.js';
@@ -54,7 +54,7 @@ export class Toolbar {
       'Views',
       () =>
         [actions.fit, actions.focus, actions.follow, null, actions.front, actions.back, actions.left, actions.right, actions.top, actions.iso].map(
-          (action) => (action ? this.#entry(action) : { line: true }),
+          (action) => (action ? entryOf(action) : { line: true }),
         ),
     );
 
@@ -91,18 +91,6 @@ export class Toolbar {
     return tool.root;
   }
 
-  /** @param {Action} action @returns {import('libgz/menu.js').Entry} */
-  #entry(action) {
-    return {
-      label: labelOf(action),
-      icon: iconOf(action),
-      hint: action.keys?.[0] && keyName(action.keys[0]),
-      disabled: !isUsable(action),
-      checked: action.on?.(),
-      action: () => action.act(),
-    };
-  }
-
   /** What the bar has no space for. */
   #more() {
     const { actions } = this.workplace;
@@ -115,7 +103,7 @@ export class Toolbar {
       [actions.theme, actions.help],
     ];
     return groups
-      .map((group) => group.filter(isOffered).map((action) => this.#entry(action)))
+      .map((group) => group.filter(isOffered).map((action) => entryOf(action)))
       .filter((group) => group.length)
       .flatMap((group, i) => (i ? [{ line: true }, ...group] : group));
   }

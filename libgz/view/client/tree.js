@@ -9,7 +9,7 @@
 import { element, fill, setText } from 'libgz/dom.js';
 import { icon } from 'libgz/icons.js';
 import { openMenu } from 'libgz/menu.js';
-import { isOffered, iconOf, isUsable, keyName, labelOf } from 'libgz/actions.js';
+import { entryOf, isOffered } from 'libgz/actions.js';
 import { marks } from 'libgz/switches.js';
 
 /**
@@ -411,14 +411,7 @@ export function entityMenu(workplace, number) {
   return [
     ...[actions.focus, actions.follow, actions.translate, actions.rotate, actions.duplicate, actions.align, actions.remove]
       .filter(isOffered)
-      .map((action) => ({
-        label: labelOf(action),
-        icon: iconOf(action),
-        hint: action.keys?.[0] && keyName(action.keys[0]),
-        disabled: !isUsable(action),
-        danger: action === actions.remove,
-        action: () => action.act(),
-      })),
+      .map((action) => ({ ...entryOf(action), checked: undefined, danger: action === actions.remove })),
     { line: true },
     { label: 'Hidden', checked: store.isOn('hidden', number), action: () => store.setSwitch('hidden', !store.isOn('hidden', number), number) },
     { label: 'Locked', checked: store.isOn('locked', number), action: () => store.setSwitch('locked', !store.isOn('locked', number), number) },

@@ -4,7 +4,7 @@
  * @module
  */
 
-import { element } from 'libgz/dom.js';
+import { element, onDrag } from 'libgz/dom.js';
 import { icon } from 'libgz/icons.js';
 import { recall, remember } from 'libgz/settings.js';
 
@@ -50,7 +50,7 @@ export class FloatingWindow {
     this.put(x, y);
     this.front();
     this.root.addEventListener('pointerdown', () => this.front());
-    bar.addEventListener('pointerdown', (event) => this.#drag(event, bar));
+    onDrag(bar, (event) => this.#drag(event));
     if (resizable) this.#addCorner();
   }
 
@@ -81,49 +81,28 @@ export class FloatingWindow {
     this.root.style.top = `${this.y}px`;
   }
 
-  /**
-   * @param {PointerEvent} event
-   * @param {HTMLElement} bar
-   */
-  #drag(event, bar) {
-    if (event.button !== 0 || /** @type {Element} */ (event.target).closest('button')) return;
-    event.preventDefault();
-    bar.setPointerCapture(event.pointerId);
+  /** Move it by its bar. @param {PointerEvent} event */
+  #drag(event) {
+    if (event.button !== 0 || /** @type {Element} */ (event.target).closest('button')) return undefined;
     const [x, y] = [event.clientX - (this.x ?? 0), event.clientY - (this.y ?? 0)];
-    /** @param {PointerEvent} moved */
-    const move = (moved) => this.put(moved.clientX - x, moved.clientY - y);
-    bar.addEventListener('pointermove', move);
-    bar.addEventListener(
-      'lostpointercapture',
-      () => {
-        bar.removeEventListener('pointermove', move);
-        remember(`window.${this.name}`, [this.x, this.y]);
-      },
-      { once: true },
-    );
+    return {
+      move: (/** @type {PointerEvent} */ moved) => this.put(moved.clientX - x, moved.clientY - y),
+      end: () => remember(`window.${this.name}`, [this.x, this.y]),
+    };
   }
 
   #addCorner() {
     const corner = element('div', { class: 'window-corner', 'aria-hidden': 'true' });
     this.root.append(corner);
-    corner.addEventListener('pointerdown', (event) => {
-      event.preventDefault();
-      corner.setPointerCapture(event.pointerId);
+    onDrag(corner, (event) => {
       const width = this.root.offsetWidth - event.clientX;
-      /** @param {PointerEvent} moved */
-      const move = (moved) => {
-        const most = this.area.clientWidth - (this.x ?? 0);
-        this.root.style.width = `${Math.max(Math.min(width + moved.clientX, most), 140)}px`;
-      };
-      corner.addEventListener('pointermove', move);
-      corner.addEventListener(
-        'lostpointercapture',
-        () => {
-          corner.removeEventListener('pointermove', move);
-          remember(`window.${this.name}.width`, this.root.offsetWidth);
+      return {
+        move: (moved) => {
+          const most = this.area.clientWidth - (this.x ?? 0);
+          this.root.style.width = `${Math.max(Math.min(width + moved.clientX, most), 140)}px`;
         },
-        { once: true },
-      );
+        end: () => remember(`window.${this.name}.width`, this.root.offsetWidth),
+      };
     });
   }
 }

@@ -53,6 +53,27 @@ static int is_beyond(double value, double most)
     return !(value >= -most && value <= most);
 }
 
+static inline void read_body(const context *c, int64_t i, double *row)
+{
+    void *body = c->bodies[i];
+    const double *p = dBodyGetPosition(body), *q = dBodyGetQuaternion(body);
+    const double *v = dBodyGetLinearVel(body), *w = dBodyGetAngularVel(body);
+    double offset[3];
+    int k;
+    rotate(q, c->com + 3 * i, offset);
+    for (k = 0; k < 3; k++) {
+        row[k] = p[k] - offset[k];
+        row[7 + k] = p[k];
+        row[10 + k] = v[k];
+        row[13 + k] = w[k];
+    }
+    for (k = 0; k < 4; k++)
+        row[3 + k] = q[k];
+}
+
+/* Copy the state of one body to its row. */
+void gz_read_body(context *c, int64_t i) { read_body(c, i, c->body_state + 16 * i); }
+
 /* Copy the states of all bodies to a table; returns how many of them diverged. After a step, find the accelerations in
  * it, where motion is recorded. */
 int64_t read_bodies(const context *c, double *state, int stepped)
@@ -63,26 +84,15 @@ int64_t read_bodies(const context *c, double *state, int stepped)
         void *body = c->bodies[i];
         double *row = state + 16 * i;
         double *motion = c->body_motion + MOTION_COLUMNS * i; /* velocities so far, from begin_motion */
-        const double *p, *q, *v, *w;
-        double offset[3];
+        const double *v = row + 10, *w = row + 13;
         int beyond = 0;
         if (!body)
             continue;
-        p = dBodyGetPosition(body);
-        q = dBodyGetQuaternion(body);
-        v = dBodyGetLinearVel(body);
-        w = dBodyGetAngularVel(body);
-        rotate(q, c->com + 3 * i, offset);
+        read_body(c, i, row);
         for (k = 0; k < 3; k++) {
-            row[k] = p[k] - offset[k];
-            row[7 + k] = p[k];
-            row[10 + k] = v[k];
-            row[13 + k] = w[k];
-            beyond |= is_beyond(p[k], c->max_distance);
+            beyond |= is_beyond(row[7 + k], c->max_distance);
             beyond |= is_beyond(v[k], DIVERGED_SPEED) | is_beyond(w[k], DIVERGED_SPEED);
         }
-        for (k = 0; k < 4; k++)
-            row[3 + k] = q[k];
         for (k = 0; stepped && c->record_motion && k < 3; k++) {
             motion[k] = (v[k] - motion[k]) / c->step;
             motion[3 + k] = (w[k] - motion[3 + k]) / c->step;

@@ -132,6 +132,7 @@ typedef struct {
     X(const double *, dBodyGetAngularVel, (void *))                             \
     X(const double *, dBodyGetForce, (void *))                                  \
     X(void, dBodySetPosition, (void *, double, double, double))                 \
+    X(void, dBodySetQuaternion, (void *, const double *))                       \
     X(void, dBodySetLinearVel, (void *, double, double, double))                \
     X(void, dBodySetAngularVel, (void *, double, double, double))               \
     X(void, dBodySetForce, (void *, double, double, double))                    \

@@ -6,7 +6,7 @@ import contextlib
 import ctypes
 import functools
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import c_double, c_int64, c_void_p
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import LibraryError
-from libgz.base.records import check_sizes
+from libgz.base.geometry import GzPose
+from libgz.base.records import TableRecord, check_sizes
 from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
@@ -27,6 +28,7 @@ LIBRARY = Path(__file__).with_name("_step.so")
 LONGEST = 0.01  # [s] of real time without Python, if there is more than one step; then signals are noticed
 _ALLOCATORS = tuple(f"d{verb}{what}Handler" for what in ("Alloc", "Realloc", "Free") for verb in ("Get", "Set"))
 _loading = threading.Lock()
+_NO_TURN = (1.0, 0.0, 0.0, 0.0)
 # ODE's classes of joints by their number; those without a name have no rows.
 _JOINTS = (
     *("", "Ball", "Hinge", "Slider", "Contact", "Universal", "Hinge2", "Fixed", "", "AMotor", "LMotor", "Plane2D"),
@@ -96,6 +98,9 @@ class Step:
         library.gz_parts_size.restype = ctypes.c_size_t
         library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         library.gz_place.argtypes, library.gz_place.restype = [c_void_p, c_int64, c_void_p, c_void_p], None
+        for move in (library.gz_turn_bodies, library.gz_carry_bodies):
+            move.argtypes, move.restype = [c_void_p, c_void_p, c_int64, c_void_p, ctypes.c_int], c_int64
+        library.gz_read_body.argtypes, library.gz_read_body.restype = [c_void_p, c_int64], None
         library.gz_set_contacts.restype = None
         library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         sizes = library.gz_step_context_size(), library.gz_parts_size()
@@ -168,6 +173,42 @@ class Step:
         positions, turns = (np.ascontiguousarray(array, dtype=np.float64) for array in (positions, turns))
         handles = (c_void_p * len(geoms))(*geoms)
         self._shared.gz_place(handles, len(geoms), positions.ctypes.data, turns.ctypes.data)
+
+    def read_body(self, row: int) -> None:
+        """Copy the state of one body to its row."""
+        self._shared.gz_read_body(self._address, row)
+
+    def turn_bodies(
+        self,
+        tables: TableRecord,
+        rows: Sequence[int],
+        point: Iterable[float],
+        rotation: Iterable[float],
+        slide: Iterable[float],
+        still: bool,
+    ) -> int:
+        """Turn bodies about a point [m] by a rotation, and slide them [m].
+
+        Args:
+            tables: where they are.
+            rows: of them.
+            still: whether they are at rest then.
+
+        Returns:
+            How many were moved: the pose of the next one is one that Python refuses, or needs a larger range.
+        """
+        motion = (*point, *_NO_TURN, 0.0, 0.0, 0.0, *rotation, *slide)
+        return self._move(self._shared.gz_turn_bodies, tables, rows, motion, still)
+
+    def carry_bodies(self, tables: TableRecord, rows: Sequence[int], before: GzPose, after: GzPose, still: bool) -> int:
+        """Move bodies with a frame, from one global pose of it to another [m]; the rest is as of `turn_bodies`."""
+        motion = (*before.pos, *before.rot, *after.pos, *after.rot, 0.0, 0.0, 0.0)
+        return self._move(self._shared.gz_carry_bodies, tables, rows, motion, still)
+
+    @staticmethod
+    def _move(function: Any, tables: TableRecord, rows: Sequence[int], motion: Sequence[float], still: bool) -> int:
+        count = len(rows)
+        return int(function(ctypes.byref(tables), (c_int64 * count)(*rows), count, (c_double * 17)(*motion), still))
 
     def publish(self, publication: Publication) -> None:
         """Copy header and states to a mapped file, with its counter odd meanwhile; the tables stay as they are."""

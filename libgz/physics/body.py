@@ -197,7 +197,8 @@ class Body:
         """Copy the state from ODE: another thread may be stepping it, or have destroyed the body."""
         self._require_open()
         if not self._table.fresh[self.row]:
-            self._table.read(self.row)
+            self.engine.native.read_body(self.row)
+            self._table.fresh[self.row] = 1
 
     def GetPose(self) -> GzPose:
         """Global pose of the body frame [m]."""

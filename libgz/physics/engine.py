@@ -12,6 +12,7 @@ import logging
 import math
 import weakref
 from collections.abc import Callable, Iterator, Sequence
+from itertools import takewhile
 from threading import get_ident
 from typing import Any, Protocol
 
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
-from libgz.base.geometry import VectorLike
+from libgz.base.geometry import GzPose, GzQuatern, GzVector, VectorLike
 from libgz.base.law import law
 from libgz.base.quota import Quota
 from libgz.ode.context import SOLVERS, HeldEffort, RayScan, StepContext
@@ -472,6 +473,29 @@ class Engine:
                 body.Enable(True)
 
     @exclusive
+    def turn_bodies(
+        self, bodies: Sequence[Any], point: GzVector, rotation: GzQuatern, slide: GzVector, still: bool
+    ) -> int:
+        """Turn bodies about a global point [m] by a rotation, and slide them [m], at rest then if wanted.
+
+        Returns:
+            How many were moved, from the first one on. `Body.SetPose` is for the next one: it is a dummy, or closed, or
+            its pose is not one that can be set as it is.
+        """
+        rows = self._movable(bodies)
+        return self.native.turn_bodies(self.tables.record, rows, point, rotation, slide, still) if rows else 0
+
+    @exclusive
+    def carry_bodies(self, bodies: Sequence[Any], before: GzPose, after: GzPose) -> int:
+        """Move bodies, at rest then, with a frame from one global pose of it to another [m]; as `turn_bodies`."""
+        rows = self._movable(bodies)
+        return self.native.carry_bodies(self.tables.record, rows, before, after, True) if rows else 0
+
+    def _movable(self, bodies: Sequence[Any]) -> list[int]:
+        """The rows of the first bodies, up to one that native code does not move."""
+        return [body.row for body in takewhile(lambda body: body.row >= 0 and not body.closed, bodies)]
+
+    @exclusive
     def sort_geoms(self) -> None:
         """Bring moving geoms into the order of their bodies: contacts are found in it, and ODE keeps that of movement.
 
@@ -506,10 +530,13 @@ class Engine:
         return self._state.get()
 
     @exclusive
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: dict[str, Any]) -> bool:
         """Set a state of `get_state`: what follows is the same to the bit as what followed then.
 
         Joints, geoms, bodies and spaces that are not in it are closed.
+
+        Returns:
+            Whether more than numbers in memory has changed: objects, or settings.
 
         Raises:
             StateError: bodies, geoms, joints or spaces of the state are missing, and nothing was changed; or it was
@@ -517,7 +544,7 @@ class Engine:
             LibraryError, ClosedError: as `get_state`.
         """
         _ = self.world
-        self._state.set(state)
+        return self._state.set(state)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from libgz.base.geometry import (
@@ -45,10 +45,11 @@ def links_behind(child: Body | None, parent: Body | None) -> list[Body]:
     return list(found)
 
 
-def move_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector, keep_velocities: bool) -> None:
+def move_links(links: Sequence[Body], anchor: GzVector, turn: GzVector, slide: GzVector, keep_velocities: bool) -> None:
     """Turn links about an anchor [m] by a rotation vector [rad], slide them [m], and stop them if asked to."""
     rotation = GzQuaternFromAxis(turn.x, turn.y, turn.z, GzVectorMag(turn))
-    for link in links:
+    moved = links[0].engine.turn_bodies(links, anchor, rotation, slide, not keep_velocities) if links else 0
+    for link in links[moved:]:
         pose = link.GetPose()
         arm = rotate(rotation, GzVectorSub(pose.pos, anchor))
         link.SetPose(GzPose(GzVectorAdd(GzVectorAdd(anchor, arm), slide), GzQuaternMul(rotation, pose.rot)))

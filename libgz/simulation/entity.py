@@ -335,8 +335,9 @@ class Entity:
         """
         pose = GzPoseOf(pose)
         with self.world.lock:
-            before = self.GetPose()
-            for body in self.bodies:
+            before, bodies = self.GetPose(), list(self.bodies)
+            moved = bodies[0].engine.carry_bodies(bodies, before, pose) if bodies else 0
+            for body in bodies[moved:]:
                 relative = GzCoordPoseSub(body.GetPose(), before)
                 body.SetPose(GzCoordPoseAdd(relative, pose))
                 body.SetLinearVel(STILL)

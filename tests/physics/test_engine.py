@@ -8,8 +8,10 @@ from engine_parts import G, box, busy_world, ground, solid
 
 import libgz
 from libgz.base.errors import ClosedError, GazeboError, ParameterError
+from libgz.base.geometry import GzVector
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
+from libgz.sdfworld.links import move_links
 
 
 def test_free_fall_is_semi_implicit_euler():
@@ -324,3 +326,29 @@ def test_stops_taken_away_while_they_are_met(monkeypatch):
         hinge.SetTorque(5.0)
         engine.step()
     assert hinge.GetAngleRate() > 5.0
+
+
+def poses_after(move, native, monkeypatch):
+    """The states of three bodies, one of them a dummy, after one was moved with the others."""
+    engine, random = Engine(), np.random.default_rng(2)
+    bodies = [solid(engine, box(0.1, 0.2, 0.3), position=random.uniform(-2, 2, 3).tolist()) for _ in range(2)]
+    bodies.insert(1, libgz.Body(engine, dummy=True))
+    for body in bodies:
+        body.SetRotation(random.normal(size=4).tolist())
+        body.geoms and body.geoms[0].SetRelativePose(libgz.GzPose(libgz.GzVector(0.1, 0.2, 0.3), body.GetRotation()))
+        body.SetLinearVel((1.0, 2.0, 3.0))
+    engine.step()
+    if not native:
+        monkeypatch.setattr(engine, "turn_bodies", lambda *_: 0)
+    move(engine, bodies)
+    engine.step()
+    return [(*body.GetPose().pos, *body.GetPose().rot, *body.GetLinearVel()) for body in bodies]
+
+
+@pytest.mark.parametrize("still", [False, True])
+@pytest.mark.parametrize("distance", [0.3, 5e8])
+def test_bodies_are_turned_natively_as_in_python(still, distance, monkeypatch):
+    def turn(_engine, bodies):
+        move_links(bodies, GzVector(0.3, -0.2, 0.1), GzVector(0.4, 0.7, -0.2), GzVector(distance, 0.0, 0.2), not still)
+
+    assert poses_after(turn, True, monkeypatch) == poses_after(turn, False, monkeypatch)

@@ -285,6 +285,19 @@ SAVED = """<?xml version="1.0"?>
 """
 
 
+def test_models_are_moved_natively_as_in_python(monkeypatch):
+    states = []
+    for native in (True, False):
+        with libgz.World.from_file("pioneer2at") as world:
+            world.step(5)
+            if not native:
+                monkeypatch.setattr(world.engine, "carry_bodies", lambda *_: 0)
+            pose = GzPose(GzVector(1.1, -0.7, 0.9), GzQuaternFromEuler(0.3, -0.2, 2.0))
+            world.SetModelPose(world.model("robot1"), pose)
+            states.append([world.get_state(), world.step(5), world.get_state()])
+    assert states[0] == states[1]
+
+
 def test_save_writes_poses_of_top_level_models(tmp_path):
     path = tmp_path / "w.world"
     path.write_text(SAVED)

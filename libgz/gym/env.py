@@ -152,6 +152,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.sampled: dict[str, Any] = {}
         self.outcome = Outcome(0, 0)  # until its sizes are known
         self._law: LawCall | None = None
+        self._bound: tuple[World, int] | None = None  # the world of the last `_bind`, and how often its rows were built
         self.world = self._load(self._sampled(np.random.default_rng(0)), 0)  # so that wrong paths fail here
         try:
             self._prepare(period, settle, time_limit)
@@ -232,6 +233,11 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _bind(self, patience: int = 0) -> None:
         """Find what actions write and observations read, among the present objects of the world."""
+        rows = self.world.rows
+        now = (self.world, rows.builds) if rows.valid else None
+        if now is not None and now == self._bound:  # the objects are the same
+            return
+        self._bound = now
         named, self._made = self._tables()
         for left in range(patience, -1, -1):
             try:
@@ -283,8 +289,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _observation(self) -> NDArray[Any]:
         """The one that `measure` computed last."""
-        space: Any = self.observation_space
-        return np.array(self.outcome.seen, space.dtype).reshape(space.shape)
+        space: Any = self._observations
+        return self.outcome.seen.astype(space.dtype).reshape(space.shape)
 
     def _space(self) -> spaces.Space[Any]:
         if "" in self._made:
@@ -325,6 +331,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.world.reseed(world_seed)
         if self._start is not None:
             self._start(self.world, self.np_random, options or {})
+        if self._law is not None:
+            self._law.renew()  # for what the start has set
         self._settle(self._settling)
         shapes = [one.shape for one in self._readings]
         self._bind(patience=MOST_SETTLING if self._settling else 0)
@@ -357,11 +365,16 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             world.step(count)
         return self._outcome(action, self._observe())
 
-    def step_beside(self, action: Any) -> Task[Any]:
-        """`step`, for environments whose worlds step beside each other in a `Crew`."""
+    def step_beside(self, action: Any, values: list[float] | None = None) -> Task[Any]:
+        """`step`, for environments whose worlds step beside each other in a `Crew`.
+
+        Args:
+            action: as of `step`.
+            values: its numbers, if they are within their bounds, see `clipped_rows`.
+        """
         world, law = self.world, self._law
         measured = False
-        for count in self._act(self._clipped(action)):
+        for count in self._act(self._clipped(action) if values is None else values):
             measured = count == self._count
             yield from world.step_beside(count, law if measured else None)
         return self._outcome(action, self._observation() if law is not None and measured else self._observe())
@@ -431,6 +444,15 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             if whole:
                 values[index] = round(values[index])
         return values
+
+    def clipped_rows(self, actions: NDArray[Any]) -> list[list[float]] | None:
+        """The numbers of many actions, a row each, within their bounds; None where each has to be looked at."""
+        space: Any = self.action_space
+        floats = actions.dtype.kind == "f" and actions.shape[1:] == space.shape
+        if not floats or any(whole for *_, whole in self._bounds) or not np.isfinite(actions).all():
+            return None
+        rows: list[list[float]] = np.clip(actions.astype(np.float64), space.low, space.high).tolist()
+        return rows
 
     def _information(self) -> dict[str, Any]:
         found: dict[str, Any] = {"sim_time": self.world.GetSimTime()}

@@ -374,8 +374,18 @@ class Model(Entity):
         self.modelSpaceId.close()
 
 
+_plan_names: weakref.WeakKeyDictionary[type, frozenset[str]] = weakref.WeakKeyDictionary()
+
+
 def _names_in_plans(kind: type) -> frozenset[str]:
     """The names of the attributes that the plans of a class mention: its methods `plan_...` and `_plan_...`."""
+    found = _plan_names.get(kind)
+    if found is None:
+        found = _plan_names[kind] = _found_in_plans(kind)
+    return found
+
+
+def _found_in_plans(kind: type) -> frozenset[str]:
     methods = (item for base in kind.__mro__ for item in vars(base).items())
     plans = [plan for name, plan in methods if name.lstrip("_").startswith("plan_") and isinstance(plan, FunctionType)]
     return frozenset(name for plan in plans for name in _names_in(plan.__code__))

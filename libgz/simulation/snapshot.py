@@ -87,7 +87,8 @@ class Snapshots:
     def __init__(self, world: World) -> None:
         self._world = world
         self.failures: list[GazeboError] = []
-        self._proven: bytes | None = None  # the state that was set last, if no code of users had a part in it
+        # The state that was set last, if no code of users had a part in it, and its parts.
+        self._proven: tuple[bytes, dict[str, Any]] | None = None
 
     def save(self) -> bytes:
         """The state between two steps; the caller holds the world's lock.
@@ -142,15 +143,15 @@ class Snapshots:
                 again is missing.
         """
         data = bytes(data)
-        saved = self._decoded(data)
-        again = data is self._proven and not anew and self._is_of_libgz()
+        proven, self._proven = self._proven, None
+        again = proven is not None and data is proven[0] and not anew and self._is_of_libgz()
+        saved = proven[1] if proven is not None and again else self._decoded(data)
         before = None if again else self._saved_before()
-        self._proven = None
         try:
-            self._set(data, saved, anew)
+            self._set(data, saved, anew, again=again)
             if self.failures:
                 raise self.failures[0]
-            self._proven = data if self._is_of_libgz() else None
+            self._proven = (data, saved) if self._is_of_libgz() else None
         except USER_ERRORS as error:
             cause = self.failures[0] if self.failures else error
             left = self._undo(before) if before is not None else ""
@@ -206,21 +207,23 @@ class Snapshots:
             raise StateError("the state is damaged: it has not the parts of one")
         return saved
 
-    def _set(self, data: bytes, saved: dict[str, Any], anew: bool, *, undoing: bool = False) -> None:
+    def _set(
+        self, data: bytes, saved: dict[str, Any], anew: bool, *, again: bool = False, undoing: bool = False
+    ) -> None:
         """Set a state: twice if plugins came or went, for their Load may have changed what was set already."""
         self.failures.clear()
         try:
             state.restoring(True)
-            again = self._set_once(saved, anew)
-            if again and (undoing or not self.failures):
+            twice = self._set_once(saved, anew, again)
+            if twice and (undoing or not self.failures):
                 self.failures.clear()
                 state.restoring(True)
                 self._set_once(self._decoded(data), False)
         finally:
             state.restoring(False)
 
-    def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
-        """Set a state; whether a companion asks for setting it once more."""
+    def _set_once(self, saved: dict[str, Any], anew: bool, again: bool = False) -> bool:
+        """Set a state, perhaps the one that was set last; whether a companion asks for setting it once more."""
         world, listed = self._world, saved["list"]
         keep = 0 if anew else self._fit_for_plugins(saved)
         other = keep < len(world.entities) or listed != self._list()
@@ -243,22 +246,22 @@ class Snapshots:
             for entity, row in zip(world.entities, rows, strict=True):
                 _load_relatives(world, entity, row)
         self._load_entities(saved["entities"])
-        world.update_rows_changed()
         if other:
             world.followers[:] = [world.entities[index] for index in listed["followers"]]
-        again = False
+        twice = False
         for companion in world.companions:
-            again |= companion.set_state(saved["companions"].get(_name(companion)))
+            twice |= companion.set_state(saved["companions"].get(_name(companion)))
         for name, extension in self._extensions():
             if name in saved["extensions"]:
                 state.set_values(extension, saved["extensions"][name])
-        world.engine.set_state(saved["engine"])
+        if world.engine.set_state(saved["engine"]) or other or not again or state.replaced():
+            world.update_rows_changed()
         present = self._interfaces()
         for kind, name, content in saved["interfaces"]:
             interface = present.get((kind, name))
             if interface is not None:
                 interface.set_bytes(content)
-        return again
+        return twice
 
     def _fit_for_plugins(self, saved: dict[str, Any]) -> int:
         """How many entities may stay: a Load that makes a joint fails, or has none, where that joint is there."""

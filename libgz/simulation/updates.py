@@ -401,7 +401,7 @@ class LawCall:
     """A law that is computed between steps: natively where that is possible, else in Python.
 
     It is recorded again when what it takes as constant has changed and the rows of the world have been built again
-    since, as those of laws that are done in steps.
+    since, as those of laws that are done in steps, or `renew` was called.
 
     Args:
         world: of the bodies and joints that it uses.
@@ -430,6 +430,10 @@ class LawCall:
             self._builds = rows.builds
             self._record_again()
         return 0 if self._record is None else ctypes.addressof(self._record)
+
+    def renew(self) -> None:
+        """Record it again before it is computed next, if what it takes as constant has changed."""
+        self._builds = -1
 
     def _record_again(self) -> None:
         recorder = Recorder()

@@ -10,6 +10,7 @@ from libgz.base.errors import ParameterError
 from libgz.base.law import law, where
 from libgz.gym import WorldVectorEnv
 from libgz.gym.tasks import WORLDS
+from libgz.simulation.rate import UpdateRate
 
 MEASURED = [name for name, kind in libgz.gym.TASKS.items() if kind.measure is not libgz.gym.WorldEnv.measure]
 
@@ -99,3 +100,39 @@ def test_what_is_set_in_an_episode_counts():
         env.joint.set_position(-0.5)
         env.step([0.0])
         assert (env.reset(seed=1)[0] == first).all()
+
+
+class Aim(Tip):
+    """A tip whose reward depends on a number that each start sets."""
+
+    def begin(self, world, random, _options):
+        super().begin(world, random, _options)
+        self.aim = float(random.uniform())
+
+    @law
+    def measure(self):
+        super().measure()
+        self.outcome.reward = self.outcome.reward + self.aim
+
+
+def test_a_law_sees_what_a_start_has_set():
+    env = Aim()
+    for seed in range(3):
+        env.reset(seed=seed)
+        assert env.step([0.0])[1] == env.aim
+    env.close()
+
+
+def test_a_reset_that_changes_numbers_alone_keeps_the_rows():
+    env = gymnasium.make("libgz/Balance-v0").unwrapped
+    builds = []
+    for _ in range(4):
+        env.reset(seed=1)
+        env.step(env.action_space.sample())
+        builds.append(env.world.rows.builds)
+    assert builds[1:] == builds[1:2] * 3
+    env.world.model("robot1").rate = UpdateRate(5.0)  # which the plan of its update has
+    env.reset(seed=1)
+    env.step(env.action_space.sample())
+    assert env.world.rows.builds > builds[-1]
+    env.close()

@@ -142,9 +142,10 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if modes == AutoresetMode.DISABLED and self._ended.any():
             number = int(self._ended.argmax())
             raise ParameterError(f"environment {number} has ended; reset it by options={{'reset_mask': ...}}")
+        clipped: Sequence[Any] = self.envs[0].clipped_rows(rows) or [None] * self.num_envs
         tasks = [
-            _reset(env) if ended else env.step_beside(row)
-            for env, row, ended in zip(self.envs, rows, again.tolist(), strict=True)
+            _reset(env) if ended else env.step_beside(row, values)
+            for env, row, values, ended in zip(self.envs, rows, clipped, again.tolist(), strict=True)
         ]
         rewards, ends, cuts = np.zeros(self.num_envs), *(np.zeros(self.num_envs, np.bool_) for _ in range(2))
         infos: list[dict[str, Any]] = []
@@ -163,13 +164,15 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def _joined(self, infos: list[dict[str, Any]]) -> dict[str, Any]:
         """The infos of all environments as Gymnasium has them: an array of each entry, and a mask of who has it."""
-        kinds = _kinds(infos[0])
         joined: dict[str, Any] = {}
-        if _PLAIN.issuperset(kinds.values()) and all(_kinds(info) == kinds for info in infos):
-            for key, kind in kinds.items():
-                joined[key] = np.array([info[key] for info in infos], kind)
-                joined[f"_{key}"] = np.ones(len(infos), np.bool_)
-            return joined
+        if all(info.keys() == infos[0].keys() for info in infos):
+            columns = {key: [info[key] for info in infos] for key in infos[0]}
+            kinds = {key: {*map(type, column)} for key, column in columns.items()}
+            if all(len(found) == 1 and _PLAIN.issuperset(found) for found in kinds.values()):
+                for key, column in columns.items():
+                    joined[key] = np.array(column, type(column[0]))
+                    joined[f"_{key}"] = np.ones(len(infos), np.bool_)
+                return joined
         for number, info in enumerate(infos):
             joined = self._add_info(joined, info, number)
         return joined
@@ -226,10 +229,6 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _check_open(self) -> None:
         if self.closed:
             raise ClosedError("the environments are closed")
-
-
-def _kinds(info: dict[str, Any]) -> dict[str, type]:
-    return {key: type(value) for key, value in info.items()}
 
 
 def _reset(env: WorldEnv) -> Task[Outcome]:

@@ -18,6 +18,7 @@ from libgz.ros.types import Message, service_type
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, World
+    from libgz.ros.own_node import OwnNode
 
 __all__ = ["SERVICES", "WorldApi"]
 
@@ -61,9 +62,9 @@ class WorldApi(Services):
     services = SERVICES
     topics = {"set_model_state": "gazebo_msgs/ModelState", "set_link_state": "gazebo_msgs/LinkState"}
 
-    def __init__(self, session: Session, world: World, space: str = "", **more: Any) -> None:
+    def __init__(self, session: Session, world: World, space: str = "", node: OwnNode | None = None) -> None:
         self._world = world
-        super().__init__(session, world.core, space, **more)
+        super().__init__(session, world.core, space, node)
 
     # Models ------------------------------------------------------------------------------------------------------
 

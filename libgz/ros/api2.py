@@ -13,9 +13,22 @@ from libgz.ros.session import Later, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
-__all__ = ["SERVICES2", "STATES", "StateApi", "WorldApi2"]
+__all__ = ["PROPERTIES", "SERVICES2", "STATES", "PropertiesApi", "StateApi", "WorldApi2"]
 
 STATES = {"get_entity_state": "gazebo_msgs/GetEntityState", "set_entity_state": "gazebo_msgs/SetEntityState"}
+
+PROPERTIES = {
+    name: f"gazebo_msgs/{name.title().replace('_', '')}"
+    for name in (
+        "get_joint_properties",
+        "get_light_properties",
+        "get_link_properties",
+        "get_model_properties",
+        "set_joint_properties",
+        "set_light_properties",
+        "set_link_properties",
+    )
+}
 
 # Services of ROS 2 -> their types.
 SERVICES2 = {
@@ -24,19 +37,13 @@ SERVICES2 = {
     "clear_joint_efforts": "gazebo_msgs/JointRequest",
     "clear_link_wrenches": "gazebo_msgs/LinkRequest",
     "delete_entity": "gazebo_msgs/DeleteEntity",
-    "get_joint_properties": "gazebo_msgs/GetJointProperties",
-    "get_light_properties": "gazebo_msgs/GetLightProperties",
-    "get_link_properties": "gazebo_msgs/GetLinkProperties",
     "get_model_list": "gazebo_msgs/GetModelList",
-    "get_model_properties": "gazebo_msgs/GetModelProperties",
     "pause_physics": "std_srvs/Empty",
     "reset_simulation": "std_srvs/Empty",
     "reset_world": "std_srvs/Empty",
-    "set_joint_properties": "gazebo_msgs/SetJointProperties",
-    "set_light_properties": "gazebo_msgs/SetLightProperties",
-    "set_link_properties": "gazebo_msgs/SetLinkProperties",
     "spawn_entity": "gazebo_msgs/SpawnEntity",
     "unpause_physics": "std_srvs/Empty",
+    **PROPERTIES,
     **STATES,
 }
 
@@ -184,7 +191,13 @@ class WorldApi2(WorldApi):
         self.clear(request.joint_name)
 
 
+class PropertiesApi(WorldApi2):
+    """The services of the world plugin gazebo_ros_properties, as its node has them."""
+
+    services = PROPERTIES
+
+
 class StateApi(WorldApi2):
-    """The services of the world plugin gazebo_ros_state, in its namespace."""
+    """The services of the world plugin gazebo_ros_state, as its node has them."""
 
     services = STATES

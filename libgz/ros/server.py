@@ -29,7 +29,6 @@ STAND_INS = {
     "gazebo_ros_factory": "_part_of_server",
     "gazebo_ros_force_system": "_part_of_server",
     "gazebo_ros_paths_plugin": "_part_of_server",
-    "gazebo_ros_properties": "_part_of_server",
     "gazebo_ros_prosilica": "gazebo_ros_camera",
     "gazebo_ros_thermal_camera": "gazebo_ros_camera",
     "gazebo_ros_thermal_depth_camera": "gazebo_ros_openni_kinect",

@@ -16,6 +16,7 @@ from libgz.ros.types import Message, service_type
 from libgz.transport.tally import Tally
 
 if TYPE_CHECKING:
+    from libgz.ros.own_node import OwnNode
     from libgz.simulation.world import World
 
 __all__ = ["INERTIAL", "RefusedError", "Services", "pose_of", "vector"]
@@ -65,7 +66,7 @@ class Services:
     services: ClassVar[Mapping[str, str]] = {}
     topics: ClassVar[Mapping[str, str]] = {}
 
-    def __init__(self, session: Session, core: World, space: str = "", **more: Any) -> None:
+    def __init__(self, session: Session, core: World, space: str = "", node: OwnNode | None = None) -> None:
         self.session, self.core = session, core
         self.jobs: list[_Job] = []
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
@@ -75,8 +76,12 @@ class Services:
         for name, kind in self.services.items():
             if bridged is None:
                 self._kept.append(session.serve(f"~{name}", kind, self.handler(name)))
-            elif not bridged.served(session.resolve(name, space)):
-                self._kept.append(session.serve(name, kind, self.handler(name), space, **more))
+                continue
+            full, settings = session.resolve(name, space), None
+            if node is not None:
+                full, settings = node.resolve(name)[0], node.settings
+            if not bridged.served(full):
+                self._kept.append(session.serve(full, kind, self.handler(name), settings=settings))
         if bridged is None:
             for name, kind in self.topics.items():
                 self._kept.append(session.subscribe(f"~{name}", kind, partial(self.set_by_topic, name), 10))

@@ -274,3 +274,20 @@ def test_a_trajectory_holds_the_link_that_is_its_frame(start_ros2):
     assert model.GetJoint("j").Position(0) < 0.6  # 20 points a second
     server.core.step(80)
     assert model.GetJoint("j").Position(0) == pytest.approx(1.5, abs=1e-2)
+
+
+def test_services_of_world_plugins_have_their_namespace_and_remappings(start_ros2, graph, caplog):
+    space = "<namespace>/demo</namespace>"
+    ros = {
+        "properties": f"<ros>{space}<remapping>get_model_properties:=about</remapping></ros>",
+        "state": f"<ros>{space}</ros>",
+        "template": "",
+    }
+    plugins = "".join(f"<plugin name='{k}' filename='libgazebo_ros_{k}.so'>{v}</plugin>" for k, v in ros.items())
+    server = start_ros2(world(plugins))
+    found = server.call("/demo/about", "gazebo_msgs/GetModelProperties", model_name="ground")
+    assert (found.success, found.body_names) == (True, ["l"])
+    assert graph.declared["/demo/about"]["node"] == ["/demo", "properties"]
+    assert server.call("/get_model_properties", "gazebo_msgs/GetModelProperties", model_name="ground").success
+    assert server.call("/demo/get_entity_state", "gazebo_msgs/GetEntityState", name="ground").success
+    assert not [record for record in caplog.records if record.levelname in ("WARNING", "ERROR")]

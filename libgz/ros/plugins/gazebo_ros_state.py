@@ -33,7 +33,7 @@ class GazeboRosState(Publishing, WorldPlugin):
         self.world, self.ticks = world, Ticks(self.given.updateRate)
         models, links = (self.advertise(one.name, one.kind) for one in self.endpoints[:2])
         self.states = [States(world.core, models, self._models), States(world.core, links, self._links)]
-        self.api = StateApi(self.ros, world, self.space, settings=self.own_node.settings) if self.two else None
+        self.api = StateApi(self.ros, world, self.space, self.own_node) if self.two else None
         self.known: Any = None
         self.run()
 

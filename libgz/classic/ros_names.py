@@ -160,6 +160,6 @@ def notice(world: World) -> None:
     else:
         log.warning(
             "world %r has plugins for ROS; libgz runs them over its own topics (`libgz topic -l`) and interfaces: "
-            "see docs/plugins.md; `gzserver --ros1` connects them to ROS",
+            "see docs/plugins.md; `gzserver --ros1` or `--ros2` connects them to ROS",
             world.name,
         )

@@ -17,9 +17,10 @@ from ros_peers import wait_for
 
 from libgz.apps.gzserver import make_parser
 from libgz.apps.libgz import main
-from libgz.apps.ros_option import without_ros_words
+from libgz.apps.ros_option import ros_wanted, without_ros_words
 from libgz.apps.spawn_model import main as spawn_model
 from libgz.base.errors import LibraryError, NotFoundError
+from libgz.ros.environment import find_python
 from libgz.ros.install import install
 from libgz.ros.packages import exported_folders
 from libgz.ros.types import message_type, service_type
@@ -326,3 +327,40 @@ def test_folders_that_packages_export_are_searched(tmp_path, monkeypatch):
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     assert exported_folders() == {"gazebo_model_path": [package / "models"], "gazebo_media_path": []}
+
+
+@pytest.mark.parametrize(
+    ("words", "found", "wanted"),
+    [
+        ("-s libgazebo_ros_init.so -s libgazebo_ros_factory.so", True, True),
+        ("-s libgazebo_ros_factory.so", False, False),
+        ("-s libgazebo_ros_factory.so --no-ros1", True, False),
+        ("-s libgazebo_ros_factory.so --watch-only", True, False),
+        ("-s libgazebo_ros_api_plugin.so", True, False),
+        ("--ros2", False, True),
+    ],
+)
+def test_system_plugins_of_ros2_ask_for_it_where_it_is(words, found, wanted, monkeypatch):
+    def python():
+        if not found:
+            raise LibraryError("there is no ROS 2")
+        return Path("python3")
+
+    monkeypatch.setattr("libgz.ros.environment.find_python", python)
+    monkeypatch.delenv("ROS_MASTER_URI", raising=False)
+    options, _ = make_parser().parse_known_args(words.split())
+    assert ros_wanted(options) == wanted
+
+
+def test_the_environment_of_libgz_is_found_beside_its_launch_files(monkeypatch, tmp_path):
+    made = tmp_path / ".local/share/libgz/ros2/bin/python3"
+    made.parent.mkdir(parents=True)
+    made.touch()
+    ros = tmp_path / "opt/ros/any/share/ament_index/resource_index/packages"
+    monkeypatch.delenv("LIBGZ_ROS2_PYTHON", raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path}/mine:{tmp_path}/opt/ros/any")
+    assert find_python() == made  # these are no prefixes of a ROS 2
+    ros.mkdir(parents=True)
+    (ros / "rclpy").touch()
+    assert find_python() != made

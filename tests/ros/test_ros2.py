@@ -156,12 +156,12 @@ def test_entities_are_spawned_as_launch_files_do(serve, environment, tmp_path):
     more = ["-robot_namespace", "fleet", "-wait", "robot", "-unpause", "--ros-args", "-r", "__node:=spawner"]
     spawner = subprocess.Popen([PYTHON, program, *words, *more], env=environment, cwd="/", stderr=subprocess.PIPE)
     text = {"topic": "/robot_description", "kind": "std_msgs/msg/String", "latched": True}
-    driven = ROBOT.replace(
-        "</robot>", "<gazebo><plugin name='p' filename='libgazebo_ros_planar_move.so'/></gazebo></robot>"
-    )
+    plugin = "<plugin name='p' filename='libgazebo_ros_planar_move.so'/>"
+    base = "<link name='base'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link>"
+    driven = f"<robot name='r'>{base}<gazebo>{plugin}</gazebo></robot>"
     assert node.publish(**text, values={"data": driven})
-    assert spawner.communicate(timeout=60)[1] is not None
-    assert spawner.returncode == 0
+    said = spawner.communicate(timeout=60)[1].decode()
+    assert spawner.returncode == 0, said
     state = {"service": "/get_entity_state", "kind": "gazebo_msgs/srv/GetEntityState", "values": {"name": "any"}}
     place = node.call(**state)["state"]["pose"]
     assert (place["position"]["x"], place["orientation"]["z"]) == pytest.approx((1.5, -0.7068), abs=1e-3)

@@ -7,6 +7,7 @@ import logging
 import os
 import socket
 import struct
+from functools import cached_property
 from pathlib import Path
 
 __all__ = ["PeerCheck"]
@@ -25,19 +26,25 @@ ROOT = 0
 class PeerCheck:
     """Decides who may connect over the loopback interface: the user of this process, and root.
 
-    A peer that has closed its socket has no user any more, and is refused. Where the kernel lists no connections (no
-    /proc, or no access to it), that is said once, and nobody is refused: there nobody could connect at all.
+    A peer that has closed its socket has no user any more, and is refused. Where the kernel neither answers nor lists
+    connections (no /proc, or no access to it), that is said once, and nobody is refused: there nobody could connect at
+    all.
     """
 
     def __init__(self) -> None:
         self._uid = os.geteuid()
-        try:
-            self._tables = [table for table in TABLES if table.exists() and table.read_bytes()]
-        except OSError:
-            self._tables = []
         self._asking = _answers()
-        if not self._tables:
+
+    @cached_property
+    def _tables(self) -> list[Path]:
+        """The kernel's lists of all sockets."""
+        try:
+            tables = [table for table in TABLES if table.exists() and table.read_bytes()]
+        except OSError:
+            tables = []
+        if not tables:
             log.warning("%s cannot be read: every user of this machine may connect to this server", TABLES[0])
+        return tables
 
     def refusal(self, connection: socket.socket) -> str:
         """Why a connection is refused; empty if it is not."""
@@ -45,12 +52,14 @@ class PeerCheck:
             near, far = connection.getsockname(), connection.getpeername()
         except OSError:
             return "it is closed"
-        if not self._tables or not _address(far[0]).is_loopback:
+        if not _address(far[0]).is_loopback:
             return ""
         for _ in range(ATTEMPTS):
             uid = self._owner(far, near)
             if uid is not None:
                 return "" if uid in (self._uid, ROOT) else f"it is of user {uid}, not of user {self._uid} or root"
+            if not self._asking and not self._tables:
+                return ""
         return "its user is unknown: it has closed its socket"
 
     def _owner(self, local: tuple[str, int], remote: tuple[str, int]) -> int | None:

@@ -120,7 +120,7 @@ def test_a_peer_of_another_user_is_named(monkeypatch, family, host, asked):
 @pytest.mark.parametrize(("family", "host"), WAYS)
 def test_one_question_finds_the_user_without_the_lists(monkeypatch, family, host):
     """The lists take milliseconds: with them, few clients could connect in a second."""
-    monkeypatch.setattr(PeerCheck, "_listed", lambda *_: pytest.fail("the lists were read"))
+    monkeypatch.setattr(PeerCheck, "_tables", property(lambda _: pytest.fail("the lists were read")))
     with socket.create_server(("0.0.0.0", 0)) as listener, socket.socket(family) as client:
         client.connect((host, listener.getsockname()[1]))
         server, _ = listener.accept()
@@ -142,7 +142,8 @@ def test_a_peer_that_has_closed_its_socket_is_not_taken_for_root(monkeypatch, as
         assert PeerCheck().refusal(server) == "its user is unknown: it has closed its socket"
 
 
-def test_where_the_kernel_lists_no_connections_it_is_said_and_nobody_is_refused(monkeypatch, tmp_path, caplog):
+def test_where_the_kernel_names_no_users_it_is_said_and_nobody_is_refused(monkeypatch, tmp_path, caplog):
+    monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)
     monkeypatch.setattr(peers, "TABLES", (tmp_path / "tcp",))
     client, server = connected()
     with client, server, caplog.at_level(logging.WARNING):

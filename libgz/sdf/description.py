@@ -11,6 +11,7 @@ import csv
 import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
@@ -63,17 +64,17 @@ class Description:
     block: str = ""  # a block that gives its attributes and children
     blocks: Mapping[str, Description] = field(default_factory=dict)
 
-    @property
+    @functools.cached_property
     def children(self) -> Mapping[str, Description]:
         """Name -> description of the possible children."""
         return self.blocks[self.block].children if self.block else self.own_children
 
-    @property
+    @functools.cached_property
     def all_attributes(self) -> Mapping[str, AttributeDescription]:
         """Name -> description of its XML attributes."""
         return self.blocks[self.block].all_attributes if self.block else self.attributes
 
-    @property
+    @functools.cached_property
     def open(self) -> bool:
         """Whether any children are allowed, as in a plugin."""
         return self.blocks[self.block].open if self.block else self.any_children
@@ -108,24 +109,51 @@ def describe(version: str) -> Mapping[str, Description]:
     """
     if version not in VERSIONS:
         raise ParameterError(f"SDF version is {version!r}; {', '.join(VERSIONS)} are described")
-    blocks: dict[str, Description] = {}
-    column = min(version, NEWEST)
-    for row in _rows(TABLE):
-        default, count = row[f"default_{column}"], row[f"count_{column}"]
-        if default != ABSENT and count != "-":
-            _add(blocks, row["path"], row["type"], default, count, row["note"])
-    for row in _rows(ADDED):
-        if row["version"] <= version:
-            _add(blocks, row["path"], row["type"], row["default"], row["count"])
-    for block in blocks.values():
-        _complete_poses(block, POSE_ATTRIBUTES[version])
-    return blocks
+    return _Blocks(version)
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
-    """The rows of a table; what is missing at the end of a row is empty."""
-    with path.open(encoding="utf-8", newline="") as table:
-        return [{key: value or "" for key, value in row.items()} for row in csv.DictReader(table, delimiter="\t")]
+class _Blocks(Mapping[str, Description]):
+    """The blocks of a version, each made of its rows when it is first used: most worlds need few of them."""
+
+    def __init__(self, version: str) -> None:
+        self._version, self._made = version, dict[str, Description]()
+        self._columns = [f"{what}_{min(version, NEWEST)}" for what in ("default", "count")]
+
+    def __getitem__(self, name: str) -> Description:
+        if name not in self._made:
+            for path, kind, default, count, note in self._rows(name):
+                _add(self, self._made, path, kind, default, count, note)
+            _complete_poses(self._made[name], POSE_ATTRIBUTES[self._version])
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name in _families() if any(True for _ in self._rows(name)))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _rows(self, name: str) -> Iterator[tuple[str, str, str, str, str]]:
+        """Path, type, default, count and note of what the version has in a block."""
+        for row in _families().get(name, ()):
+            if "version" not in row:
+                default, count = (row[column] for column in self._columns)
+                if default != ABSENT and count != "-":
+                    yield row["path"], row["type"], default, count, row["note"]
+            elif row["version"] <= self._version:
+                yield row["path"], row["type"], row["default"], row["count"], ""
+
+
+@functools.cache
+def _families() -> dict[str, list[dict[str, str]]]:
+    """Block name -> its rows of both tables."""
+    families: dict[str, list[dict[str, str]]] = {}
+    for path in (TABLE, ADDED):
+        with path.open(encoding="utf-8", newline="") as table:
+            head, *rows = csv.reader(table, delimiter="\t")
+        for values in rows:
+            row = dict(zip_longest(head, values, fillvalue=""))  # what is missing at the end of a row is empty
+            families.setdefault(row["path"].partition("/")[0].partition("@")[0], []).append(row)
+    return families
 
 
 def _complete_poses(element: Description, attributes: Mapping[str, str]) -> None:
@@ -135,11 +163,13 @@ def _complete_poses(element: Description, attributes: Mapping[str, str]) -> None
         _complete_poses(child, attributes)
 
 
-def _add(blocks: dict[str, Description], path: str, kind: str, default: str, count: str, note: str = "") -> None:
+def _add(
+    blocks: _Blocks, made: dict[str, Description], path: str, kind: str, default: str, count: str, note: str
+) -> None:
     """Add one row; rows of parents come before those of their children."""
     where, _, attribute = path.partition("@")
     head, *steps = where.split("/")
-    node = blocks.setdefault(head, Description(head, path=head))
+    node = made.get(head) or made.setdefault(head, Description(head, path=head))
     for i, step in enumerate(steps):
         last = i == len(steps) - 1
         if step == "*":

@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
+import sys
 from types import FunctionType
 from typing import Any, TypeVar
 
@@ -42,13 +43,18 @@ def _checked(function: Any, title: str) -> Any:
     """The function with a check of its names; itself if it takes none."""
     notes = getattr(function, "__annotations__", {})
     if not any("str" in str(note) for name, note in notes.items() if name != "return"):
-        return function  # most of them; to find signatures takes a tenth of classic's import
-    parameters = inspect.signature(function).parameters.values()
+        return function  # most of them
+    code = inspect.unwrap(function).__code__
+    positional, named = code.co_argcount, code.co_argcount + code.co_kwonlyargcount
+    places = {name: place for place, name in enumerate(code.co_varnames[:positional])}
+    if code.co_flags & inspect.CO_VARARGS:
+        places[code.co_varnames[named]] = positional  # of which the first is checked
     wanted: list[tuple[int, str, tuple[str, ...]]] = []
-    for place, parameter in enumerate(parameters):
-        kinds = tuple(str(parameter.annotation).split(" | "))
-        if "str" in kinds and _SIMPLE.fullmatch(str(parameter.annotation)) and not _FILE.search(parameter.name):
-            wanted.append((place, parameter.name, kinds))
+    for name in (*places, *code.co_varnames[positional:named]):
+        note = str(notes.get(name, ""))
+        kinds = tuple(note.split(" | "))
+        if "str" in kinds and _SIMPLE.fullmatch(note) and not _FILE.search(name):
+            wanted.append((places.get(name, sys.maxsize), name, kinds))
     if not wanted:
         return function
 

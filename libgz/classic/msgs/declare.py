@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Sequence
-from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from google.protobuf import descriptor_pool, message_factory
@@ -45,9 +45,18 @@ _compiled: set[str] = set()  # files in the pool that C++ code has compiled
 @functools.cache
 def declarations() -> dict[str, str]:
     """Name to declaration of classic's messages and enumerations."""
-    text = resources.files("libgz.classic.msgs").joinpath("messages.txt").read_text(encoding="utf-8")
+    text = Path(__file__).with_name("messages.txt").read_text(encoding="utf-8")
     lines = (line.partition(": ") for line in text.splitlines() if not line.startswith("#"))
     return {name: declaration for name, _, declaration in lines}
+
+
+@functools.cache
+def _families() -> dict[str, list[str]]:
+    """Name of a message or enumeration -> itself, and those inside it."""
+    families: dict[str, list[str]] = {}
+    for name in declarations():
+        families.setdefault(name.partition(".")[0], []).append(name)
+    return families
 
 
 def _is_enum(name: str) -> bool:
@@ -203,7 +212,7 @@ def _add_classic(name: str) -> None:
     file = FileDescriptorProto(name=f"{PREFIX}{name}.proto", package=PREFIX.rstrip("."), syntax="proto2")
     protos: dict[str, DescriptorProto] = {}
     texts: dict[str, str] = {}
-    own = [key for key in declarations() if key == name or key.startswith(f"{name}.")]
+    own = _families()[name]
     for key in sorted(own, key=lambda key: key.count(".")):
         outer, _, short = key.rpartition(".")
         if not _is_enum(key):

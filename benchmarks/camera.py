@@ -61,8 +61,7 @@ def libgz_frame(width: int, height: int, shadows: bool = False) -> Render:
     pose = GzPosePointAt(GzVector(*EYE), GzVector(*AT), GzVector(0.0, 0.0, 1.0))
 
     def render() -> object:
-        server.rate.last = -math.inf
-        server.Update(pose, math.radians(60.0))
+        server.take(pose, math.radians(60.0))
         return world
 
     return render

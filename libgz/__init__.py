@@ -6,13 +6,11 @@ and so does this module when a name is first used. Importing the package costs n
 
 from __future__ import annotations
 
-import ast
-import functools
-import importlib
 from pathlib import Path
 from typing import Any
 
 from libgz._version import __version__ as __version__
+from libgz.base.exports import Exports
 
 # In a source checkout interfaces/, models/ and worlds/ lie beside this package; installed, they lie in it.
 _ROOT = Path(__file__).resolve().parent.parent
@@ -20,28 +18,14 @@ if not (Path(__file__).parent / "interfaces").is_dir() and (_ROOT / "interfaces"
     __path__.append(str(_ROOT))
 
 
-@functools.cache
-def _exports() -> dict[str, str]:
-    """Public name -> module."""
-    tree = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    imports = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
-    return {alias.name: node.module or "" for node in imports for alias in node.names}
+def _missing(name: str) -> Any:
+    from libgz.base.errors import nearest
+
+    hint = "" if name.startswith("_") else nearest(name, _exports.sources)  # tools ask for many private names
+    if name.endswith("Plugin") or name.startswith("GZ_REGISTER_"):
+        hint = f"; from libgz.classic import {name} is for plugins of SDF worlds, see docs/plugins.md"
+    raise AttributeError(f"module 'libgz' has no attribute {name!r}{hint}")
 
 
-def __getattr__(name: str) -> Any:
-    if name == "__all__":  # from libgz import *
-        return sorted(_exports())
-    if name.startswith("_") or name not in _exports():
-        from libgz.base.errors import nearest
-
-        hint = "" if name.startswith("_") else nearest(name, _exports())  # tools ask for many private names
-        if name.endswith("Plugin") or name.startswith("GZ_REGISTER_"):
-            hint = f"; from libgz.classic import {name} is for plugins of SDF worlds, see docs/plugins.md"
-        raise AttributeError(f"module 'libgz' has no attribute {name!r}{hint}")
-    value = getattr(importlib.import_module(_exports()[name]), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted([*globals(), *_exports()])
+_exports = Exports(__name__, _missing)
+__getattr__, __dir__ = _exports.get, _exports.names

@@ -58,7 +58,7 @@ CLASSIC_LAYERS = [
 ]
 # Tables of "module" or "module:Class" whose rows are imported when they are first used: names that are no literals.
 TABLES = {
-    "libgz",
+    "libgz.base.exports",  # the names of stubs
     "libgz.apps.libgz",
     "libgz.classic",
     "libgz.classic.sensors.kinds",

@@ -66,6 +66,40 @@ def test_a_command_loads_only_what_its_world_needs(tmp_path, monkeypatch):
     assert not [name for name in loaded if name.startswith(slow)]
 
 
+def test_a_server_of_classic_loads_only_what_its_world_needs(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("TMP", str(tmp_path))
+    monkeypatch.setenv("GAZEBO_MASTER_URI", "http://localhost:0")
+    loaded = loaded_after("from libgz.apps.gzserver import main\nassert main(['--iters', '1']) == 0")
+    assert {"libgz.classic.server", "libgz.sdfworld.model"} <= loaded
+    slow = (
+        "OpenGL",
+        "PIL",
+        "http",
+        "ssl",
+        "asyncio",
+        "multiprocessing",
+        "subprocess",
+        "tempfile",
+    )
+    slow += ("scipy", "numpy.random", "numpy.polynomial", "urllib.request", "importlib.metadata", "importlib.resources")
+    slow += ("libgz.ros.", "libgz.recording", "libgz.view.", "libgz.classic.sensors", "libgz.classic.rendering.")
+    slow += ("libgz.sdf.xacro.expansion", "libgz.sdf.urdf", "libgz.sdfworld.actor", "libgz.sdfworld.terrain")
+    slow += (
+        "libgz.physics.skeletons",
+        "libgz.classic.physics.actor",
+        "libgz.classic.math.spline",
+        "libgz.classic.log.play",
+    )
+    assert not [name for name in loaded if name.startswith(slow)]
+
+
+def test_a_package_loads_the_modules_of_the_names_that_are_used():
+    loaded = loaded_after("from libgz.classic import math\nassert math.Vector3d(1, 2, 3).X() == 1 and math.sin(0) == 0")
+    assert "libgz.classic.math.vector3" in loaded
+    assert not {"libgz.classic.math.spline", "libgz.classic.math.box"} & loaded
+
+
 def test_commands_need_no_extra_to_be_imported():
     """Completion, man pages and `libgz echo` work where only the required packages are installed."""
     code = """

@@ -25,7 +25,6 @@ from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError, nearest
 from libgz.base.files import is_file
 from libgz.classic.common import gzlog
-from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import get_master_uri, serve
@@ -40,6 +39,7 @@ from libgz.transport.server import free_server_id
 from libgz.worldfile.search import find_worldfile, ready_worlds
 
 if TYPE_CHECKING:
+    from libgz.classic.log import LogPlay, PlaybackControl
     from libgz.recording.capture import Capture
     from libgz.ros.server import Ros1, Ros2
 
@@ -204,6 +204,8 @@ class Server:
 
     def _open_log(self, path: str) -> World:
         core = self._watchdog.world = World(self._server_id(), strict=self.options.strict)
+        from libgz.classic.log.play import LogPlay
+
         self._play = LogPlay(path, core)
         log.info("playing [%s], recorded by %s", path, self._play.reader.header.gazebo_version)
         core.paused = self.options.pause

@@ -7,11 +7,17 @@ import contextlib
 import logging
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from libgz.apps.console import number_from_zero
-from libgz.classic.log import ENCODINGS, LogPlay, LogRecord, PlaybackControl, RecordControl
+from libgz.classic.log.control import PlaybackControl, RecordControl
+from libgz.classic.log.file import ENCODINGS
+from libgz.classic.log.record import LogRecord
 from libgz.classic.server import attach
 from libgz.front import World
+
+if TYPE_CHECKING:
+    from libgz.classic.log.play import LogPlay
 
 __all__ = ["add_log_options", "keep_log"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.geometry import GzCoordPoseSub, GzPose
 from libgz.classic import msgs
@@ -17,7 +17,6 @@ from libgz.classic.looks import (
     fill_scene,
     visual_messages,
 )
-from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.contact_messages import contacts_message
@@ -29,6 +28,9 @@ from libgz.classic.physics.shape import BoxShape, CylinderShape, HeightmapShape,
 from libgz.classic.physics.world import World
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.actor import Actor
 
 __all__ = [
     "contacts_of",

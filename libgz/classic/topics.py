@@ -24,7 +24,6 @@ from libgz.classic.describe import (
 )
 from libgz.classic.looks import gui_message, road_messages
 from libgz.classic.msgs.convert import CreateRequest
-from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
@@ -81,9 +80,9 @@ class _Skeletons:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._publisher: Publisher | None = None
-        self._framed: dict[Actor, float] = {}  # sim time of the last pose that was published [s]
+        self._framed: dict[Any, float] = {}  # actor -> sim time of the last pose that was published [s]
 
-    def add(self, actor: Actor) -> None:
+    def add(self, actor: Model) -> None:
         """Publish the poses of an actor."""
         if self._publisher is None:
             self._publisher = self._node.Advertise(msgs.PoseAnimation, "~/skeleton_pose/info", 10)
@@ -91,8 +90,7 @@ class _Skeletons:
 
     def remove(self, entity: Model | Light) -> None:
         """Publish those of a removed actor no longer."""
-        if isinstance(entity, Actor):
-            self._framed.pop(entity, None)
+        self._framed.pop(entity, None)
 
     @property
     def listened(self) -> bool:
@@ -253,8 +251,8 @@ class WorldTopics:
                 self._links[entity] = [
                     (link, self._node.Advertise(msgs.LinkData, f"~/{link.GetScopedName()}")) for link in measured
                 ]
-        if isinstance(entity, Actor):
-            self._skeletons.add(entity)
+            if entity.core.is_actor:
+                self._skeletons.add(entity)
         if not announce:
             return
         self._changed(entity)

@@ -18,8 +18,7 @@ from lxml import etree
 
 from libgz.base.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
-from libgz.sdf.urdf import sdf_of
-from libgz.sdf.xacro.expansion import expand, has_macros
+from libgz.sdf.xacro.recognition import has_macros
 from libgz.sdf.xml import (
     PLACE,
     ROBOT,
@@ -110,6 +109,9 @@ def upgrade_document(
     """
     root = parse_document(data, label, Diagnostics())
     if local_name(root) == ROBOT:
+        from libgz.sdf.urdf import sdf_of  # other documents do without them
+        from libgz.sdf.xacro.expansion import expand
+
         diagnostics = Diagnostics()
         robot = expand(root, label, diagnostics, path=path, arguments=arguments) if has_macros(root, path) else root
         sdf = sdf_of(robot, label, diagnostics)

@@ -23,9 +23,8 @@ from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
-from libgz.sdf.urdf import sdf_of
 from libgz.sdf.value import check, exact_pose, parse, repaired
-from libgz.sdf.xacro.expansion import SUFFIX, expand, has_macros
+from libgz.sdf.xacro.recognition import SUFFIX, has_macros
 from libgz.sdf.xml import PLACE, ROBOT, ROOTS, copy_place, line_of, local_name, parse_document, place_of, tag_name
 
 __all__ = ["SdfFile"]
@@ -141,6 +140,8 @@ class SdfFile:
         xml = parse_document(data, self.label, self.diagnostics)
         is_named_so = self._path is not None and self._path.suffix == SUFFIX
         if (is_named_so or local_name(xml) == ROBOT) and has_macros(xml, self._path):
+            from libgz.sdf.xacro.expansion import expand  # files without macros do without it
+
             xml = expand(
                 xml,
                 self.label,
@@ -154,6 +155,8 @@ class SdfFile:
         elif self._arguments:
             self._warn(xml, f"there are no macros: {', '.join(self._arguments)} has no effect")
         if local_name(xml) == ROBOT:
+            from libgz.sdf.urdf import sdf_of  # other files do without it
+
             xml = sdf_of(xml, self.label, self.diagnostics)
         if local_name(xml) not in ROOTS:
             raise WorldFileError(

@@ -98,6 +98,8 @@ class SdfActor(SdfModel):
         loop: whether the script begins again at its end.
     """
 
+    is_actor = True
+
     def __init__(
         self, world: World, element: Element, diagnostics: Diagnostics, parent: SdfModel | None = None
     ) -> None:

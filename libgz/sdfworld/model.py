@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuaternIdent, GzVector
@@ -18,10 +18,8 @@ from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, lost_link, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
-from libgz.sdfworld.gripper import SdfGripper
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.joint_table import NO_JOINTS, JointTable
-from libgz.sdfworld.mimic import Mimic
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
@@ -30,6 +28,10 @@ from libgz.simulation.entity import Entity
 from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.state import decode, encode
 from libgz.simulation.world import World
+
+if TYPE_CHECKING:
+    from libgz.sdfworld.gripper import SdfGripper
+    from libgz.sdfworld.mimic import Mimic
 
 __all__ = ["SdfModel", "model_pose"]
 
@@ -416,11 +418,15 @@ class SdfModel(Entity):
 
     def _add_gripper(self, element: Element) -> None:
         if not self.static:
+            from libgz.sdfworld.gripper import SdfGripper  # few models have one
+
             gripper = SdfGripper(self, element)
             self.grippers[gripper.name] = gripper
 
     def _add_mimic(self, element: Element, follower: str) -> None:
         if follower in self.sdf_joints:  # a static model has none
+            from libgz.sdfworld.mimic import Mimic  # few models have one
+
             self.mimics.append(Mimic.from_element(element, follower, self.sdf_joints))
 
     def remove_joint(self, name: str) -> bool:

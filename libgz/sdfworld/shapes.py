@@ -24,7 +24,6 @@ from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 from libgz.sdfworld.mesh_images import found_images
-from libgz.sdfworld.terrain import read_cover, terrain_mesh
 from libgz.sdfworld.visual import replaces_look, show_image
 
 __all__ = ["KNOWN", "make_collision", "make_visual", "show_part"]
@@ -92,6 +91,8 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
                 geom.texture_coordinates, geom.columns = _across(), PATCHES + 1
             if shape.name == "heightmap":
                 geom.normals = vertex_normals(part.vertices, part.triangles)
+                from libgz.sdfworld.terrain import read_cover
+
                 cover = read_cover(_find(shape), shape, note)
                 if cover is not None:
                     geom.texture_coordinates, geom.image = cover.texture_coordinates, cover.image
@@ -257,6 +258,8 @@ def _scaled_normals(
 
 
 def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
+    from libgz.sdfworld.terrain import terrain_mesh  # few worlds have one
+
     return [terrain_mesh(_find(shape), shape)]
 
 

@@ -7,7 +7,7 @@ import struct
 import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,19 +29,14 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, suited, upgraded
 from libgz.sdf.value import exact_pose
-from libgz.sdf.xacro.expansion import SUFFIX
+from libgz.sdf.xacro.recognition import SUFFIX
 from libgz.sdf.xml import ROOTS, local_name
-from libgz.sdfworld.actor import SdfActor
 from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
-from libgz.sdfworld.population import populate
-from libgz.sdfworld.road import make_road
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.standing import set_down
-from libgz.sdfworld.state import apply_state
-from libgz.sdfworld.text import SdfText
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
@@ -49,6 +44,9 @@ from libgz.simulation.journal import Origin, Source
 from libgz.simulation.problems import NOTED, Problem
 from libgz.simulation.world import World
 from libgz.worldfile.search import is_ready_world
+
+if TYPE_CHECKING:
+    from libgz.sdfworld.text import SdfText
 
 __all__ = ["BUILT", "WORLD_FILE", "SdfWorld"]
 
@@ -59,7 +57,6 @@ _AIR = struct.Struct("6d?3d?")
 BUILDER = "sdf"  # in the journal
 WORLD_FILE = Source(BUILDER, 0, "", b"")
 BUILT = ("model", "actor", "light")
-MODELS = {"model": SdfModel, "actor": SdfActor}
 POPULATION = (zlib.crc32(b"population"),)  # its random numbers are its own: equal seeds place equal models
 MOST_DOCUMENTS = 64  # of entities that are gone, besides as many as there are entities
 DIGITS = 9  # decimals of poses that are written
@@ -184,12 +181,16 @@ class SdfWorld(Era):
             self._add(document, [len(built)], diagnostics)
         for road in element.named("road"):
             try:
+                from libgz.sdfworld.road import make_road  # few worlds have one
+
                 make_road(world, road, diagnostics.warn)
             except GazeboError as error:
                 diagnostics.failure(road, error)
         if state is not None:
             self._add(document, range(len(built) + 1, len(document.elements)), diagnostics)
             try:
+                from libgz.sdfworld.state import apply_state  # only saved worlds have one
+
                 apply_state(world, state, diagnostics)
             except ParameterError as error:
                 diagnostics.warn(state, f"{error}; but for its insertions, the state has no effect")
@@ -202,7 +203,9 @@ class SdfWorld(Era):
     def _document(self, element: Element, diagnostics: Diagnostics) -> Document:
         """What entities are built from a `<world>`: its own ones, itself for its joints, those that its state adds."""
         built = [part for part in element.children if part.name in BUILT]
-        if next(element.named("population"), None) is not None:  # the generator is slow to load
+        if next(element.named("population"), None) is not None:
+            from libgz.sdfworld.population import populate  # few worlds have one, and the generator is slow to load
+
             seeds = np.random.SeedSequence(self.world.seed, spawn_key=POPULATION)
             built += populate(element, np.random.default_rng(seeds), diagnostics)
         state = next(element.named("state"), None)
@@ -268,8 +271,8 @@ class SdfWorld(Era):
         for top in tops:
             element = document.elements[top]
             try:
-                if element.name in MODELS:
-                    model = MODELS[element.name](self.world, element, diagnostics)
+                if element.name in ("model", "actor"):
+                    model = _model_class(element)(self.world, element, diagnostics)
                     model.build(model_pose(element))
                     models.append(model)
                     self._register_family(model, document, top)
@@ -382,6 +385,8 @@ class SdfWorld(Era):
         """
         if self.file is None:
             raise StateError("this world was not loaded from an SDF file")
+        from libgz.sdfworld.text import SdfText  # worlds that are not edited do without it
+
         return SdfText(self.file.text, self.file.label)
 
     def set_text(self, text: bytes) -> None:
@@ -566,6 +571,15 @@ def _same_pose(one: GzPose, other: GzPose) -> bool:
     near = max(abs(a - b) for a, b in zip(one.pos, other.pos, strict=True)) < SAME
     signs = (1.0, -1.0)
     return near and min(max(abs(a - s * b) for a, b in zip(one.rot, other.rot, strict=True)) for s in signs) < SAME
+
+
+def _model_class(element: Element) -> type[SdfModel]:
+    """The class of a `<model>` or an `<actor>`."""
+    if element.name == "model":
+        return SdfModel
+    from libgz.sdfworld.actor import SdfActor  # with it come skeletons
+
+    return SdfActor
 
 
 def _family(element: Element) -> list[Element]:

@@ -78,6 +78,7 @@ class Entity:
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
+    is_actor: ClassVar[bool] = False  # whether it is an actor of SDF
     is_extended = False  # whether code gave it joints or links that its file does not have
     not_kept: ClassVar[str] = ""  # of its own state, in a warning; by default, what its class does not declare
 

@@ -26,7 +26,8 @@ def public_calls():
     """(title, function) of all methods with capitals, and of what the packages export."""
     found = {}
     for module in modules():
-        for name, value in vars(module).items():
+        for name in dir(module):
+            value = getattr(module, name)
             if inspect.isclass(value) and value.__module__ == module.__name__ and not name.startswith("_"):
                 for method, function in vars(value).items():
                     if inspect.isfunction(function) and not method.startswith("_") and not method.islower():

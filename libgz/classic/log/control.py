@@ -6,16 +6,18 @@ import logging
 import math
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import GazeboError
 from libgz.classic import msgs
-from libgz.classic.log.play import LogPlay
 from libgz.classic.log.record import LogRecord, log_folder
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
 from libgz.classic.transport.address import publicized_address
+
+if TYPE_CHECKING:
+    from libgz.classic.log.play import LogPlay
 
 __all__ = ["PlaybackControl", "RecordControl"]
 

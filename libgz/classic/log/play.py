@@ -24,9 +24,11 @@ from libgz.simulation.entity import Entity as CoreModel
 from libgz.simulation.rate import TIME_SLACK
 from libgz.simulation.world import World as CoreWorld
 
-__all__ = ["LogPlay", "read_states"]
+__all__ = ["LogPlay", "LogState", "read_states"]
 
 log = logging.getLogger("libgz.classic")
+
+LogState = SdfState
 
 
 def read_states(reader: LogReader) -> Iterator[SdfState]:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzCoordPoseAdd, GzPose
-from libgz.classic.common import Battery
 from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
@@ -23,6 +22,7 @@ from libgz.simulation.event import Event
 from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
+    from libgz.classic.common import Battery
     from libgz.classic.physics.world import World
     from libgz.simulation.plan import Plan
 
@@ -236,6 +236,8 @@ class Activity:
 
 def _battery_of(element: Element) -> Battery:
     """The battery of an element; one without voltage where that is invalid, as in Gazebo."""
+    from libgz.classic.common.battery import Battery  # few links have one
+
     name = element.Get(str, "name")
     try:
         return Battery(name, element.Get(float, "voltage"))

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzVector, VectorLike
-from libgz.classic.common import Image
 from libgz.classic.math import Vector2i, Vector3d
 from libgz.classic.physics.base import Base
 from libgz.physics.check import LARGEST, finite_tuple
@@ -19,6 +18,7 @@ from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, S
 from libgz.sdf.value import parse
 
 if TYPE_CHECKING:
+    from libgz.classic.common import Image
     from libgz.sdf.element import Element
 
 __all__ = [
@@ -270,6 +270,8 @@ class HeightmapShape(MeshShape):
         Raises:
             FileError: it is not there any more, or cannot be read.
         """
+        from libgz.classic.common.image import Image
+
         return Image(self.GetURI())
 
     GetSize, GetPos, GetVertexCount = Size, Pos, VertexCount

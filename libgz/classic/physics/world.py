@@ -20,7 +20,6 @@ from libgz.base.law import law
 from libgz.classic.common import SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
 from libgz.classic.names import takes_names
-from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.atmosphere import Atmosphere
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
 from libgz.classic.physics.engine import PhysicsEngine
@@ -35,7 +34,6 @@ from libgz.classic.physics.wind import Wind
 from libgz.classic.physics.world_services import WorldServices
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
-from libgz.sdfworld.actor import SdfActor
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.world import SdfWorld
@@ -238,8 +236,7 @@ class World(Base):
 
     def view(self, core: CoreModel) -> Model:
         """The view on a model of the engine."""
-        kind = Actor if isinstance(core, SdfActor) else Model
-        return view_of(core, lambda: kind(self, core, self._parent_of(core)))
+        return view_of(core, lambda: _model_class(core)(self, core, self._parent_of(core)))
 
     def view_of(self, core: CoreModel) -> Model | Light | None:
         """The view on a model or light of the engine's world; None for what is neither."""
@@ -557,3 +554,12 @@ class World(Base):
             WorldFileError: the file cannot be written.
         """
         save_world(self, Path(filename))
+
+
+def _model_class(core: CoreModel) -> type[Model]:
+    """The class of the view on a model or an actor."""
+    if not core.is_actor:
+        return Model
+    from libgz.classic.physics.actor import Actor  # with it come skeletons
+
+    return Actor

@@ -18,27 +18,19 @@ from libgz.sdf.xacro.files import Files, UnreadableError
 from libgz.sdf.xacro.library import Library
 from libgz.sdf.xacro.limits import DEEPEST_TAG, MOST_ATTRIBUTES, Budget, ExpansionError, LimitError
 from libgz.sdf.xacro.macros import Macro, MacroTable, Parameter, parameters_of
+from libgz.sdf.xacro.recognition import PREFIX, SUFFIX
 from libgz.sdf.xacro.scopes import Scope, truth
 from libgz.sdf.xacro.substitutions import Substitutions
 from libgz.sdf.xacro.texts import Texts
 from libgz.sdf.xml import PLACE, line_of, local_name, parse_document, place_of, set_place, tag_name
 
-__all__ = ["PREFIX", "SUFFIX", "expand", "has_macros"]
+__all__ = ["expand"]
 
-PREFIX = "xacro:"
-SUFFIX = ".xacro"  # of files that are expanded in any case
 DEEPEST_INCLUDE = 100
 DEEPEST_WORK = 3 * DEEPEST_TAG  # generators of `_run`: an element takes up to three
 MOST_CALLS = 3  # of macros, in a message
 
 Steps: TypeAlias = Generator["Steps | None", None, None]  # work on an element; it yields that on elements inside
-
-
-def has_macros(root: etree._Element, path: Path | None) -> bool:
-    """Whether a document is expanded: it has an element of xacro, or its file is named so."""
-    if path is not None and path.suffix == SUFFIX:
-        return True
-    return any(tag_name(element).startswith(PREFIX) for element in root.iter(etree.Element))
 
 
 def expand(

@@ -122,6 +122,7 @@ class Operation(IntEnum):
     VELOCITY = 48
     WAKE = 49
     NOTE = 50
+    APPEND = 51
 
 
 class Recording(Protocol):

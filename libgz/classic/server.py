@@ -236,6 +236,9 @@ class WorldServer:
         if self.sensors is not None:
             self.sensors.skipped()
 
+    def returned(self) -> None:
+        """Nothing to do."""
+
     def prepare(self) -> None:
         """Obey commands that came meanwhile."""
         self.activity.prepare()

@@ -17,7 +17,7 @@ enum {
     BODY_STATE, JOINT_STATE, VECTOR, LOAD, REAL_TIME, GATHER,
     COPY, ADD, SUBTRACT, MULTIPLY, DIVIDE, NEGATE, ABSOLUTE, LEAST, MOST, LESS, AT_MOST, EQUAL, AND, OR, SELECT,
     SQRT, COS, SIN, TAN, ASIN, ACOS, ATAN, ATAN2, HYPOT, FMOD, FLOOR, COPYSIGN,
-    STORE, SEEN, SET, EFFORT, EFFORTS, VELOCITY, WAKE, NOTE
+    STORE, SEEN, SET, EFFORT, EFFORTS, VELOCITY, WAKE, NOTE, APPEND
 };
 
 typedef void get_vector(void *joint, double *vector);
@@ -56,7 +56,7 @@ static int is_switched(const operation *o, const char *memory)
 
 static void store(const operation *o, char *memory)
 {
-    char *to = memory + (intptr_t)o->two;
+    char *to = (char *)((intptr_t)memory + (intptr_t)o->two); /* without an interface, an address */
     const double *from = o->one;
     int32_t i;
 #define STORE_AS(letter, kind) \
@@ -264,6 +264,9 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
         break;
     case NOTE:
         gz_note_effort(t->context, o->result, o->type, *one);
+        break;
+    case APPEND: /* bytes, `count` of them, to others from a place on; they fit, which is a condition of the law */
+        memcpy((char *)o->two + (int64_t)*three, o->one, (size_t)o->count);
         break;
     }
     return 1;

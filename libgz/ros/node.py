@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 from libgz.base.errors import ParameterError
 from libgz.ros.loop import Listener, Loop
 from libgz.ros.names import NodeNames
+from libgz.ros.packed import Outbox
 from libgz.ros.packing import Buffer, codec
 from libgz.ros.tcpros import U32, Caller, Feed, Reader
 from libgz.ros.types import MessageType, ServiceType
@@ -47,6 +48,7 @@ class Publisher:
     def __init__(self, node: Node, topic: str, kind: MessageType, queue: int, latch: bool) -> None:
         self.node, self.topic, self.kind, self.queue, self.latch = node, topic, kind, queue, latch
         self.codec = codec(kind)
+        self.outbox = None if latch else Outbox()
         self._latched: bytes | None = None
         self._latching = threading.Lock()  # of what is kept, and of who gets it
         self.readers: tuple[Reader, ...] = ()
@@ -60,6 +62,7 @@ class Publisher:
 
     def publish(self, body: list[Buffer]) -> None:
         """Send a message, given by its parts, to all subscribers; nobody waits for a slow one."""
+        self.flush()  # of the same topic, and earlier
         size = sum(map(len, body))
         parts = [U32.pack(size), *body]
         readers = self.readers
@@ -68,6 +71,13 @@ class Publisher:
                 self._latched, readers = b"".join(parts), self.readers
         for reader in readers:
             reader.push(parts, size + U32.size)
+
+    def flush(self) -> None:
+        """Send what native code has published."""
+        if self.outbox is not None and self.outbox.used:
+            frames = self.outbox.take()
+            for reader in self.readers:
+                reader.push([frames], len(frames))
 
     def connected(self, reader: Reader) -> None:
         """A subscriber came; what was kept waits for it, before all that is published from now on."""
@@ -204,9 +214,15 @@ class Node:
             if publisher.users > 0:
                 return
             self._remove(publisher)
+        publisher.flush()
         for reader in publisher.readers:
             self._loop.call(reader.connection.flush)  # the last messages may wait for others
             self._loop.call(reader.connection.close)
+
+    def flush(self) -> None:
+        """Send what native code has published."""
+        for publisher in self._all_publishers():
+            publisher.flush()
 
     def subscribe(self, topic: str, kind: MessageType, received: Callable[[bytes], Any]) -> Subscriber:
         """Subscribe to a topic by its full name: `received` gets the bytes of each message, in the loop's thread.

@@ -87,6 +87,13 @@ class Codec:
             begin = at
         return [*parts, bytes(out[begin:])]
 
+    def places(self, message: Any) -> dict[str, tuple[int, str, int]]:
+        """Where the numbers of a message are in its bytes: by their paths, such as ``pose.position.x``, the place
+        [byte], the letter of their type in `struct`, and how many there are."""
+        found: dict[str, tuple[int, str, int]] = {}
+        self._place(self.kind.name, message, "", len(CDR_HEADER) if self._cdr else 0, found)
+        return found
+
     def unpack(self, data: bytes) -> Any:
         """The message of some bytes.
 
@@ -178,6 +185,47 @@ class Codec:
                 return None
             total += more
         return total
+
+    # Places ------------------------------------------------------------------------------------------------------
+
+    def _place(self, name: str, message: Any, path: str, at: int, found: dict[str, tuple[int, str, int]]) -> int:
+        """Note the numbers of a message that begins at a place; where it ends."""
+        for field, attribute in self._fields(name):
+            if attribute is not None:
+                value = getattr(message, attribute)
+            elif field.size is None and field.kind not in (*NUMBERS, *TIMES, "string"):
+                value = message_type(field.kind, self.kind.ros)()
+            else:
+                value = _absent(field)
+            at = self._place_value(field.kind, field.size, value, f"{path}{field.name}", at, found)
+        return at
+
+    def _place_value(
+        self, kind: str, size: int | None, value: Any, path: str, at: int, found: dict[str, tuple[int, str, int]]
+    ) -> int:
+        if size == 0:
+            at = self._aligned(at, 4) + 4
+        if kind in NUMBERS:
+            letter, count = NUMBERS[kind], 1 if size is None else len(value)
+            width = struct.calcsize(f"<{letter}")
+            at = self._aligned(at, width) if count else at
+            found[path] = at, letter, count
+            return at + width * count
+        if size is not None:
+            for number, one in enumerate(value):
+                at = self._place_value(kind, None, one, f"{path}.{number}", at, found)
+            return at
+        if kind in TIMES:
+            letter = "i" if self._cdr or kind == "duration" else "I"
+            at = self._aligned(at, 4)
+            found[f"{path}.secs"], found[f"{path}.nsecs"] = (at, letter, 1), (at + 4, "I" if self._cdr else letter, 1)
+            return at + 8
+        if kind == "string":
+            return self._aligned(at, 4) + len(_encoded.__wrapped__(value, self._cdr))
+        return self._place(kind, value, f"{path}.", at, found)
+
+    def _aligned(self, at: int, size: int) -> int:
+        return at + -(at - len(CDR_HEADER)) % size if self._cdr else at
 
     # Unpacking ---------------------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from libgz.base.errors import ParameterError
-from libgz.base.law import Number, constant, floor, law, rarely, unrecorded
+from libgz.base.law import Number, constant, ends, floor, law, rarely, unrecorded
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugins._ros import ros_elements
@@ -36,6 +36,7 @@ __all__ = [
     "Ticks",
     "bounded_rate",
     "noise",
+    "noisy",
     "set_point",
     "set_pose",
     "set_quaternion",
@@ -106,6 +107,12 @@ class Ticks:
     def is_due(self, now: Any) -> Any:
         """Whether a period has begun since the last tick, at sim time `now` [s]; `due` will say so."""
         return self.endless or floor(now * self.rate + TICK_SLACK) != self.count
+
+    @law
+    def tick(self, now: Any) -> None:
+        """It has ticked at sim time `now` [s]."""
+        if not self.endless:
+            self.count = floor(now * self.rate + TICK_SLACK)
 
     def due(self, now: float) -> bool:
         """Whether a period has begun since the last tick, at sim time `now` [s]; if so, it ticks."""
@@ -237,34 +244,45 @@ def bounded_rate(rate: float, what: str) -> float:
 
 
 class Periodic(RosPlugin):
-    """A plugin that works at a rate of sim time; native code leaves only those steps to Python.
+    """A plugin that works at a rate of sim time; native code leaves only those steps to Python, if any.
 
     Attributes:
         world: the world; `Load` sets it.
         ticks: when it works; `Load` sets it.
+        lawful: whether its work is a law; `Load` sets it.
     """
 
     world: World
     ticks: Ticks
+    lawful = False
+    measuring: Connection | None = None
     connection: Connection | None = None
 
     def run(self) -> None:
         """Begin to work; `Load` ends with it."""
+        if type(self).measure is not Periodic.measure:
+            self.measuring = Events.ConnectWorldUpdateBegin(self._measure)
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     @law
+    def _measure(self) -> None:
+        self.measure(self.world.core.clock.sim_time)
+
+    @law
     def OnUpdate(self) -> None:
-        """Measure; work, if it is time."""
+        """Work, if it is time."""
         now = self.world.core.clock.sim_time
-        if rarely(self.wanted() & self.ticks.is_due(now)):
-            self._tick(now)
-            return
-        self.measure(now)
+        due = self.wanted() & self.ticks.is_due(now)
+        if not self.lawful:
+            if rarely(due):
+                self._tick(now)
+        elif not ends(due == 0.0):
+            self.ticks.tick(now)
+            self.work(now)
 
     @unrecorded
     def _tick(self, now: float) -> None:
-        self.measure(now)
-        self.ticks.due(now)
+        self.ticks.tick(now)
         self.work(now)
 
     @law
@@ -350,6 +368,11 @@ def _number(sdf: Element, name: str, text: str) -> float:
 def noise(deviation: float) -> float:
     """A random number with a mean of 0; without a deviation above 0, 0, and no random number is used."""
     return Rand.DblNormal(0.0, deviation) if deviation > 0.0 else 0.0
+
+
+def noisy(values: tuple[Any, ...], deviation: float) -> tuple[Any, ...]:
+    """Numbers with noise; without a deviation above 0 they stay, and no random number is used."""
+    return tuple(value + Rand.DblNormal(0.0, deviation) for value in values) if deviation > 0.0 else values
 
 
 def set_point(target: Any, point: Vector3d, deviation: float = 0.0) -> None:

@@ -14,9 +14,12 @@ import numpy as np
 
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, StateError
+from libgz.base.law import Number, constant
 from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
+from libgz.ros.packed import LATEST, MOST_NUMBER, Outbox, PackedMessage
+from libgz.ros.packing import Codec
 from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
 from libgz.simulation.event import AtEnd, Callback, unowned
 from libgz.transport.tally import Tally
@@ -25,7 +28,6 @@ __all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite
 
 log = logging.getLogger("libgz.ros")
 
-LATEST = 2.0**31 - 1.0  # [s] of a stamp
 MOST_REQUESTS, MOST_REQUEST_BYTES = 256, 1 << 26  # that may wait for the step; as many may wait for their answers
 
 _sessions: list[Session] = []
@@ -65,7 +67,12 @@ class Publication:
     Attributes:
         topic: its full name.
         kind: the type of its messages.
+        stamped: whether these have a header.
+        number: of the next message, in the header.
+        gatherer: the session, and where native code may put messages; None: nowhere.
     """
+
+    number = Number()
 
     def __init__(
         self,
@@ -83,11 +90,19 @@ class Publication:
         if changed is not None:
             self.changed = Callback(f"the update of what topic {topic} needs", changed)
             owner.watchers.setdefault(publisher, WeakSet()).add(self)
-        self._stamped = any(field.kind == "std_msgs/Header" and field.name == "header" for field in kind.fields)
-        self._number = 0
+        self.stamped = any(field.kind == "std_msgs/Header" and field.name == "header" for field in kind.fields)
+        outbox = publisher.outbox if isinstance(publisher, Publisher) else None
+        self.gatherer: tuple[Session, Outbox | None] = owner, outbox
         self._end = AtEnd(lambda: node.withdraw(publisher))
 
     @property
+    def codec(self) -> Codec:
+        """The codec of its messages."""
+        found: Codec = self._publisher.codec
+        return found
+
+    @property
+    @constant
     def listened(self) -> bool:
         """Whether there are subscribers: without any, no message needs to be made."""
         return bool(self._publisher.listened)
@@ -102,11 +117,16 @@ class Publication:
 
         Its bytes leave now, or in another thread where a subscriber is slow.
         """
-        if self._stamped:
-            message.header.seq = self._number
-        self._number += 1
+        if self.stamped:
+            message.header.seq = int(self.number)
+        self.number = self.number + 1.0 if self.number < MOST_NUMBER else 0.0
         if self._publisher.listened:
             self._publisher.publish(self._publisher.codec.pack_parts(message))
+
+    def send_body(self, body: bytes) -> None:
+        """Send the bytes of a message."""
+        if self._publisher.listened:
+            self._publisher.publish([body])
 
 
 class Subscription:
@@ -218,8 +238,11 @@ class Session(Closing):
 
     Attributes:
         version: 1 or 2.
+        gathered: whether native code has published something that was not sent yet.
         interrupts: called, in the wire's thread, when something has come that waits for the end of a step.
     """
+
+    gathered = Number()
 
     def __init__(self, names: NodeNames, node: Node | BridgedNode) -> None:
         self.names, self.node = names, node
@@ -340,7 +363,25 @@ class Session(Closing):
         rotation.x, rotation.y, rotation.z, rotation.w = turn
         transforms.publish(self._transform)
 
+    def pack_transform(self, parent: str, child: str, changed: Callable[[], object] | None = None) -> PackedMessage:
+        """A message with one transform, for the topic /tf.
+
+        Args:
+            parent, child: names of the frames.
+            changed: called between steps when subscribers have come or gone.
+        """
+        one = message_type("geometry_msgs/TransformStamped", self.version)(child_frame_id=child)
+        one.header.frame_id, one.transform.rotation.w = parent, 1.0
+        publication = self.publish("/tf", "tf2_msgs/TFMessage", 100, changed=changed)
+        return PackedMessage(publication, publication.kind(transforms=[one]))
+
     # Between steps -----------------------------------------------------------------------------------------------
+
+    def flush(self) -> None:
+        """Send what native code has published; in the thread of the world."""
+        if self.gathered and isinstance(self.node, Node):
+            self.gathered = 0.0
+            self.node.flush()
 
     def interrupt(self) -> None:
         """Something has come: let the steps that are made without this session end soon."""

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import law
+from libgz.base.law import Number, law, rarely
 from libgz.classic.server import attach
 from libgz.ros.api import WorldApi
 from libgz.ros.api2 import WorldApi2
@@ -16,11 +16,11 @@ from libgz.ros.legacy.api import LegacyApi, list_links, list_models
 from libgz.ros.legacy.api2 import LegacyApi2
 from libgz.ros.legacy.device import Devices
 from libgz.ros.metrics import Metrics
+from libgz.ros.packed import PackedMessage
 from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.services import Services
-from libgz.ros.session import Session, set_stamp
+from libgz.ros.session import Session
 from libgz.ros.states import Listed, States
-from libgz.ros.types import message_type
 from libgz.simulation.companion import Stateless
 from libgz.simulation.event import unowned
 
@@ -48,6 +48,8 @@ class RosWorld(Stateless):
         core: the engine's world.
     """
 
+    _hurried = Number()  # whether messages may wait for others
+
     def __init__(self, session: Session, core: World) -> None:
         self._session, self._core = session, core
         more: dict[str, Any] = {"reliability": "best_effort"} if session.version == 2 else {}
@@ -56,7 +58,7 @@ class RosWorld(Stateless):
                 "/clock", "rosgraph_msgs/Clock", 1 if more else 10, changed=core.update_rows_changed, **more
             )
         self._ticks = Ticks(0.0)
-        self._time = message_type("rosgraph_msgs/Clock")()
+        self._time = PackedMessage(self._clock, self._clock.kind())
         self._states: list[States] = []
         self._states_ticks = Ticks(0.0)
         self._metrics: Metrics | None = None
@@ -98,8 +100,13 @@ class RosWorld(Stateless):
         for states in self._states:
             states.forget()
 
+    def returned(self) -> None:
+        """Send what native code has published."""
+        self._session.flush()
+
     def idle_until(self) -> float:
         """-inf while states are listened to or something waits; else without end: what comes interrupts the steps."""
+        self._hurried = float(not self._core.paced)
         states = any(states.publication.listened for states in self._states)
         jobs = self._services is not None and self._services.jobs
         metrics = self._metrics is not None and self._metrics.listened
@@ -111,16 +118,24 @@ class RosWorld(Stateless):
         if self._clock.listened:
             with plan.when(self._clock_is_due):
                 plan.call(self._send_clock)
+        if self._session.version == 1:
+            plan.call(self._send_at_once)
 
     @law
     def _clock_is_due(self) -> Any:
         return self._ticks.is_due(self._core.clock.sim_time)
 
+    @law
     def _send_clock(self) -> None:
-        now = self._core.GetSimTime()
-        self._ticks.due(now)
-        set_stamp(self._time.clock, now)
-        self._clock.publish(self._time)
+        now = self._core.clock.sim_time
+        self._ticks.tick(now)
+        self._time.stamp(now, "clock")
+        self._time.send()
+
+    @law
+    def _send_at_once(self) -> None:
+        if rarely((self._session.gathered != 0.0) & (self._hurried == 0.0)):
+            self._session.flush()
 
     def update(self) -> None:
         """Publish the states; apply wrenches and efforts."""

@@ -33,6 +33,9 @@ class Companion(Protocol):
     def skipped(self) -> None:
         """Steps have been made without it."""
 
+    def returned(self) -> None:
+        """One step or more are over, however they were made."""
+
     def prepare(self) -> None:
         """Entities have been updated, and what `plan_update` added comes next."""
 
@@ -89,6 +92,9 @@ class Stateless:
         return -math.inf
 
     def skipped(self) -> None:
+        """Nothing to do."""
+
+    def returned(self) -> None:
         """Nothing to do."""
 
     def prepare(self) -> None:

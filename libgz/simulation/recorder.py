@@ -302,6 +302,18 @@ class Recorder:
             self._add(self.operations, Operation.COPY, [(cells[i].address, 0)], result + 8 * i)
         return result
 
+    def put(self, address: int, kind: str, value: Any) -> None:
+        """Set a number of ours that is of any type, by numpy's letter, and that no law reads."""
+        if self.interface is not None or kind not in _TYPES:
+            raise LeftToPython(kind)
+        self.add(Operation.STORE, count=1, type=ord(kind), one=self.address(value), two=address)
+
+    def append(self, data: NDArray[np.uint8], to: NDArray[np.uint8], begin: Any) -> None:
+        """Copy bytes to where others begin; that they fit is for the law to make sure of."""
+        self.kept += [data, to]
+        place = self.address(begin)
+        self.add(Operation.APPEND, count=data.size, one=data.ctypes.data, two=to.ctypes.data, three=place)
+
     def number(self, record: ctypes.Structure, name: str) -> Term:
         """A double in a struct, as it is in each step."""
         return self.read(self._view(record, name))

@@ -720,6 +720,8 @@ class World(Closing):
             self._keep_state(self._rewind, self.clock.sim_time)
         if self.problems.failure is not None:
             self.problems.check()
+        for companion in self.companions:
+            companion.returned()
 
     def _keep_state(self, ring: Rewind, now: float) -> None:
         """Keep the present state for `rewind`; a SaveState that fails must not end the run."""

@@ -1,7 +1,9 @@
 """Messages of ROS against the library rosbags: bytes of both wires, sums of types; damaged bytes."""
 
+import itertools
 import random
 import struct
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from ros_types import JAZZY, NOETIC, described, stored
 from rosbags.typesys import Stores, get_typestore
 
 from libgz.base.errors import ParameterError
+from libgz.ros.packed import PackedMessage
 from libgz.ros.packing import MOST_ITEMS, Codec, FormatError, codec, read_schema
 from libgz.ros.types import NUMBERS, TIMES, MessageType, Stamp, message_type, service_type, type_names
 
@@ -196,3 +199,30 @@ def test_values_that_do_not_fit_name_the_type():
         codec(odometry.kind).pack(odometry)
     with pytest.raises(ParameterError, match=r"no field 'dat'.*data"):
         message_type("std_msgs/Int32")(dat=1)
+
+
+def test_numbers_of_packed_messages_are_set_in_place():
+    kind = message_type("nav_msgs/Odometry")
+    for cdr, name in itertools.product((False, True), ("", "o", "frame", "a longer name")):
+        message = kind(child_frame_id=name)
+        message.header.frame_id = name
+        one = Codec(kind, cdr)
+        topic = SimpleNamespace(
+            kind=kind, codec=one, stamped=True, number=3.0, gatherer=(SimpleNamespace(version=1), None)
+        )
+        packed, sent = PackedMessage(topic, message), []
+        topic.send_body = lambda body, one=one, sent=sent: sent.append(one.unpack(body))
+        packed.stamp(12.9999999996)
+        packed.put("pose.pose", range(7))
+        packed.put_array("twist.covariance", np.arange(36.0))
+        packed.send()
+        assert (sent[0].header.seq, sent[0].header.stamp, topic.number) == (3, Stamp(13, 0), 4.0)
+        assert (sent[0].pose.pose.position.y, sent[0].pose.pose.orientation.w, sent[0].twist.covariance[35]) == (
+            1,
+            6,
+            35,
+        )
+        assert (sent[0].header.frame_id, sent[0].child_frame_id) == (name, name)
+        for path, values in (("pose.pose", (1.0,)), ("child_frame_id", ()), ("twist.twist.linear", ("x", "y", "z"))):
+            with pytest.raises(ParameterError):
+                packed.put(path, values)

@@ -233,6 +233,7 @@ class Entity(Base):
         """Set the global pose [m]; velocities stay."""
         raise NotImplementedError
 
+    @law
     def _frame(self) -> GzPose:
         """Global pose of the parent [m]."""
         return self._parent.pose() if isinstance(self._parent, Entity) else GzPose()
@@ -254,6 +255,7 @@ class Entity(Base):
         """Set the global pose [m], also as six numbers; velocities stay."""
         self.move(GzPoseOf(pose))
 
+    @law
     def RelativePose(self) -> Pose3d:
         """Pose relative to the parent [m]."""
         return Pose3d(GzCoordPoseSub(self.pose(), self._frame()))

@@ -88,10 +88,12 @@ class Model(Entity):
         for model in self.family():
             model.core.initPose = GzCoordPoseAdd(GzCoordPoseSub(model.core.initPose, before), now)
 
+    @law
     def WorldLinearVel(self) -> Vector3d:
         """Linear velocity of the canonical link's origin [m/s], in the world frame."""
         return self._canonical().WorldLinearVel()
 
+    @law
     def WorldAngularVel(self) -> Vector3d:
         """Angular velocity of the canonical link [rad/s], in the world frame."""
         return self._canonical().WorldAngularVel()
@@ -123,6 +125,7 @@ class Model(Entity):
     GetRelativeLinearVel, GetRelativeAngularVel = RelativeLinearVel, RelativeAngularVel
     GetRelativeLinearAccel, GetRelativeAngularAccel = RelativeLinearAccel, RelativeAngularAccel
 
+    @constant
     def _canonical(self) -> Link:
         """The one canonical link of a tree of models: the first of the outermost one that has a link."""
         tree: list[Model] = [self]

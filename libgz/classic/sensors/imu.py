@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import StateError
 from libgz.base.geometry import QuaternLike
-from libgz.base.law import law
+from libgz.base.law import constant, law, unrecorded
 from libgz.classic import msgs
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
@@ -174,14 +174,26 @@ class ImuSensor(LinkSensor):
 
     ImuMessage = GetImuMessage = message
 
+    @property
+    @constant
+    def _has_noise(self) -> bool:
+        return bool(self.noises)
+
+    @unrecorded
+    def _disturbed(self, index: int) -> Vector3d:
+        return self._noisy[index]
+
+    @law
     def AngularVelocity(self, noiseFree: bool = False) -> Vector3d:
         """Turning rate [rad/s]."""
-        return Vector3d(*(self._reading.rate if noiseFree or not self.noises else self._noisy[0]))
+        return Vector3d(*(self._reading.rate if noiseFree or not self._has_noise else self._disturbed(0)))
 
+    @law
     def LinearAcceleration(self, noiseFree: bool = False) -> Vector3d:
         """Acceleration less gravity [m/s^2]."""
-        return Vector3d(*(self._reading.acceleration if noiseFree or not self.noises else self._noisy[1]))
+        return Vector3d(*(self._reading.acceleration if noiseFree or not self._has_noise else self._disturbed(1)))
 
+    @law
     def Orientation(self) -> Quaterniond:
         """Orientation in the reference frame."""
         return Quaterniond(*self._reading.orientation)

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from libgz.base.errors import NotFoundError, nearest
-from libgz.base.law import Number, cos, law, sin
+from libgz.base.law import Number, constant, cos, law, sin, where
 from libgz.classic.plugins._planar import heading
-from libgz.ros.plugin import Endpoint, Parameter, RosPlugin, set_pose
-from libgz.ros.session import finite, set_stamp
+from libgz.ros.packed import PackedMessage
+from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
+from libgz.ros.session import Publication, finite
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import Joint, Model
+    from libgz.classic.physics import Joint, Link, Model
 
-__all__ = ["COMMAND", "COMMANDS", "COVARIANCES", "ODOMETRY", "Drive", "EncoderPose", "drive_joint"]
+__all__ = [
+    "COMMAND",
+    "COMMANDS",
+    "COVARIANCES",
+    "ODOMETRY",
+    "Drive",
+    "EncoderPose",
+    "Motion",
+    "drive_joint",
+    "send_transform",
+]
 
 COMMANDS = (
     Parameter("commandTopic", "cmd_vel", "commands"),
@@ -34,6 +45,20 @@ ODOMETRY = (
     Endpoint("publishes", "/tf", "tf2_msgs/TFMessage"),
 )
 UNKNOWN = 1e12  # variance of what a robot on the ground does not measure
+
+
+class Motion(NamedTuple):
+    """Where a robot is, and how it moves in its plane.
+
+    Attributes:
+        place: [m].
+        turn: x, y, z, w.
+        velocity: ahead, to the left [m/s]; turn rate [rad/s].
+    """
+
+    place: tuple[Any, Any, Any]
+    turn: tuple[Any, Any, Any, Any]
+    velocity: tuple[Any, Any, Any]
 
 
 class EncoderPose:
@@ -64,10 +89,17 @@ class Drive(RosPlugin):
 
     Attributes:
         command: the last command: x, y [m/s] and turn rate [rad/s].
-        odometry: the message, filled by `measure_world` or by encoders.
+        odometry: the message as it is at first; what stays is set after `open_drive`.
+        settled: whether the motors have the speeds of the command, for those that have them at once.
+        publication: of the odometry; None: it is not published.
     """
 
+    settled = Number()
     command: tuple[float, ...] = (0.0, 0.0, 0.0)
+    publication: Publication | None = None
+    _packed: PackedMessage | None = None
+    _moved: PackedMessage | None = None
+    _wheels: Sequence[tuple[Link, PackedMessage]] = ()
 
     def open_drive(
         self, model: Model, variances: tuple[float, float, float] = VARIANCES, *, of_twist: bool = False
@@ -89,8 +121,49 @@ class Drive(RosPlugin):
         if of_twist:
             self.odometry.twist.covariance[:] = self.odometry.pose.covariance
         self.odometry.pose.pose.orientation.w = 1.0
-        self.transforms = self.ros.transforms  # advertised at once, as the original does
         self.commands = self.subscribe(given.commandTopic, "geometry_msgs/Twist", self.OnCommand)
+
+    def advertise_odometry(
+        self,
+        *,
+        publish: bool = True,
+        transform: bool = True,
+        wheels: Sequence[Joint] = (),
+        of_joints: bool = False,
+    ) -> None:
+        """Advertise.
+
+        Args:
+            publish: odometry.
+            transform: its transform; /tf is advertised in any case, as the original does.
+            wheels: joints whose children's transforms are published.
+            of_joints: whether their frames are named after the joints.
+        """
+        changed, message = self.world.core.update_rows_changed, self.odometry
+        if publish:
+            self.publication = self.publish(self.given.odometryTopic, "nav_msgs/Odometry", changed=changed)
+            self._packed = PackedMessage(self.publication, message)
+        self.transforms = self.ros.transforms
+        if transform:
+            self._moved = self.ros.pack_transform(message.header.frame_id, message.child_frame_id, changed)
+        self._wheels = [
+            (
+                joint.GetChild(),
+                self.ros.pack_transform(
+                    self.frame(joint.GetParent().GetName()),
+                    self.frame((joint if of_joints else joint.GetChild()).GetName()),
+                    changed,
+                ),
+            )
+            for joint in wheels
+        ]
+
+    @property
+    @constant
+    def heard(self) -> bool:
+        """Whether somebody listens to odometry or transforms."""
+        every = (self._packed, self._moved, *(message for _, message in self._wheels))
+        return any(message.publication.listened for message in every if message is not None)
 
     @property
     def variances(self) -> tuple[float, float, float]:
@@ -101,60 +174,56 @@ class Drive(RosPlugin):
     def OnCommand(self, message: Any) -> None:
         """A new command."""
         if finite(message):
-            self.command = message.linear.x, message.linear.y, message.angular.z
+            self.command, self.settled = (message.linear.x, message.linear.y, message.angular.z), 0.0
             self.commanded(self.world.core.GetSimTime())
 
     def commanded(self, now: float) -> None:
         """A command came at sim time `now` [s]."""
 
-    def measure_world(self) -> None:
-        """Take pose and velocities of the model in the world as odometry."""
+    @law
+    def motion_in_world(self) -> Motion:
+        """The model's pose in the world, and its velocities in the plane."""
         pose, velocity = self.model.WorldPose(), self.model.WorldLinearVel()
-        set_pose(self.odometry.pose.pose, pose)
-        twist, (cosine, sine) = self.odometry.twist.twist, heading(pose.Rot())
-        twist.linear.x = cosine * velocity.X() + sine * velocity.Y()
-        twist.linear.y = cosine * velocity.Y() - sine * velocity.X()
-        twist.angular.z = self.model.WorldAngularVel().Z()
+        (px, py, pz), (w, x, y, z), (cosine, sine) = pose.Pos(), pose.Rot(), heading(pose.Rot())
+        ahead = cosine * velocity.X() + sine * velocity.Y()
+        aside = cosine * velocity.Y() - sine * velocity.X()
+        return Motion((px, py, pz), (x, y, z, w), (ahead, aside, self.model.WorldAngularVel().Z()))
 
-    def measure_encoders(self, pose: EncoderPose) -> None:
-        """Take a pose of encoders, and its last move, as odometry."""
-        message = self.odometry
-        place, turn = message.pose.pose.position, message.pose.pose.orientation
-        place.x, place.y, place.z = pose.x, pose.y, 0.0
-        turn.x, turn.y, turn.z, turn.w = 0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)
-        if pose.elapsed > 0.0:
-            message.twist.twist.linear.x = abs(pose.way) / pose.elapsed
-            message.twist.twist.linear.y = 0.0
-            message.twist.twist.angular.z = pose.turn / pose.elapsed
+    @law
+    def motion_of_encoders(self, pose: EncoderPose) -> Motion:
+        """A pose of encoders, and its last move."""
+        elapsed = where(pose.elapsed > 0.0, pose.elapsed, 1.0)
+        turn = (0.0, 0.0, sin(pose.yaw / 2.0), cos(pose.yaw / 2.0))
+        return Motion((pose.x, pose.y, 0.0), turn, (abs(pose.way) / elapsed, 0.0, pose.turn / elapsed))
 
-    def stamp(self, now: float) -> None:
-        """Set the time of the odometry."""
-        set_stamp(self.odometry.header.stamp, now)
+    @law
+    def publish_odometry(self, now: Any, motion: Motion) -> None:
+        """Publish a motion at a sim time [s], if somebody listens."""
+        if self._packed is not None and self._packed.publication.listened:
+            message, (ahead, aside, turning) = self._packed, motion.velocity
+            message.stamp(now)
+            message.put("pose.pose", (*motion.place, *motion.turn))
+            message.put("twist.twist", (ahead, aside, 0.0, 0.0, 0.0, turning))
+            message.send()
 
-    def send_odometry_transform(self) -> None:
-        """Publish the pose of the odometry on /tf."""
-        message = self.odometry
-        place, turn = message.pose.pose.position, message.pose.pose.orientation
-        self.ros.send_transform(
-            message.header.stamp,
-            message.header.frame_id,
-            message.child_frame_id,
-            (place.x, place.y, place.z),
-            (turn.x, turn.y, turn.z, turn.w),
-        )
+    @law
+    def publish_transforms(self, now: Any, motion: Motion) -> None:
+        """Publish the transforms of the odometry, of a motion at a sim time [s], and of the wheels, if anybody
+        listens."""
+        if self._moved is not None and self._moved.publication.listened:
+            send_transform(self._moved, now, motion.place, motion.turn)
+        for link, message in self._wheels:
+            if message.publication.listened:
+                pose = link.RelativePose()
+                w, x, y, z = pose.Rot()
+                send_transform(message, now, pose.Pos(), (x, y, z, w))
 
-    def send_wheel_transforms(self, joints: list[Joint], of_joints: bool = False) -> None:
-        """Publish the poses of wheels on /tf; their frames are named after them, or after their joints."""
-        for joint in joints:
-            pose = joint.GetChild().RelativePose()
-            w, x, y, z = pose.Rot()
-            self.ros.send_transform(
-                self.odometry.header.stamp,
-                self.frame(joint.GetParent().GetName()),
-                self.frame((joint if of_joints else joint.GetChild()).GetName()),
-                tuple(pose.Pos()),
-                (x, y, z, w),
-            )
+
+def send_transform(message: PackedMessage, now: Any, place: Any, turn: Any) -> None:
+    """Publish the one transform of a message at a sim time [s]: a place [m], and a turn x, y, z, w."""
+    message.stamp(now, "transforms.0.header.stamp")
+    message.put("transforms.0.transform", (*place, *turn))
+    message.send()
 
 
 def drive_joint(model: Model, name: str, where: str, tag: str) -> Joint:

@@ -10,7 +10,7 @@ from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._ackermann import AckermannWheels
 from libgz.classic.plugins._ros import ros_elements
 from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
-from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive, send_transform
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
@@ -58,7 +58,10 @@ class GazeboRosAckermannDrive(Drive, Periodic, ModelPlugin):
         given = self.given
         self.ticks = Ticks(given.updateRate)
         self.open_drive(model, self.variances, of_twist=self.two)
-        self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry") if given.publishTf else None
+        self.advertise_odometry(publish=given.publishTf, transform=given.publishOdomTF)
+        links = [joint.GetChild() for joint in self.wheels.joints] if given.publishWheelTF else []
+        base = self.odometry.child_frame_id
+        self.frames = [(link, self.ros.pack_transform(base, self.frame(link.GetName()))) for link in links]
         self.distances = self.publish("distance", "std_msgs/Float32") if given.publishDistance else None
         self.turns = self.publish("steerangle", "std_msgs/Float32") if given.publishSteerangle else None
         self.Reset()
@@ -84,35 +87,26 @@ class GazeboRosAckermannDrive(Drive, Periodic, ModelPlugin):
 
     def work(self, now: float) -> None:
         """Publish, and apply the efforts."""
-        self.stamp(now)
-        self.measure_world()
         number = message_type("std_msgs/Float32")
         if self.distances is not None and self.distances.listened:
             self.distances.publish(number(data=self.travelled))
-        if self.publication is not None and self.publication.listened:
-            self.publication.publish(self.odometry)
-        if self.given.publishWheelTF:
-            self._send_wheel_transforms()
-        if self.given.publishOdomTF:
-            self.send_odometry_transform()
+        if self.heard:
+            motion = self.motion_in_world()
+            self.publish_odometry(now, motion)
+            self.publish_transforms(now, motion)
+        if self.ros.transforms.listened:
+            self._send_wheel_transforms(now)
         if self.turns is not None and self.turns.listened:
             self.turns.publish(number(data=self.wheels.angle()))
         self.wheels.drive(now)
 
-    def _send_wheel_transforms(self) -> None:
+    def _send_wheel_transforms(self, now: float) -> None:
         """Publish the poses of wheels, and of what steers them, in the frame of the robot."""
         base = self.model.WorldPose()
-        for joint in self.wheels.joints:
-            link = joint.GetChild()
+        for link, message in self.frames:
             pose = link.WorldPose() - base
             w, x, y, z = pose.Rot()
-            self.ros.send_transform(
-                self.odometry.header.stamp,
-                self.odometry.child_frame_id,
-                self.frame(link.GetName()),
-                tuple(pose.Pos()),
-                (x, y, z, w),
-            )
+            send_transform(message, now, pose.Pos(), (x, y, z, w))
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosAckermannDrive)

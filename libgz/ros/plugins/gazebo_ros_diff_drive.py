@@ -6,12 +6,12 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from libgz.base.errors import ParameterError
-from libgz.base.law import law
+from libgz.base.law import law, rarely
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.packed import PackedMessage
 from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive, EncoderPose, drive_joint
-from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
@@ -32,7 +32,7 @@ class Pair(NamedTuple):
 class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
     """Turns the wheels by their motors, and publishes odometry of the world or of the wheels."""
 
-    STATE = ("command", "ticks", "pose", "speeds")
+    STATE = ("command", "ticks", "pose", "speeds", "settled")
 
     own_namespace = True
     parameters = (
@@ -71,10 +71,16 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         self.ticks = Ticks(given.updateRate)
         self._stop(model.GetWorld().core.GetSimTime())
         self.open_drive(model, self.variances, of_twist=self.two)
-        self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry") if given.publishTf else None
-        self.joint_states = None
+        joints = [*self.left, *self.right]
+        wheels = joints if given.publishWheelTF else ()
+        self.advertise_odometry(publish=given.publishTf, transform=given.publishOdomTF, wheels=wheels)
+        self.reported, self.joint_states = [*self.right, *self.left], None
         if given.publishWheelJointState:
-            self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
+            changed = self.world.core.update_rows_changed
+            publication = self.publish("joint_states", "sensor_msgs/JointState", 1000, changed=changed)
+            names, zeros = [joint.GetName() for joint in self.reported], [0.0] * len(joints)
+            self.joint_states = PackedMessage(publication, publication.kind(name=names, position=zeros))
+        self.lawful = not self.two
         self.run()
 
     def _pairs(self, sdf: Element) -> list[Pair]:
@@ -97,7 +103,7 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         ]
 
     def _stop(self, now: float) -> None:
-        self.command, self.speeds = (0.0, 0.0, 0.0), ((0.0, 0.0),) * len(self.pairs)
+        self.command, self.speeds, self.settled = (0.0, 0.0, 0.0), ((0.0, 0.0),) * len(self.pairs), 0.0
         self.pose = EncoderPose(now)
 
     def Reset(self) -> None:
@@ -113,38 +119,26 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
             pair = self.pairs[0]
             self.pose.move(now, pair.left.GetVelocity(0), pair.right.GetVelocity(0), pair.radius, pair.separation)
 
-    def work(self, now: float) -> None:
-        """Run the wheels; publish."""
-        self.stamp(now)
-        self._publish()
-        if self.given.publishWheelTF:
-            self.send_wheel_transforms([*self.left, *self.right])
-        if self.joint_states is not None and self.joint_states.listened:
-            joints = [*self.right, *self.left]
-            message = message_type("sensor_msgs/JointState")()
-            message.header.stamp = self.odometry.header.stamp
-            message.name = [joint.GetName() for joint in joints]
-            message.position = [joint.Position(0) for joint in joints]
-            self.joint_states.publish(message)
-        self._run()
-
-    def _publish(self) -> None:
-        """Publish odometry and its transform to those who listen."""
-        heard = self.publication is not None and self.publication.listened
-        moves = self.given.publishOdomTF and self.transforms.listened
-        if heard or moves:
-            self.measure_encoders(self.pose) if self.encoders else self.measure_world()
-        if moves:
-            self.send_odometry_transform()
-        if self.publication is not None and heard:
-            self.publication.publish(self.odometry)
+    @law
+    def work(self, now: Any) -> None:
+        """Publish; run the wheels."""
+        if self.heard:
+            motion = self.motion_of_encoders(self.pose) if self.encoders else self.motion_in_world()
+            self.publish_transforms(now, motion)
+            self.publish_odometry(now, motion)
+        if self.joint_states is not None and self.joint_states.publication.listened:
+            self.joint_states.stamp(now)
+            self.joint_states.put("position", [joint.Position(0) for joint in self.reported])
+            self.joint_states.send()
+        if rarely(self.settled == 0.0):
+            self._run()
 
     def _run(self) -> None:
         """Set the speeds of the motors."""
         given = self.given
         most = given.wheelAcceleration / given.updateRate if given.updateRate > 0.0 else 0.0
         speeds = [self._speeds_of(pair, before, most) for pair, before in zip(self.pairs, self.speeds, strict=True)]
-        self.speeds = tuple(speeds)
+        self.speeds, self.settled = tuple(speeds), float(most <= 0.0)
         for pair, (left, right) in zip(self.pairs, speeds, strict=True):
             pair.left.SetParam("vel", 0, left / pair.radius)
             pair.right.SetParam("vel", 0, right / pair.radius)

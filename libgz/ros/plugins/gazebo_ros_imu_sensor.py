@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.law import Number, law, rarely, unrecorded
+from libgz.base.law import Number, ends, law, rarely, unrecorded
 from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Rate, noise, set_point, set_quaternion
+from libgz.ros.packed import PackedMessage
+from libgz.ros.plugin import NOISE, OFFSETS, Endpoint, Parameter, Rate, noisy
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
 
@@ -55,12 +56,14 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
         if not self.given.initialOrientationAsReference:
             sensor.SetWorldToReferenceOrientation(Quaterniond(1.0, 0.0, 0.0, 0.0))
         self.turn = Quaterniond(*self.given.rpyOffset)
-        message = self.message = message_type("sensor_msgs/Imu")()
+        message = message_type("sensor_msgs/Imu")()
         message.header.frame_id = self.frame_of(self.given.frameName) if self.two else self.given.frameName
         for name in ("orientation", "angular_velocity", "linear_acceleration"):
             own = [self.variance(kind) for kind in NOISES.get(name, ())] if self.two else []
             getattr(message, f"{name}_covariance")[::4] = own or self.given.gaussianNoise**2
         self.publication = self.advertise(self.given.topicName, "sensor_msgs/Imu")
+        self.message = PackedMessage(self.publication, message)
+        self.lawful = not self.two and self.given.gaussianNoise <= 0.0 and not sensor.noises
         self.begin()
 
     def begin(self) -> None:
@@ -83,26 +86,29 @@ class GazeboRosImuSensor(RosSensor, SensorPlugin):
         """Publish the last measurement, if it is a new one and it is time."""
         measured = self.sensor.schedule.measured
         new = (measured > 0.0) & (measured != self.last)
-        if rarely(new & self.ticks.is_due(measured)):
-            self._publish(measured)
+        due = new & self.ticks.is_due(measured)
+        if not self.lawful:
+            if rarely(due):
+                self._publish(measured)
+        elif not ends(due == 0.0):
+            self.publish_measurement(measured)
 
     @unrecorded
     def _publish(self, measured: float) -> None:
-        self.last = measured
-        self.ticks.due(measured)
-        self.send()
+        self.publish_measurement(measured)
 
-    def send(self) -> None:
-        """Publish the measurement."""
+    @law
+    def publish_measurement(self, measured: Any) -> None:
+        """Publish the last measurement, which was made at a sim time [s]."""
+        self.last = measured
+        self.ticks.tick(measured)
         message, sensor, deviation = self.message, self.sensor, self.given.gaussianNoise
-        self.stamp(message)
-        set_quaternion(message.orientation, self.turn * sensor.Orientation())
-        if deviation > 0.0:
-            for name in ("x", "y", "z", "w"):
-                setattr(message.orientation, name, getattr(message.orientation, name) + noise(deviation))
-        set_point(message.linear_acceleration, sensor.LinearAcceleration(), deviation)
-        set_point(message.angular_velocity, sensor.AngularVelocity(), deviation)
-        self.publication.publish(message)
+        w, x, y, z = self.turn * sensor.Orientation()
+        message.stamp(measured)
+        message.put("orientation", noisy((x, y, z, w), deviation))
+        message.put("linear_acceleration", noisy(tuple(sensor.LinearAcceleration()), deviation))
+        message.put("angular_velocity", noisy(tuple(sensor.AngularVelocity()), deviation))
+        message.send()
 
 
 GZ_REGISTER_SENSOR_PLUGIN(GazeboRosImuSensor)

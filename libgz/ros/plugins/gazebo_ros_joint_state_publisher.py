@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
+from libgz.ros.packed import PackedMessage
 from libgz.ros.plugin import Endpoint, Parameter, Publishing, Rate, Ticks
-from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
@@ -40,8 +41,11 @@ class GazeboRosJointStatePublisher(Publishing, ModelPlugin):
         if not names:
             self.joints = [joint for joint in model.all_joints() if joint.DOF()]
         self.ticks = Ticks(self.given.updateRate)
-        self.message = message_type("sensor_msgs/JointState")(name=[joint.GetName() for joint in self.joints])
-        self.publication = self.advertise("joint_states", "sensor_msgs/JointState", 1000)
+        zeros = [0.0] * len(self.joints)
+        message = message_type("sensor_msgs/JointState")(name=[joint.GetName() for joint in self.joints])
+        message.position, message.velocity = zeros, zeros
+        self.message = PackedMessage(self.advertise("joint_states", "sensor_msgs/JointState", 1000), message)
+        self.lawful = not self.two
         self.run()
 
     def _joint(self, model: Model, name: str) -> Joint | None:
@@ -58,13 +62,14 @@ class GazeboRosJointStatePublisher(Publishing, ModelPlugin):
             log.error("%s: %s; the other joints are published", self.handleName, error)
             return None
 
-    def work(self, now: float) -> None:
+    @law
+    def work(self, now: Any) -> None:
         """Publish."""
         message = self.message
-        set_stamp(message.header.stamp, now)
-        message.position = [joint.Position(0) for joint in self.joints]
-        message.velocity = [joint.GetVelocity(0) for joint in self.joints]
-        self.publication.publish(message)
+        message.stamp(now)
+        message.put("position", [joint.Position(0) for joint in self.joints])
+        message.put("velocity", [joint.GetVelocity(0) for joint in self.joints])
+        message.send()
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointStatePublisher)

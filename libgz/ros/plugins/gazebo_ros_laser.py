@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
+from libgz.ros.packed import PackedMessage
 from libgz.ros.plugin import Endpoint, Parameter
 from libgz.ros.plugins._sensor import RosSensor, model_of
 from libgz.ros.types import message_type
@@ -34,15 +33,19 @@ class GazeboRosLaser(RosSensor, SensorPlugin):
         message.angle_increment = sensor.AngleResolution()
         message.range_min, message.range_max = sensor.RangeMin(), sensor.RangeMax()
         self.publication = self.advertise(self.given.topicName, "sensor_msgs/LaserScan")
+        self.packed: PackedMessage | None = None
         self.begin()
 
     def send(self) -> None:
         """Publish the scan."""
-        message = self.message
-        self.stamp(message)
-        message.ranges = np.asarray(self.sensor.ranges(), np.float32)
-        message.intensities = np.asarray(self.sensor.intensities(), np.float32)
-        self.publication.publish(message)
+        ranges, intensities = self.sensor.ranges(), self.sensor.intensities()
+        if self.packed is None:
+            self.message.ranges, self.message.intensities = ranges, intensities
+            self.packed = PackedMessage(self.publication, self.message)
+        self.packed.stamp(self.measured)
+        self.packed.put_array("ranges", ranges)
+        self.packed.put_array("intensities", intensities)
+        self.packed.send()
 
 
 GZ_REGISTER_SENSOR_PLUGIN(GazeboRosLaser)

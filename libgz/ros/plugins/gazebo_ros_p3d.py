@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
+from libgz.base.law import law
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
 from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.packed import PackedMessage
 from libgz.ros.plugin import (
     NOISE,
     OFFSETS,
@@ -17,11 +19,8 @@ from libgz.ros.plugin import (
     Publishing,
     Rate,
     Ticks,
-    set_point,
-    set_quaternion,
-    set_twist,
+    noisy,
 )
-from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
@@ -61,13 +60,17 @@ class GazeboRosP3D(Publishing, ModelPlugin):
         self.offset, self.turn = place, Quaterniond(*(given.rpyOffset + given.rpyOffsets))
         self.placed_elsewhere = any(place) or any(given.rpyOffset + given.rpyOffsets)
         self.ticks = Ticks(given.updateRate)
-        message = self.message = message_type("nav_msgs/Odometry")()
+        message = message_type("nav_msgs/Odometry")()
         message.header.frame_id, message.child_frame_id = self.frame(given.frameName), given.bodyName
         message.pose.covariance[::7] = message.twist.covariance[::7] = given.gaussianNoise**2
-        self.publication = self.advertise(given.topicName, "nav_msgs/Odometry", 5 if self.two else 1)
+        publication = self.advertise(given.topicName, "nav_msgs/Odometry", 5 if self.two else 1)
+        self.message = PackedMessage(publication, message)
+        alone = self.reference is None and given.gaussianNoise <= 0.0
+        self.lawful = alone and not self.two and not model.IsStatic()
         self.run()
 
-    def work(self, now: float) -> None:
+    @law
+    def work(self, now: Any) -> None:
         """Publish."""
         pose = self.link.WorldPose()
         linear, angular = self.link.WorldLinearVel(), self.link.WorldAngularVel()
@@ -78,14 +81,13 @@ class GazeboRosP3D(Publishing, ModelPlugin):
             turn = turn * frame.Rot().Inverse()
             linear = frame.Rot().RotateVector(linear - self.reference.WorldLinearVel())
             angular = frame.Rot().RotateVector(angular - self.reference.WorldAngularVel())
-        message = self.message
-        set_stamp(message.header.stamp, now)
         if self.placed_elsewhere:
             place, turn = place + self.offset, self.turn * turn
-        set_point(message.pose.pose.position, place)
-        set_quaternion(message.pose.pose.orientation, turn)
-        set_twist(message.twist.twist, linear, angular, self.given.gaussianNoise)
-        self.publication.publish(message)
+        message, (w, x, y, z) = self.message, turn
+        message.stamp(now)
+        message.put("pose.pose", (*place, x, y, z, w))
+        message.put("twist.twist", noisy((*linear, *angular), self.given.gaussianNoise))
+        message.send()
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosP3D)

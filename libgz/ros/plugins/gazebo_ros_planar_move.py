@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.law import law, rarely, unrecorded
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._planar import PlanarMotion
-from libgz.ros.plugin import Parameter, Periodic, Rate, Ticks, set_pose
-from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive
+from libgz.ros.plugin import Parameter, Periodic, Rate, Ticks
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, COVARIANCES, ODOMETRY, Drive, Motion
 
 if TYPE_CHECKING:
-    from libgz.classic.math import Pose3d
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
@@ -43,9 +42,8 @@ class GazeboRosPlanarMove(Drive, Periodic, ModelPlugin):
         self.ticks, self.moves = Ticks(given.odometryRate), Ticks(given.updateRate if self.two else 0.0)
         self.motion = PlanarMotion(model, given.cmdTimeout if given.cmdTimeout >= 0.0 else math.inf)
         self.open_drive(model, self.variances, of_twist=self.two)
-        self.publication = None
-        if given.publishTf or not self.two:
-            self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
+        self.advertise_odometry(publish=given.publishTf or not self.two, transform=given.publishOdomTF or not self.two)
+        self.velocity = (0.0, 0.0, 0.0)
         self.before, self.then = model.WorldPose(), self.world.core.GetSimTime()
         self.run()
 
@@ -79,30 +77,24 @@ class GazeboRosPlanarMove(Drive, Periodic, ModelPlugin):
 
     def work(self, now: float) -> None:
         """Publish odometry and its transform."""
-        pose = self.model.WorldPose()
-        self.stamp(now)
-        if self.two:
-            self.measure_world()
-        else:
-            self._differentiate(pose, now)
-        if self.given.publishOdomTF or not self.two:
-            self.send_odometry_transform()
-        if not self.two:
-            self.odometry.pose.pose.position.z = 0.0
-        if self.publication is not None and self.publication.listened:
-            self.publication.publish(self.odometry)
+        motion = self.motion_in_world() if self.two else self._differentiated(now)
+        self.publish_transforms(now, motion)
+        x, y, _ = motion.place
+        self.publish_odometry(now, motion if self.two else motion._replace(place=(x, y, 0.0)))
 
-    def _differentiate(self, pose: Pose3d, now: float) -> None:
-        """Take a pose as odometry, and the difference from the one before as its velocities."""
-        elapsed, yaw, message = now - self.then, pose.Rot().Yaw(), self.odometry
-        set_pose(message.pose.pose, pose)
+    def _differentiated(self, now: float) -> Motion:
+        """The pose, and the difference from the one before as its velocities."""
+        pose, elapsed = self.model.WorldPose(), now - self.then
+        (x, y, z), (w, i, j, k), yaw = pose.Pos(), pose.Rot(), pose.Rot().Yaw()
         if elapsed > 0.0:
             moved = (pose.Pos() - self.before.Pos()) / elapsed
-            twist = message.twist.twist
-            twist.linear.x = math.cos(yaw) * moved.X() + math.sin(yaw) * moved.Y()
-            twist.linear.y = math.cos(yaw) * moved.Y() - math.sin(yaw) * moved.X()
-            twist.angular.z = math.remainder(yaw - self.before.Rot().Yaw(), 2.0 * math.pi) / elapsed
+            self.velocity = (
+                math.cos(yaw) * moved.X() + math.sin(yaw) * moved.Y(),
+                math.cos(yaw) * moved.Y() - math.sin(yaw) * moved.X(),
+                math.remainder(yaw - self.before.Rot().Yaw(), 2.0 * math.pi) / elapsed,
+            )
         self.before, self.then = pose, now
+        return Motion((x, y, z), (i, j, k, w), self.velocity)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosPlanarMove)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
+from libgz.base.law import law, rarely
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.ros.plugin import Parameter, Periodic, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, drive_joint
@@ -19,7 +20,7 @@ WHEELS = ("leftFrontJoint", "leftRearJoint", "rightFrontJoint", "rightRearJoint"
 class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
     """Turns the wheels by their motors, and publishes the model's pose in the world as odometry."""
 
-    STATE = ("command", "ticks")
+    STATE = ("command", "ticks", "settled")
 
     parameters = (
         *COMMANDS,
@@ -49,23 +50,29 @@ class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
             joint.SetParam("fmax", 0, given.torque)
         self.ticks = Ticks(given.updateRate)
         self.open_drive(model, (given.covarianceX, given.covarianceY, given.covarianceYaw), of_twist=True)
-        self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
+        self.advertise_odometry(transform=given.broadcastTF)
+        self.lawful = not self.two
         self.run()
 
     def Reset(self) -> None:
         """Stop."""
-        self.command = (0.0, 0.0, 0.0)
+        self.command, self.settled = (0.0, 0.0, 0.0), 0.0
         for joint in self.joints:
             joint.SetParam("fmax", 0, self.given.torque)
 
-    def work(self, now: float) -> None:
-        """Run the wheels, and publish."""
-        self.stamp(now)
-        self.measure_world()
-        if self.given.broadcastTF:
-            self.send_odometry_transform()
-        if self.publication.listened:
-            self.publication.publish(self.odometry)
+    @law
+    def work(self, now: Any) -> None:
+        """Publish; run the wheels."""
+        if self.heard:
+            motion = self.motion_in_world()
+            self.publish_transforms(now, motion)
+            self.publish_odometry(now, motion)
+        if rarely(self.settled == 0.0):
+            self._run()
+
+    def _run(self) -> None:
+        """Set the speeds of the motors."""
+        self.settled = 1.0
         speed, _, turn = self.command
         half, radius = turn * self.given.wheelSeparation / 2.0, self.given.wheelDiameter / 2.0
         for joint, at in zip(self.joints, (speed - half, speed - half, speed + half, speed + half), strict=True):

@@ -9,12 +9,12 @@ from libgz.base.errors import ParameterError
 from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.ros.plugin import Endpoint, Parameter, Periodic, Rate, Ticks
-from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, drive_joint
+from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, EncoderPose, Motion, drive_joint
+from libgz.ros.session import set_stamp
 from libgz.ros.types import message_type
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
-    from libgz.ros.session import Publication
     from libgz.sdf.element import Element
 
 
@@ -67,9 +67,10 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
         self.encoders = given.odometrySource in ("encoder", "0")
         self.ticks, self.pose = Ticks(given.updateRate), EncoderPose(model.GetWorld().core.GetSimTime())
         self.open_drive(model)
-        self.publication = None
-        if given.publishTf or not self.two:
-            self.publication = self.publish(given.odometryTopic, "nav_msgs/Odometry")
+        publishes = given.publishTf or not self.two
+        joints = self.joints = [self.steering, self.wheel, self.left, self.right]
+        wheels = joints if given.publishWheelTF else ()
+        self.advertise_odometry(publish=publishes, transform=publishes, wheels=wheels, of_joints=True)
         self.joint_states = None
         if given.publishWheelJointState:
             self.joint_states = self.publish("joint_states", "sensor_msgs/JointState", 1000)
@@ -90,15 +91,14 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
 
     def work(self, now: float) -> None:
         """Run the motors; publish."""
-        self.stamp(now)
-        if self.publication is not None:
-            self._publish(self.publication)
-        joints = [self.steering, self.wheel, self.left, self.right]
-        if self.given.publishWheelTF:
-            self.send_wheel_transforms(joints, of_joints=True)
+        if self.heard:
+            motion = self._motion_of_wheels() if self.encoders else self.motion_in_world()
+            self.publish_transforms(now, motion)
+            self.publish_odometry(now, motion)
+        joints = self.joints
         if self.joint_states is not None and self.joint_states.listened:
             message = message_type("sensor_msgs/JointState")()
-            message.header.stamp = self.odometry.header.stamp
+            set_stamp(message.header.stamp, now)
             message.name = [joint.GetName() for joint in joints]
             message.position = [joint.Position(0) for joint in joints]
             message.velocity = [joint.GetVelocity(0) for joint in joints]
@@ -106,23 +106,13 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
             self.joint_states.publish(message)
         self._run(1.0 / self.given.updateRate if self.given.updateRate > 0.0 else self.world.core.engine.step_time)
 
-    def _publish(self, publication: Publication) -> None:
-        """Publish odometry and its transform."""
-        if self.encoders:
-            self.measure_encoders(self.pose)
-            self._turn_twist(self.odometry.twist.twist.linear)
-        else:
-            self.measure_world()
-        self.send_odometry_transform()
-        if publication.listened:
-            publication.publish(self.odometry)
-
-    def _turn_twist(self, linear: Any) -> None:
+    def _motion_of_wheels(self) -> Motion:
         """Encoders give the velocity in the frame of the odometry, as in the original."""
-        pose = self.pose
-        if pose.elapsed > 0.0:
-            speed, ahead = pose.way / pose.elapsed, pose.yaw - pose.turn / 2.0
-            linear.x, linear.y = speed * math.cos(ahead), speed * math.sin(ahead)
+        pose, motion = self.pose, self.motion_of_encoders(self.pose)
+        if pose.elapsed <= 0.0:
+            return motion
+        speed, ahead = pose.way / pose.elapsed, pose.yaw - pose.turn / 2.0
+        return motion._replace(velocity=(speed * math.cos(ahead), speed * math.sin(ahead), motion.velocity[2]))
 
     def _run(self, period: float) -> None:
         """Set the speed of the wheel, and its angle."""

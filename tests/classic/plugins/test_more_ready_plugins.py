@@ -80,15 +80,15 @@ def test_joint_control_takes_several_regular_expressions(run, caplog):
 # Ground
 
 
-def test_wheel_slip_is_proportional_to_the_drag(run):
+def test_wheel_slip_is_proportional_to_the_drag(run, caplog):
     mass, force, compliance, pull = 10.0, 98.0, 0.1, 20.0
     wheel = (
+        "<link name='axle'><pose>0 0 0.2 0 0 0</pose><inertial><mass>0.1</mass></inertial></link>"
         "<link name='wheel'><pose>0 0 0.2 -1.5707963267948966 0 0</pose>"
         f"<inertial><mass>{mass}</mass><inertia><ixx>0.5</ixx><iyy>0.5</iyy><izz>0.5</izz></inertia></inertial>"
         "<collision name='c'><geometry><sphere><radius>0.2</radius></sphere></geometry>"
         "<surface><friction><ode><mu>1</mu><mu2>1</mu2><fdir1>0 0 1</fdir1></ode></friction></surface>"
         "</collision></link>"
-        "<link name='axle'><pose>0 0 0.2 0 0 0</pose><inertial><mass>0.1</mass></inertial></link>"
         "<joint name='spin' type='revolute'><parent>axle</parent><child>wheel</child><axis><xyz>0 0 1</xyz>"
         "</axis></joint>"
         "<joint name='slide' type='prismatic'><parent>world</parent><child>axle</child><axis><xyz>1 0 0</xyz>"
@@ -109,6 +109,16 @@ def test_wheel_slip_is_proportional_to_the_drag(run):
         core.step(1)
     speed, rolled = slide.GetVelocity(0), 10.0 * 0.2
     assert (rolled - speed) / rolled == pytest.approx(compliance * pull / force, rel=0.1)
+    slipped = Heard("~/m/wheel_slip/wheel")
+    core.step(2)
+    assert slipped[-1].x == pytest.approx(speed - rolled, rel=0.1)  # nothing has pulled it in the last step
+    assert slipped[-1].z == pytest.approx(rolled, rel=1e-3)
+    assert slipped[-1].y == pytest.approx(0.0, abs=1e-3)
+    for way, number in (("longitudinal", "0"), ("lateral", "a lot")):
+        send(f"~/m/wheel_slip/{way}_compliance", msgs.GzString(data=number))
+    core.run(0.5)
+    assert slipped[-1].x == pytest.approx(0.0, abs=0.01)
+    assert "the lateral compliance 'a lot' is no number" in caplog.text
 
 
 def test_mud_damps_what_touches_it(run):

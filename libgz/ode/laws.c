@@ -89,14 +89,25 @@ static void load(const operation *o, const char *memory)
     }
 }
 
-/* Arithmetic for each number of the arrays; what Python refuses, such as a division by zero, is left to Python. */
+/* Arithmetic for each number of the arrays, mostly single ones; what Python refuses, such as a division by zero, is left to
+ * Python. */
 #define EACH(expression) \
+    if (o->count == 1) { \
+        const double x = *one; \
+        *r = (expression); \
+        break; \
+    } \
     for (i = 0; i < o->count; i++) { \
         const double x = one[i * o->strides[0]]; \
         r[i] = (expression); \
     } \
     break
 #define EACH_PAIR(expression) \
+    if (o->count == 1) { \
+        const double x = *one, y = *two; \
+        *r = (expression); \
+        break; \
+    } \
     for (i = 0; i < o->count; i++) { \
         const double x = one[i * o->strides[0]], y = two[i * o->strides[1]]; \
         r[i] = (expression); \

@@ -98,23 +98,30 @@ def test_models_come_move_and_go_and_the_world_is_saved_and_rewound(chromium, tm
 def drag_handle(page):
     """Drag the handles' arrow along x, once the camera is at rest."""
     until(page, "!libgz.workplace.stage.cameras._glide && libgz.workplace.stage._refined")
-    x, y = page.evaluate(ARROW)
+    (x0, y0), (x, y) = page.evaluate(ARROW)
     page.mouse.move(x, y)
     page.mouse.down()
+    along = 10.0 / np.hypot(x - x0, y - y0)
     for i in range(1, 9):
-        page.mouse.move(x + 10.0 * i, y - 5.0 * i)
+        page.mouse.move(x + along * i * (x - x0), y + along * i * (y - y0))
         page.wait_for_timeout(60)
     page.mouse.up()
 
 
 ARROW = """() => {
   const { handles, cameras } = libgz.workplace.stage;
-  const point = handles.grip.position.clone();
-  point.x += 0.12 * handles.controls.size * cameras.camera.position.distanceTo(point);
-  point.project(cameras.camera);
   const box = document.querySelector('#stage canvas').getBoundingClientRect();
-  return [box.left + ((point.x + 1) / 2) * box.width, box.top + ((1 - point.y) / 2) * box.height].map(Math.round);
-}"""  # where that arrow is in the window [px]
+  const pixel = (point) => {
+    point.project(cameras.camera);
+    return [box.left + ((point.x + 1) / 2) * box.width, box.top + ((1 - point.y) / 2) * box.height];
+  };
+  const meshes = [];
+  handles.controls.getHelper().traverse((one) => one.name === 'X' && one.isMesh && one.visible && meshes.push(one));
+  const [{ geometry, matrixWorld }] = meshes;
+  geometry.computeBoundingBox();
+  const middle = geometry.boundingBox.getCenter(handles.grip.position.clone());
+  return [pixel(handles.grip.position.clone()), pixel(middle.applyMatrix4(matrixWorld))];
+}"""  # where the handles and that arrow are in the window [px]; the arrow is on the side that the camera is on
 
 
 def test_sliders_move_joints_and_lights_and_images_of_sensors_are_shown(chromium, tmp_path):

@@ -582,6 +582,8 @@ def test_values_are_dragged_into_plots(opened):
     page.locator('[data-series=\'["entity","robot1","vx"]\']').drag_to(page.locator(".plots-panel"))
     plot = page.get_by_role("region", name="Plot", exact=True)
     assert plot.count() == 1
+    page.locator("#inspector").get_by_text("yaw", exact=True).drag_to(plot)  # beside a field whose text can be marked
+    button(page, "Remove robot1 yaw").click()
     button(page, "Plot robot1 vy").click()
     page.locator("#inspector").get_by_text("position.robot1", exact=True).click()
     button(page, "Plot pos[0]").click()

@@ -708,11 +708,13 @@ export class Inspector {
  * @param {string} [unit] if it is shown in another one
  */
 function plottable(workplace, series, name, value, unit = series.unit) {
+  const typed = value instanceof HTMLInputElement; // its text is selected by dragging
+  name.draggable = typed;
   return element(
     'div',
     {
       class: 'property plottable',
-      draggable: !(value instanceof HTMLInputElement),
+      draggable: !typed,
       'data-series': series.key,
       on: {
         dragstart: (/** @type {DragEvent} */ event) => {

@@ -144,7 +144,8 @@ class Subscription:
         self._listed = False  # among those for which messages wait
         node: Any = owner.node
         received = self._received
-        subscriber = self._subscriber = node.subscribe(topic, kind, received, **more)
+        depth = {"queue": queue} if owner.version == 2 else {}
+        subscriber = self._subscriber = node.subscribe(topic, kind, received, **depth, **more)
         self._end = AtEnd(lambda: node.unsubscribe(subscriber, received))
 
     @property

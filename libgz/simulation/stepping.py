@@ -112,10 +112,8 @@ class Stepping:
             return 0
         if self._contact or self._end or not self._begin.obeys_laws:
             return 0
-        free = math.inf
-        for companion in self.world.companions:
-            ahead = (companion.idle_until() - self.world.clock.sim_time) / self.world.engine.step_time
-            free = min(free, ahead - STEP_TOLERANCE)
+        until = min((companion.idle_until() for companion in self.world.companions), default=math.inf)
+        free = (until - self.world.clock.sim_time) / self.world.engine.step_time - STEP_TOLERANCE
         return int(max(0.0, min(free, MOST_FREE)))
 
     def _continue_natively(self, number: int) -> None:

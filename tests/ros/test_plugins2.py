@@ -69,6 +69,7 @@ def test_a_diff_drive_has_a_separation_and_a_diameter_for_each_pair(start_ros2, 
     wait_for(lambda: model.GetJoint("left_front").GetParam("vel", 0), server.core.Step)
     assert [model.GetJoint(name).GetParam("vel", 0) for name in names] == pytest.approx([*front, *rear])
     assert "/tf" not in graph.received or not graph.received["/tf"]  # publish_odom_tf is false
+    assert (graph.taken["/cmd_vel"]["qos"], graph.declared["/odom"]["qos"]) == ({"depth": 1}, {"depth": 1})
 
 
 def test_a_planar_move_sets_velocities_at_its_rate_and_publishes_those_of_the_world(start_ros2):
@@ -281,10 +282,10 @@ def test_services_of_world_plugins_have_their_namespace_and_remappings(start_ros
     ros = {
         "properties": f"<ros>{space}<remapping>get_model_properties:=about</remapping></ros>",
         "state": f"<ros>{space}</ros>",
-        "template": "",
     }
     plugins = "".join(f"<plugin name='{k}' filename='libgazebo_ros_{k}.so'>{v}</plugin>" for k, v in ros.items())
-    server = start_ros2(world(plugins))
+    nothing = f"<model name='m'><link name='l'/>{plugin('gazebo_ros_template')}</model>"
+    server = start_ros2(world(plugins, nothing))
     found = server.call("/demo/about", "gazebo_msgs/GetModelProperties", model_name="ground")
     assert (found.success, found.body_names) == (True, ["l"])
     assert graph.declared["/demo/about"]["node"] == ["/demo", "properties"]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, Model, World
     from libgz.classic.transport.topic import Topic
     from libgz.sdf.element import Element
+    from libgz.simulation.event import Event
     from libgz.simulation.plan import Plan
 
 __all__ = ["WorldSensors"]
@@ -48,6 +49,8 @@ class WorldSensors:
         self._idle: list[tuple[Topic, Sensor]] = []  # inactive until their topics have subscribers
         self._now = 0.0  # [s] of the last iteration
         self._natively: list[Sensor] = []  # active, and measured by native code where it makes steps alone
+        self._callbacks: list[Event] = []  # of these
+        self._topics: list[Topic] = []  # of these
         self._next = -math.inf  # [s] sim time of the next measurement, or an earlier one
         self._next_here = -math.inf  # [s] that of the others
         self._diagnostics = Diagnostics()
@@ -170,15 +173,28 @@ class WorldSensors:
             return -math.inf
         if any(topic.subscribers or topic.remote for topic, _ in self._idle):
             return -math.inf
-        if any(sensor.heard for sensor in self._natively):
+        if self._natively and self._heard():
             self._plan_again()
         return self._next_here
+
+    def _heard(self) -> bool:
+        """Whether anybody gets what native code measures; asked at each stop of it."""
+        for event in self._callbacks:
+            if event.own:
+                return True
+        for topic in self._topics:  # noqa: SIM110 -- a generator would take as long again
+            if topic.subscribers or topic.remote:
+                return True
+        return False
 
     def plan_end(self, plan: Plan) -> None:
         """Add the measurements that nobody reads."""
         self._natively = [sensor for sensor in self._active if sensor.obeys_law and not sensor.heard]
         for sensor in self._natively:
             sensor.plan(plan)
+        topics = TopicManager.Instance()
+        self._callbacks = [event for sensor in self._natively for event in sensor.events]
+        self._topics = [topics.topic(one.GetTopic()) for sensor in self._natively for one in sensor.publishers]
         self._set_next()
 
     def _plan_again(self) -> None:

@@ -194,9 +194,14 @@ class Sensor:
         self._active = bool(value)
         self.sensors.reschedule(self)
 
+    @property
+    def events(self) -> tuple[Event, Event]:
+        """The events of its measurements: of each, and of those that are published."""
+        return self._update_event, self._message_event
+
     def connected(self) -> bool:
         """Whether there are callbacks for its measurements."""
-        return bool(self._update_event or self._message_event)
+        return any(self.events)
 
     def listened(self) -> bool:
         """Whether its topic has subscribers."""

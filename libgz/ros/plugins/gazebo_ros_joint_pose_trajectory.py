@@ -50,7 +50,7 @@ class GazeboRosJointPoseTrajectory(Periodic, ModelPlugin):
         self.open(sdf, model.GetName())
         self.model, self.world, self.ticks = model, model.GetWorld(), Ticks(0.0)
         kind = "trajectory_msgs/JointTrajectory"
-        self.trajectories = self.subscribe(self.given.topicName, kind, self.OnTrajectory, 100)
+        self.trajectories = self.subscribe(self.given.topicName, kind, self.OnTrajectory, 1 if self.two else 100)
         self.service = self.serve(self.given.serviceName, "gazebo_msgs/SetJointTrajectory", self.OnSet)
         self.Reset()
         self.run()

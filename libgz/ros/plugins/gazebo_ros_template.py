@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import World
+    from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
 
-class GazeboRosTemplate(WorldPlugin):
+class GazeboRosTemplate(ModelPlugin):
     """Does nothing."""
 
     STATE = ()
 
-    def Load(self, world: World, sdf: Element) -> None:
+    def Load(self, model: Model, sdf: Element) -> None:
         """Nothing to do."""
 
 
-GZ_REGISTER_WORLD_PLUGIN(GazeboRosTemplate)
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosTemplate)

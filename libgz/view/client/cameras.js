@@ -8,6 +8,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const LOWEST = 0.08; // [m] of the camera above the ground
 const MARGIN = 1.5; // around robots at the start
+const FLAT = 1.15; // around what is wide and low: the ball around it is higher than it
 const CLOSE = 1.2; // around what is focused
 const LIFT = 0.07; // of the view's height that they are above its middle, as the stick is below
 const FARTHEST = 1e6; // [m] from the origin of what is framed
@@ -89,9 +90,10 @@ export class Cameras {
       return;
     }
     const box = this._interesting(), { center, radius } = box.getBoundingSphere(new Sphere());
+    const { x, y, z } = box.getSize(new Vector3()), margin = z < 0.5 * Math.max(x, y) ? FLAT : MARGIN;
     const sides = startsFor(sun);
-    const free = sides.find((outward) => sees(this._eye(center, radius, outward, MARGIN), center, radius));
-    this._frame(box, free ?? sides[0], false, MARGIN);
+    const free = sides.find((outward) => sees(this._eye(center, radius, outward, margin), center, radius));
+    this._frame(box, free ?? sides[0], false, margin);
     this.controls.target.z -= LIFT * 2 * Math.tan(MathUtils.degToRad(this.camera.fov) / 2) * this.distance;
     this.controls.update();
   }

@@ -12,13 +12,11 @@ import logging
 import os
 import re
 import threading
-import time
 from ctypes import CFUNCTYPE, c_char_p, c_int, c_size_t, c_void_p
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import LibraryError
-from libgz.base.waiting import PERIOD
 from libgz.classic.msgs import message_type
 from libgz.classic.physics.model import Model
 from libgz.classic.transport.manager import TopicManager
@@ -137,11 +135,8 @@ class IgnitionTransport:
         """Answer what is set for a joint; threads of ignition-transport call this."""
         name = model.decode(errors="surrogateescape").replace("/", "::")
         for world in _served():
-            end = time.monotonic() + PATIENCE
-            while not world.core.lock.try_acquire():
-                if time.monotonic() > end:  # not for ever: the step may be closing a topic, and wait for this thread
-                    return 0
-                time.sleep(PERIOD)
+            if not world.core.lock.wait(PATIENCE):  # the step may be closing a topic, and wait for this thread
+                return 0
             try:
                 found = world.BaseByName(name)
                 if isinstance(found, Model):

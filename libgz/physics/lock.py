@@ -66,17 +66,20 @@ class WorldLock:
         if not self.try_acquire():
             self.wait()
 
-    def wait(self) -> None:
-        """Hold the lock, which another thread holds, as soon as it is released."""
+    def wait(self, patience: float = math.inf) -> bool:
+        """Hold the lock, which another thread holds, as soon as it is released; False if it is not in that time [s]."""
         me = threading.get_ident()
         self.waiting[me] = begin = time.monotonic()
         self.wanted.value, due = 1, begin + LONG
         try:
             while not self._lock.acquire(timeout=PERIOD):
+                if time.monotonic() >= begin + patience:
+                    return False
                 if time.monotonic() >= due:
                     due = math.inf
                     if self.report is not None:
                         self.report(self.holder)
+            return True
         finally:
             self.waiting.pop(me, None)
 

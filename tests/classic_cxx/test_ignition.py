@@ -138,6 +138,20 @@ def test_models_are_commanded_and_asked_while_they_are_there(ignition, caplog):
         assert (ignition.opened(b"arm"), ignition.opened(b"arm/inner")) == (0, 0)
 
 
+def test_a_world_that_steps_without_pause_answers(ignition):
+    with libgz.World.from_string(WORLD.format(name="one")) as world:
+        attach(world)
+        world.step()
+        done = threading.Event()
+        stepping = threading.Thread(target=lambda: [world.step(1000) for _ in iter(done.is_set, True)])
+        stepping.start()
+        try:
+            assert all(asked(ignition, b"arm", b"arm::hinge") is not None for _ in range(20))
+        finally:
+            done.set()
+            stepping.join()
+
+
 def test_a_server_that_is_only_watched_obeys_its_own_plugins_alone(ignition, monkeypatch, caplog):
     class Watched:
         client, watch_only = False, True

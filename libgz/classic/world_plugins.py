@@ -151,6 +151,10 @@ class WorldPlugins:
         """Call Reset of all plugins: those of models, of the world, of sensors and visuals, and System plugins."""
         for model in self._world.all_models():
             self.reset_of(model)
+        self.reset_others()
+
+    def reset_others(self) -> None:
+        """Call Reset of the plugins that are none of models."""
         for plugin in (*self._others(), *system_plugins):
             plugin.reset()
 

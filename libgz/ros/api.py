@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -275,8 +276,9 @@ class WorldApi(Services):
     def _get_joint_properties(self, request: Any, answer: Any) -> None:
         joint = self._joint(request.joint_name, "GetJointProperties: joint not found")
         answer.type = answer.REVOLUTE
-        if joint.DOF():
-            answer.position, answer.rate = [joint.Position(0)], [joint.GetVelocity(0)]
+        moves = joint.DOF() > 0
+        answer.position = [joint.Position(0) if moves else math.nan]
+        answer.rate = [joint.GetVelocity(0) if moves else 0.0]
         answer.success, answer.status_message = True, "GetJointProperties: got properties"
 
     def _set_joint_properties(self, request: Any, answer: Any) -> None:
@@ -342,7 +344,14 @@ class WorldApi(Services):
         self._world.SetPaused(False)
 
     def _reset_simulation(self, _request: Any, _answer: Any) -> None:
-        self._world.Reset()
+        """Reset the time and what there is: models that were spawned and properties of physics stay, as in Gazebo."""
+        world = self._world
+        self.jobs.clear()
+        world.ResetTime()
+        world.ResetEntities(Base.BASE)
+        world.ResetPhysicsStates()
+        world.server.plugins.reset_others()
+        world.core.events["WorldReset"]()
 
     def _reset_world(self, _request: Any, _answer: Any) -> None:
         self._world.ResetEntities(Base.MODEL)

@@ -27,11 +27,11 @@ ROBOTS, ROUNDS, FRAMES = 20, 9, 40
 EYE, AT = (-6.0, -5.0, 4.0), (3.0, 3.0, 0.0)
 
 AIMS = {
-    (320, "MuJoCo, default meshes"): 10,
-    (320, "MuJoCo, coarse meshes"): 4,
-    (320, "PyBullet TinyRenderer"): 12,
+    (320, "MuJoCo, default meshes"): 8,
+    (320, "MuJoCo, coarse meshes"): 3,
+    (320, "PyBullet TinyRenderer"): 8,
 }
-STARTS = {"without a camera": 1.4, "with a camera": 2.2}
+STARTS = {"without a camera": 1.8, "with a camera": 3.5}
 
 Render = Callable[[], object]
 

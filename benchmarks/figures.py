@@ -172,16 +172,18 @@ def legs() -> Iterator[Figure]:
 
 def start() -> Iterator[Figure]:
     """Processor time of commands over that of Python with numpy."""
-    as_installed = "import sys; from libgz.apps.launch import gazebo; sys.exit(gazebo())"
-    gazebo = ["-c", as_installed, "--steps", "1"]
+    as_installed = "import sys; from libgz.apps.launch import {0}; sys.exit({0}())"
+    gazebo = ["-c", as_installed.format("gazebo"), "--steps", "1"]
     commands = {
         "numpy": ["-c", "import numpy"],
         "gazebo --steps 1": [*gazebo, "pioneer2at"],
         "gazebo --steps 1, camera": [*gazebo, "ptz"],
+        "gzserver --iters 1": ["-c", as_installed.format("gzserver"), "--iters", "1"],
     }
 
     with tempfile.TemporaryDirectory() as folder:
-        settings = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "TMP": folder, "USER": "bench"}
+        settings = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "TMP": folder, "USER": "bench", "HOME": folder}
+        settings["GAZEBO_MASTER_URI"] = "http://localhost:0"
         settings.pop("PYTHONDONTWRITEBYTECODE", None)
 
         def run(arguments: list[str], _steps: int) -> Spent:
@@ -195,7 +197,7 @@ def start() -> Iterator[Figure]:
         for one in runs.values():
             one(1)  # writes bytecode
         times = take_turns(runs, seconds=0.001)
-    for name, aim in (("gazebo --steps 1", 1.4), ("gazebo --steps 1, camera", 2.2)):
+    for name, aim in (("gazebo --steps 1", 1.8), ("gazebo --steps 1, camera", 3.5), ("gzserver --iters 1", 1.8)):
         yield _ratio(f"start: {name} / python with numpy", times, name, "numpy", aim)
 
 

@@ -6,6 +6,7 @@ import io
 import json
 import math
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from libgz.rendering.image import depth_text, jpeg_text
 from libgz.transport.control import Request
 from libgz.view import driving
 from libgz.view.local import LocalSource
-from libgz.view.viewer import Viewer
+from libgz.view.viewer import PORT, Viewer
 
 ROBOT = """<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane><id>ground</id></model:GroundPlane>
 <model:Pioneer2AT><id>robot1</id><model:SickLMS200><id>laser1</id></model:SickLMS200></model:Pioneer2AT></gz:world>"""
@@ -345,3 +346,9 @@ def test_depths_become_an_image_for_a_page():
     assert image.shape == (48, 64)
     assert image[24, 32] > 240  # the box is near
     assert image[2, 2] < 15
+
+
+def test_the_container_has_the_view_and_its_port():
+    text = (Path(__file__).parents[2] / "Dockerfile").read_text()
+    assert "/src[view]" in text
+    assert f"EXPOSE {PORT}\n" in text

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 SPACING = 0.1  # [m] between the points that a uniform population shares out, as in Gazebo
 SAMPLES = 10_000  # of them in a cylinder
-MOST_MODELS = 100_000  # of all populations of a world
+MOST_MODELS = 20_000  # of all populations of a world
 MOST_ELEMENTS = 2_000_000  # of these models
 MOST_DISTANCES = 200_000_000  # between points and middles of a uniform population
 AT_ONCE = 10_000_000  # of these that are held

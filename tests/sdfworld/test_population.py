@@ -132,7 +132,7 @@ def test_a_saved_world_has_the_models_and_no_population(tmp_path):
         (population("linear-x", CYLINDER, 5), "region [cylinder] and distribution [linear-x]"),
         (population("random", BOX, 5, model=""), "Unable to find <model>"),
         (population("uniform", BOX, 5000), "only 200 models fit"),
-        (population("random", BOX, 10**7), "100000 at most"),
+        (population("random", BOX, 10**7), "20000 at most"),
     ],
 )
 def test_what_cannot_be_placed_is_a_warning(places, caplog, element, message):

@@ -98,21 +98,19 @@ class SdfState:
             names = (f"<name>{xml_text(name)}</name>" for name in self.deletions)
             words += ["<deletions>", *names, "</deletions>\n"]
         by_model: dict[str, list[str]] = {}
-        for name in self.poses:
-            model, _, link = name.rpartition("::")
-            by_model.setdefault(model, []).append(link)
+        lights = []
+        for name, pose in self.poses.items():
+            model, scoped, link = name.rpartition("::")
+            if scoped:
+                by_model.setdefault(model, []).append(link)
+            else:
+                lights.append(f'<light name="{xml_attribute(name)}"><pose>{_pose_text(pose)}</pose></light>\n')
         for model, links in by_model.items():
-            if not model:
-                words += [
-                    f'<light name="{xml_attribute(n)}"><pose>{_pose_text(self.poses[n])}</pose></light>\n'
-                    for n in links
-                ]
-                continue
             scopes = model.split("::")
             words += [f'<model name="{xml_attribute(scope)}">\n' for scope in scopes]
             words += [self._link_text(model, link) for link in links]
             words += ["</model>\n"] * len(scopes)
-        return "".join([*words, "</state>\n</sdf>\n"])
+        return "".join([*words, *lights, "</state>\n</sdf>\n"])
 
     def _link_text(self, model: str, link: str) -> str:
         name = f"{model}::{link}"

@@ -9,7 +9,7 @@ from types import TracebackType
 
 from lxml import etree
 
-from libgz.base.errors import ParameterError, WorldFileError
+from libgz.base.errors import GazeboError, ParameterError, WorldFileError
 from libgz.classic.log.file import LogReader
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.light import Light
@@ -42,7 +42,7 @@ def read_states(reader: LogReader) -> Iterator[SdfState]:
             try:
                 yield SdfState.parse(element)
             except ParameterError as error:
-                raise WorldFileError(f"<state> of a log: {error}") from None
+                raise WorldFileError(f"{reader.path}: <state>: {error}") from None
 
 
 class LogPlay(Stateless):
@@ -175,6 +175,19 @@ class LogPlay(Stateless):
             return
         self._next = next(self._states, None)
         self._index += 1
+        try:
+            self._apply(state)
+        except GazeboError as error:
+            if str(self.reader.path) in str(error):
+                raise
+            raise WorldFileError(f"{self.reader.path}: state {self._index}: {error}") from error
+
+    def _apply(self, state: SdfState) -> None:
+        """Set the world to a state.
+
+        Raises:
+            GazeboError: it has something that no world can have.
+        """
         for name in state.deletions:
             if self.world.BaseByName(name) is not None:
                 self.world.RemoveModel(name)

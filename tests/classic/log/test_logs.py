@@ -3,6 +3,7 @@
 import base64
 import bz2
 import json
+import re
 import zlib
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from commands import run_libgz
 from gzserver_process import new_environment, run
+from lxml import etree
 from sdf_worlds import GROUND, collision, inertial, link, model, world
 
 from libgz.base.errors import ParameterError, WorldFileError
@@ -19,6 +21,7 @@ from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, read_s
 from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
+from libgz.sdf.state import SdfState
 
 BOX = model("box", link("link", inertial(2.0), collision()), pose="0 0 5 0.1 0.2 0.3")
 BALL = model("ball", link("link", inertial(2.0), collision("sphere")), pose="3 0 5 0 0 0")
@@ -250,6 +253,30 @@ def test_an_invalid_log_is_an_error(tmp_path, text, said):
         LogPlay(path)
     with pytest.raises(WorldFileError, match="cannot be read: No such file"):
         LogReader(tmp_path / "none.log")
+
+
+@pytest.mark.parametrize("pose", ["0 0 abc 0 0 0", "0 0 nan 0 0 0", "0 0 1e30 0 0 0", "0 0"])
+def test_a_damaged_state_names_the_log(load, tmp_path, pose):
+    core = load(world(GROUND, model("box", link("l", inertial(1)))))
+    with LogRecord(core, tmp_path / "state.log", encoding="txt") as record:
+        core.step(3)
+    text = record.path.read_text()
+    at = text.rindex("<pose>") + len("<pose>")
+    record.path.write_text(text[:at] + pose + text[text.index("</pose>", at) :])
+
+    def played():
+        with LogPlay(record.path) as play:
+            play.Forward()
+
+    with pytest.raises(WorldFileError, match=re.escape(str(record.path))):
+        played()
+
+
+def test_models_without_a_name_are_no_lights(tmp_path):
+    text = "<state world_name='w'><model name=''><link name='l'><pose>1 0 0 0 0 0</pose></link></model></state>"
+    state = SdfState.parse(etree.fromstring(text))
+    again = SdfState.parse(etree.fromstring(state.text("1.6")).find("state"))
+    assert list(again.poses) == ["::l"]
 
 
 @pytest.mark.parametrize("content", [b" " * (4 << 20), b"<a/>" * 20_000, b'<a b="" c="" d=""/>' * 5_000])

@@ -100,6 +100,16 @@ def test_a_package_loads_the_modules_of_the_names_that_are_used():
     assert not {"libgz.classic.math.spline", "libgz.classic.math.box"} & loaded
 
 
+def test_an_image_loads_the_reader_of_its_format_alone():
+    image = ROOT / "worlds" / "grid.png"
+    loaded = loaded_after(
+        "from pathlib import Path\nfrom libgz.physics.image_files import open_image\n"
+        f"with open_image(Path({str(image)!r})) as image:\n    assert image.format == 'PNG'"
+    )
+    assert "PIL.PngImagePlugin" in loaded
+    assert not {"PIL.DdsImagePlugin", "PIL.TiffImagePlugin", "PIL.EpsImagePlugin"} & loaded
+
+
 def test_commands_need_no_extra_to_be_imported():
     """Completion, man pages and `libgz echo` work where only the required packages are installed."""
     code = """

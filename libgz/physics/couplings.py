@@ -170,7 +170,20 @@ class Gears:
         reference: whose turns do not count; None for the world's.
     """
 
-    SAVED = ("ratio", "references", "angles", "_local", "_hubs", "_speed", "_radii", "_mass", "_moments", "_begins")
+    SAVED = (
+        "ratio",
+        "references",
+        "angles",
+        "_local",
+        "_hubs",
+        "_speed",
+        "_change",
+        "_foreseen",
+        "_radii",
+        "_mass",
+        "_moments",
+        "_begins",
+    )
 
     def __init__(
         self,
@@ -186,7 +199,8 @@ class Gears:
         self._hubs = [self._find_hub(body) for body in bodies]
         self.angles, self.references = [0.0, 0.0], [0.0, 0.0]
         self._begins = [self._seen(body) for body in bodies]
-        self._speed: float | None = None
+        self._speed: float | None = None  # of the second gear's tooth before the last step [m/s]
+        self._change = self._foreseen = 0.0  # by how much the error changed it, and what it should have become [m/s]
         self.rack = Body(world, name=f"rack of {bodies[0].label} and {bodies[1].label}")
         self._set_rack_mass()
         self._lines = []
@@ -300,16 +314,17 @@ class Gears:
             pose: of the rack.
             along: its direction.
             speed: of the gear's tooth [m/s].
-            change: of that speed in this step, as the moments of both gears alone make it [m/s].
+            change: of that speed that the error makes in this step, with the moments of both gears alone [m/s].
             step: [s].
         """
-        rack = self.rack
-        rack.SetPose(pose)
-        rack.SetLinearVel(GzVectorMul(speed + change, along))
-        rack.SetAngularVel(GzVector())
+        rack, foreseen = self.rack, speed + change
         if self._speed is not None:
-            rack.AddForce(*GzVectorMul(self._mass * (speed - self._speed) / step, along))
-        self._speed = speed + change
+            foreseen += speed - self._speed - self._change  # other efforts act as in the last step
+            rack.AddForce(*GzVectorMul(self._mass * (speed - self._foreseen) / step, along))
+        self._speed, self._change, self._foreseen = speed, change, foreseen
+        rack.SetPose(pose)
+        rack.SetLinearVel(GzVectorMul(foreseen, along))
+        rack.SetAngularVel(GzVector())
 
     def close(self) -> None:
         """Remove the coupling."""

@@ -62,7 +62,7 @@ def test_gears_turn_as_in_gazebo(load, given, key, value, recorded):
         made.step()
         if step in recorded:
             rates = [made.body("g", n).GetAngularRate()[k] for n, k in zip(("a", "b", "base"), columns, strict=True)]
-            assert rates == pytest.approx(recorded[step], rel=2e-4, abs=2e-4)
+            assert rates == pytest.approx(recorded[step], rel=2e-5, abs=2e-5)
 
 
 def test_endless_numbers_of_a_gearbox_are_bounded(load):

@@ -113,6 +113,21 @@ class StepContext(ctypes.Structure):
         ("alone", c_int64),
         ("iterating", c_int64),
         ("explicit_gyroscopic", c_int64),
+        ("field_count", c_int64),
+        ("fields", c_void_p),
+    ]
+
+
+class HeightField(ctypes.Structure):
+    """A height field that rays read; mirrors `height_field` in step.h."""
+
+    _fields_ = [
+        ("geom", c_void_p),
+        ("heights", c_void_p),
+        ("rows", c_int64),
+        ("columns", c_int64),
+        ("width", c_double),
+        ("length", c_double),
     ]
 
 

@@ -1,4 +1,5 @@
-/* Ray scans: dCollide() of each ray with the geoms whose bounding boxes it meets, by the slab method. */
+/* Ray scans: dCollide() of each ray with the geoms whose bounding boxes it meets, by the slab method; height fields are
+ * walked through cell by cell. */
 #include "step.h"
 
 #include <float.h>
@@ -7,7 +8,8 @@
 
 typedef struct {
     void *geom;
-    double box[6]; /* its bounding box: x min, x max, y min, ... */
+    const height_field *field; /* NULL if it is none */
+    double box[6];             /* its bounding box: x min, x max, y min, ... */
 } candidate;
 
 typedef struct {
@@ -21,6 +23,7 @@ static void gather(void *data, void *geom1, void *geom2)
 {
     gathering *g = data;
     void *geom = geom1 == g->c->probe ? geom2 : geom1;
+    int64_t k;
     if (dGeomIsSpace(geom)) {
         dSpaceCollide2(g->c->probe, geom, g, gather);
         return;
@@ -36,6 +39,11 @@ static void gather(void *data, void *geom1, void *geom2)
         g->capacity = capacity;
     }
     g->list[g->count].geom = geom;
+    g->list[g->count].field = NULL;
+    if (dGeomGetClass(geom) == HEIGHTFIELD_CLASS)
+        for (k = 0; k < g->c->field_count; k++)
+            if (g->c->fields[k].geom == geom)
+                g->list[g->count].field = &g->c->fields[k];
     dGeomGetAABB(geom, g->list[g->count].box);
     g->count++;
 }
@@ -66,6 +74,87 @@ static int may_hit(const double *start, const double *dir, double length, const 
         }
     }
     return 1;
+}
+
+/* The height of the ground at (u, v), in cells from its corner; each cell is two triangles, as ODE's collider has them. */
+static double ground(const height_field *f, double u, double v)
+{
+    int64_t i = (int64_t)u, j = (int64_t)v;
+    const double *low, *high;
+    if (i > f->columns - 2)
+        i = f->columns - 2;
+    if (j > f->rows - 2)
+        j = f->rows - 2;
+    if (i < 0)
+        i = 0;
+    if (j < 0)
+        j = 0;
+    low = f->heights + j * f->columns + i;
+    high = low + f->columns;
+    u -= (double)i;
+    v -= (double)j;
+    return u + v < 1.0 ? low[0] + (low[1] - low[0]) * u + (high[0] - low[0]) * v
+                       : high[1] + (high[0] - high[1]) * (1.0 - u) + (low[1] - high[1]) * (1.0 - v);
+}
+
+/* Where t, along a coordinate x + t dx, reaches the next whole number; beyond all lengths if it never does. */
+static double next_line(double x, double dx, double t)
+{
+    double at = x + t * dx, line;
+    if (dx == 0.0)
+        return DBL_MAX;
+    line = dx > 0.0 ? floor(at) + 1.0 : ceil(at) - 1.0;
+    if ((line - x) / dx <= t) /* by rounding it is on that line already */
+        line += dx > 0.0 ? 1.0 : -1.0;
+    return (line - x) / dx;
+}
+
+/* How far along a ray (global) the surface of a height field is; a negative number if the ray does not meet it. Between
+ * the lines of its cells and their diagonals the surface is plane, so that the ray's height above it is linear. */
+static double meet_field(const height_field *f, const double *start, const double *dir, double length)
+{
+    const double *p = dGeomGetPosition(f->geom), *r = dGeomGetRotation(f->geom);
+    double gap[3], x[3], d[3], from = 0.0, to = length, t, above, u, v, du, dv, most[2];
+    int64_t left = 3 * (f->rows + f->columns);
+    int k;
+
+    for (k = 0; k < 3; k++)
+        gap[k] = start[k] - p[k];
+    for (k = 0; k < 3; k++) { /* ODE's field lies in x and z, with its heights along y; our y is its -z */
+        x[k] = r[k] * gap[0] + r[4 + k] * gap[1] + r[8 + k] * gap[2];
+        d[k] = r[k] * dir[0] + r[4 + k] * dir[1] + r[8 + k] * dir[2];
+    }
+    most[0] = (double)(f->columns - 1);
+    most[1] = (double)(f->rows - 1);
+    u = (x[0] / f->width + 0.5) * most[0];
+    du = d[0] / f->width * most[0];
+    v = (0.5 - x[2] / f->length) * most[1];
+    dv = -d[2] / f->length * most[1];
+    for (k = 0; k < 2; k++) {
+        double at = k ? v : u, speed = k ? dv : du, a, b;
+        if (speed == 0.0) {
+            if (at < 0.0 || at > most[k])
+                return -1.0;
+            continue;
+        }
+        a = -at / speed;
+        b = (most[k] - at) / speed;
+        from = fmax(from, fmin(a, b));
+        to = fmin(to, fmax(a, b));
+    }
+    if (!(from <= to))
+        return -1.0;
+    t = from;
+    above = x[1] + t * d[1] - ground(f, u + t * du, v + t * dv);
+    while (t < to && left-- > 0) {
+        double next = fmin(fmin(next_line(u, du, t), next_line(v, dv, t)), fmin(next_line(u + v, du + dv, t), to));
+        double then = x[1] + next * d[1] - ground(f, u + next * du, v + next * dv);
+        if (above * then <= 0.0 && above != then)
+            return t + (next - t) * above / (above - then);
+        t = next;
+        above = then;
+    }
+    return -1.0;
 }
 
 /* Cast `count` rays, each 7 doubles in the sensor's frame: start, unit direction, length.
@@ -130,6 +219,14 @@ static void scan(context *c, const double *frame, const double *rays, int64_t co
             contact_geom hit;
             if (!may_hit(start, dir, length, g.list[j].box))
                 continue;
+            if (g.list[j].field) {
+                double depth = meet_field(g.list[j].field, start, dir, length);
+                if (depth >= 0.0 && depth < ranges[i]) {
+                    ranges[i] = depth;
+                    rows[i] = (int64_t)(intptr_t)dGeomGetData(g.list[j].geom);
+                }
+                continue;
+            }
             if (!set) {
                 dGeomRaySetLength(c->ray, length);
                 dGeomRaySet(c->ray, start[0], start[1], start[2], dir[0], dir[1], dir[2]);

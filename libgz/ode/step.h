@@ -203,6 +203,14 @@ typedef struct {
     int64_t next;  /* of the same island, or -1 */
 } touch_record;
 
+/* A height field, whose heights rays read themselves; ODE's collider looks at all cells in the box of a ray. */
+typedef struct {
+    void *geom;
+    const double *heights;  /* [m] rows along its y, columns along its x */
+    int64_t rows, columns;  /* two at least */
+    double width, length;   /* [m] along x and y */
+} height_field;
+
 /* A contact of such bodies. */
 typedef struct {
     contact point;
@@ -284,6 +292,8 @@ typedef struct {
     int64_t alone;            /* not 0: others leave ODE to this world while it collides */
     int64_t iterating;        /* 1: it has ODE's random numbers */
     int64_t explicit_gyroscopic; /* 1: the step adds gyroscopic torques, and ODE's bodies are in the mode without */
+    int64_t field_count;
+    const height_field *fields;
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };

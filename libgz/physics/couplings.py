@@ -35,6 +35,7 @@ from libgz.physics.mass import given_mass
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
 FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
+FARTHEST = 1e9  # [m] that a line joint is off
 RACK = 0.1  # mass of a gear's rack as a share of what it drives
 LEVER = 1e4  # radii at the rack, in radii of gyration
 STIFF = 1e9  # inertia of a rack that is to slide and not to turn [kg m^2]
@@ -78,6 +79,7 @@ class LineJoint(Joint):
     @exclusive
     def place(self, point: GzVector, direction: GzVector, error: float) -> None:
         """Put the line through a global point [m]; `error` [m] is how far the first body is ahead along it."""
+        error = max(-FARTHEST, min(error, FARTHEST))
         length = max(1.0, 2.0 * error)  # ODE keeps a distance, which is above zero
         px, py, pz = point
         dx, dy, dz = GzVectorMul(0.5 * length, direction)

@@ -11,7 +11,7 @@ import ctypes
 import logging
 import math
 import weakref
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import takewhile
 from threading import get_ident
 from typing import Any, Protocol
@@ -23,7 +23,7 @@ from libgz.base.errors import ClosedError, GazeboError, ParameterError
 from libgz.base.geometry import GzPose, GzQuatern, GzVector, VectorLike
 from libgz.base.law import law
 from libgz.base.quota import Quota
-from libgz.ode.context import SOLVERS, HeldEffort, RayScan, StepContext
+from libgz.ode.context import SOLVERS, HeightField, HeldEffort, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import prepare
 from libgz.ode.nearby import geoms_near
@@ -151,6 +151,7 @@ class Engine:
         self.couplings: list[Coupling] = []
         self._state = EngineState(self, self._context)
         self._held: ctypes.Array[HeldEffort] | tuple[()] = ()
+        self.fields: dict[int, tuple[NDArray[np.float64], tuple[float, float]]] = {}
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
@@ -308,6 +309,23 @@ class Engine:
     def collide_alone(self) -> None:
         """Let no other world collide beside this one: ODE's colliders of a shape use memory that worlds share."""
         self._context.alone = 1
+
+    @exclusive
+    def show_fields_to_rays(self, fields: Mapping[int, tuple[NDArray[np.float64], tuple[float, float]]]) -> None:
+        """Set the height fields that rays read themselves: handle of a geom -> its heights, and its sizes [m].
+
+        The arrays are contiguous, in rows along its y, and are kept.
+        """
+        self.fields = dict(fields)
+        self._shown = (HeightField * len(fields))(
+            *(
+                HeightField(geom, heights.ctypes.data, *heights.shape, *size)
+                for geom, (heights, size) in self.fields.items()
+            )
+        )
+        self._context.field_count = 0
+        self._context.fields = ctypes.addressof(self._shown)
+        self._context.field_count = len(self._shown)
 
     # Contacts ----------------------------------------------------------------------------------------------------
 

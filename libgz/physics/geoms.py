@@ -440,10 +440,14 @@ class HeightfieldGeom(Geom):
             self._data, samples.ctypes.data, 1, *self.size, columns, rows, 1.0, 0.0, depth, 0
         )
         super().__init__(body, space, ode().dCreateHeightfield(_space_id(body, space), self._data, 1))
+        self.heights = np.ascontiguousarray(self.heights)
+        body.engine.show_fields_to_rays({**body.engine.fields, self.id: (self.heights, self.size)})
 
     @exclusive
     def close(self) -> None:
         """Destroy the geom and its heights."""
+        fields = self.body.engine.fields
+        self.body.engine.show_fields_to_rays({geom: field for geom, field in fields.items() if geom != self.id})
         super().close()
         self.body.engine.triangles.set(self, 0)
         if self._data is not None:

@@ -5,17 +5,26 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.base.files import is_file
-from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.geoms import (
+    BoxGeom,
+    CapsuleGeom,
+    CylinderGeom,
+    HeightfieldGeom,
+    PlaneGeom,
+    SphereGeom,
+    TriMeshGeom,
+)
 from libgz.physics.mesh_files import MeshPart, NamedImage, read_mesh
 from libgz.physics.meshes import corner_normals, grid_triangles, units, vertex_normals
 from libgz.physics.outlines import extrude
@@ -41,9 +50,11 @@ SIMPLE: dict[str, tuple[Callable[..., Geom], tuple[str, ...]]] = {
     "cylinder": (CylinderGeom, ("radius", "length")),
     "capsule": (CapsuleGeom, ("radius", "length")),
 }
+SQUARE = 1.0 - 1e-12  # cosine from which an axis counts as one of the world's
 PATCHES = 16  # of a rendered plane, in each direction: light is computed at their corners
 
 Note = Callable[[Element, str], None]  # reports a warning about an element
+T = TypeVar("T")
 Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 
@@ -57,13 +68,20 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
     if shape is None:
         return None
     pose = element.Get(GzPose, "pose")
+    placed = GzCoordPoseAdd(pose, body.GetPose())
     if shape.name == "plane":
-        placed = GzCoordPoseAdd(pose, body.GetPose())
         normal = rotate(placed.rot, GzVector(*unit_axis(shape.Get(GzVector, "normal"), "normal")))
         altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
         return PlaneGeom(body, space, altitude, normal)
     geom = _simple(body, space, shape, note)
-    if geom is None:
+    if geom is None and shape.name == "heightmap" and body.dummy and _is_square(placed):
+        heights = _made(shape, lambda: _heights(shape), note)
+        if heights is None:
+            return None
+        size = shape.Get(GzVector, "size")
+        geom = HeightfieldGeom(body, space, heights, size.x, size.y)
+        pose = GzCoordPoseAdd(GzPose(shape.Get(GzVector, "pos"), GzQuatern()), pose)
+    elif geom is None:
         parts = _meshes(shape, element, note)
         if not parts:
             return None
@@ -71,6 +89,11 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
         geom = TriMeshGeom(body, space, vertices, triangles)
     geom.SetRelativePose(pose)
     return geom
+
+
+def _is_square(pose: GzPose) -> bool:
+    """Whether axes lie along those of the world: ODE's bounding boxes of other height fields are too small."""
+    return all(max(map(abs, rotate(pose.rot, axis))) > SQUARE for axis in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
 
 
 def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
@@ -196,15 +219,20 @@ def _merged(parts: list[MeshPart]) -> Triangles:
 def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
     """The triangles of a mesh-like shape; none, with a warning, where a file is missing or cannot be read."""
     makers = {"mesh": _read, "heightmap": _heightmap, "polyline": _polyline, "ellipsoid": _ellipsoid}
+    return _made(shape, lambda: makers[shape.name](shape, element), note) or []
+
+
+def _made(shape: Element, make: Callable[[], T], note: Note) -> T | None:
+    """What is made of a shape; None, with a warning, where its file is missing or cannot be read."""
     try:
-        return makers[shape.name](shape, element)
+        return make()
     except NotFoundError as error:
         note(shape, f"{error}; the shape is left out")
     except ParameterError:
         raise
     except GazeboError as error:
         note(shape, f"{error}; the shape is left out")
-    return []
+    return None
 
 
 def _find(shape: Element) -> Path:
@@ -261,6 +289,12 @@ def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
     from libgz.sdfworld.terrain import terrain_mesh  # few worlds have one
 
     return [terrain_mesh(_find(shape), shape)]
+
+
+def _heights(shape: Element) -> NDArray[np.float64]:
+    from libgz.sdfworld.terrain import terrain_heights
+
+    return terrain_heights(_find(shape), shape)
 
 
 def _polyline(_shape: Element, element: Element) -> list[MeshPart]:

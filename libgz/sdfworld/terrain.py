@@ -24,9 +24,10 @@ from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 
-__all__ = ["Cover", "read_cover", "terrain_mesh"]
+__all__ = ["Cover", "read_cover", "terrain_heights", "terrain_mesh"]
 
 MOST_PIXELS = 4097 * 4097
+SAMPLING = 2  # vertices of ground for each pixel, along x and y, where a file does not say
 MOST_LAYERS = 16
 MOST_IMAGES = 8  # that are kept, of terrains in use
 FINEST, COARSEST = 1024, 64  # [px] sides of the image of a terrain
@@ -49,6 +50,24 @@ def terrain_mesh(path: Path, shape: Element) -> MeshPart:
     across, along = np.meshgrid(x, y)
     vertices = np.stack([across, along, heights + pos.z], axis=-1).reshape(-1, 3)
     return MeshPart("heightmap", vertices, grid_triangles(rows, columns))
+
+
+def terrain_heights(path: Path, shape: Element) -> Array:
+    """Heights of the ground that things touch, above `<pos>` [m], rows from -y to +y, columns along +x.
+
+    As in Gazebo, there are `<sampling>` vertices for each pixel along x and y, 2 if the file does not say: colours are
+    mixed between pixels. A terrain that would be too large then has a vertex for each pixel.
+
+    Raises:
+        GazeboError: as `terrain_mesh`.
+    """
+    heights = _heights(path, shape)
+    given = shape.Get(int, "sampling") if shape.HasElement("sampling") else SAMPLING
+    finer = given if given > 0 and given & (given - 1) == 0 else SAMPLING  # Gazebo knows powers of two
+    rows, columns = ((side - 1) * finer + 1 for side in heights.shape)
+    if finer == 1 or rows * columns > MOST_PIXELS:
+        return heights
+    return _sampled(heights[..., None], np.arange(columns) / finer, np.arange(rows) / finer)[..., 0]
 
 
 def _heights(path: Path, shape: Element) -> Array:

@@ -51,7 +51,10 @@ def test_terrains_and_meshes_share_their_triangles(tmp_path, monkeypatch):
     ground = (
         "<collision name='c'><geometry><heightmap><uri>h.png</uri><size>9 9 1</size></heightmap></geometry></collision>"
     )
-    path = written(tmp_path / "w.world", WORLD.format(MODEL.format(0, ground)))
+    turned = ground.replace("<geometry>", "<pose>0 0 0 0 0 .5</pose><geometry>")  # a mesh
+    with World.from_file(written(tmp_path / "w.world", WORLD.format(MODEL.format(0, ground)))) as world:
+        assert world.engine.triangles.used == 2 * 17 * 17
+    path = written(tmp_path / "w.world", WORLD.format(MODEL.format(0, turned)))
     with World.from_file(path) as world:
         assert world.engine.triangles.used == 128
         world.engine.triangles.most = 200

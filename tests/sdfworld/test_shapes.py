@@ -125,8 +125,8 @@ def test_a_height_map_carries(load, tmp_path, caplog):
     made.run(0.6)
     assert made.body("b1").GetPosition().z - made.body("b0").GetPosition().z == pytest.approx(1.0, abs=0.05)
     geom = made.model("ground").bodies[0].geoms[0]
-    assert geom.vertices[:, 2].min() == 1.0
-    assert geom.vertices[:, 2].max() == pytest.approx(3.0)
+    assert geom.GetPose().pos.z == 1.0
+    assert [geom.heights.min(), geom.heights.max()] == pytest.approx([0.0, 2.0])
     assert made.engine.tables.geoms.surface[geom.row, Surface.MAX_VEL] == 0.0
     load(world(model("m", link("l", collision("<heightmap/>")))))
     assert "<heightmap>: it has no <uri>; the shape is left out" in caplog.text
@@ -156,8 +156,47 @@ def test_the_top_of_a_picture_lies_at_plus_y(load, tmp_path):
     Image.fromarray(picture).save(tmp_path / "edge.png")
     shape = "<heightmap><uri>edge.png</uri><size>8 8 1</size></heightmap>"
     made = load(world(model("g", "<static>1</static>", link("l", collision(shape)))))
-    vertices = made.model("g").bodies[0].geoms[0].vertices
+    heights = made.model("g").bodies[0].geoms[0].heights
+    assert (np.nonzero((heights > 0.5).any(axis=1))[0] == len(heights) - 1).all()
+    turned = load(world(model("g", "<static>1</static>", link("l", collision(shape)), pose="0 0 0 0 0 .5")))
+    vertices = turned.model("g").bodies[0].geoms[0].vertices
     assert set(vertices[vertices[:, 2] > 0.5][:, 1]) == {4.0}
+
+
+def test_ground_has_vertices_between_pixels(load, tmp_path):
+    Image.fromarray(np.array([[0, 100], [200, 200]], dtype=np.uint8)).save(tmp_path / "h.png")
+    for sampling, side in (
+        ("", 3),
+        ("<sampling>1</sampling>", 2),
+        ("<sampling>4</sampling>", 5),
+        ("<sampling>3</sampling>", 3),
+    ):
+        shape = f"<heightmap><uri>h.png</uri><size>8 8 1</size>{sampling}</heightmap>"
+        made = load(world(model("g", "<static>1</static>", link("l", collision(shape)))))
+        heights = made.model("g").bodies[0].geoms[0].heights
+        assert heights.shape == (side, side)
+        assert heights[side // 2, side // 2] == pytest.approx(0.625 if side > 2 else 0.5)
+
+
+GAZEBO_BOWL = (1.283828, 0.107573, 0.150349)  # [m] after 1,000 iterations in the real Gazebo 11.1
+
+
+def test_balls_roll_on_ground_as_in_gazebo(load, tmp_path):
+    """Down a bowl; and up, where one begins in the ground."""
+    side = np.linspace(-0.5, 0.5, 33)
+    bowl = np.minimum(1.0, 2.0 * (side[:, None] ** 2 + side**2)) * 255
+    Image.fromarray(bowl.astype(np.uint8)).save(tmp_path / "bowl.png")
+    Image.fromarray(np.full((17, 17), 127, dtype=np.uint8)).save(tmp_path / "flat.png")
+    ball = lambda z, x=1.57, y=0.13: model(  # noqa: E731
+        "b",
+        link("l", inertial(1.0, (0.004,) * 3), collision("<sphere><radius>.1</radius></sphere>")),
+        pose=f"{x} {y} {z} 0 0 0",
+    )
+    for name, z, wanted in (("bowl", 1.0, GAZEBO_BOWL), ("flat", 0.6, (1.57, 0.13, 0.9))):
+        shape = f"<heightmap><uri>{name}.png</uri><size>8 8 1</size></heightmap>"
+        made = load(world(model("g", "<static>1</static>", link("l", collision(shape))), ball(z)))
+        made.step(1000)
+        assert tuple(made.body("b").GetPosition()) == pytest.approx(wanted, abs=3e-4)
 
 
 def points(*corners):

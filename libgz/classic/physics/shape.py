@@ -14,7 +14,15 @@ from libgz.classic.math import Vector2i, Vector3d
 from libgz.classic.physics.base import Base
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.geoms import (
+    BoxGeom,
+    CapsuleGeom,
+    CylinderGeom,
+    HeightfieldGeom,
+    PlaneGeom,
+    SphereGeom,
+    TriMeshGeom,
+)
 from libgz.sdf.value import parse
 
 if TYPE_CHECKING:
@@ -219,6 +227,7 @@ class HeightmapShape(MeshShape):
 
     kind = "heightmap"
     entity_type = Base.SHAPE | Base.HEIGHTMAP_SHAPE
+    geom: HeightfieldGeom | TriMeshGeom  # type: ignore[assignment]  # the latter where it is turned, or moves
 
     def GetURI(self) -> str:
         """The `<uri>` of its image."""
@@ -261,8 +270,9 @@ class HeightmapShape(MeshShape):
         return float(self.heights().min())
 
     def GetSubSampling(self) -> int:
-        """1: there is a vertex for each pixel."""
-        return 1
+        """How many vertices there are for each pixel, along x and y; see `<sampling>`."""
+        vertices, pixels = int(self.heights().shape[1]), int(self.GetImage().GetWidth())
+        return max(1, (vertices - 1) // max(1, pixels - 1))
 
     def GetImage(self) -> Image:
         """The image.
@@ -281,6 +291,8 @@ class HeightmapShape(MeshShape):
 
     def heights(self) -> NDArray[np.float64]:
         """The heights of all vertices [m], relative to the collision; shape (rows, columns), the row at +y first."""
+        if isinstance(self.geom, HeightfieldGeom):
+            return self.geom.heights[::-1] + self._vector("pos").z
         points = self.geom.vertices
         columns = int(np.argmax(points[:, 1] != points[0, 1])) or len(points)
         heights: NDArray[np.float64] = points[:, 2].reshape(-1, columns)[::-1]

@@ -159,6 +159,7 @@ def test_shapes_have_types_and_sizes(run, tmp_path):
     assert isinstance(land, physics.HeightmapShape)
     assert land.HasType(Base.HEIGHTMAP_SHAPE)
     assert (land.VertexCount().X(), land.VertexCount().Y()) == (3, 3)
+    assert land.GetSubSampling() == 1  # what may move is a mesh with a vertex for each pixel
     assert land.Size() == Vector3d(4, 2, 5)
     assert land.GetHeight(0, 2) == land.GetMaxHeight() == pytest.approx(6.0)  # the lower left pixel is at -x, -y
     assert land.GetHeight(0, 0) == land.GetMinHeight() == pytest.approx(1.0)

@@ -205,9 +205,9 @@ def test_a_heightmap_is_sent_as_numbers(tmp_path):
         answer = ask(world, node, "heightmap_data")
         assert answer.type == "gazebo.msgs.Geometry"
         found = msgs.Geometry.FromString(answer.serialized_data).heightmap
-        assert (found.width, found.height) == (3, 3)
-        assert list(found.heights)[8] == pytest.approx(2.0)
-        assert sum(found.heights) == pytest.approx(2.0)
+        assert (found.width, found.height) == (5, 5)
+        assert list(found.heights)[24] == pytest.approx(2.0)
+        assert sum(found.heights) == pytest.approx(4.5)  # half and a quarter of it around
         assert found.size.x == 4.0
 
 

@@ -52,6 +52,9 @@ class PluginServices(Protocol):
             PluginError: one of them fails.
         """
 
+    def reset_others(self) -> None:
+        """Call Reset of the plugins that are none of models."""
+
     def reset_of(self, model: Model) -> None:
         """Reset the Model plugins of a model."""
 

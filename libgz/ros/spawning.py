@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 
 from libgz.base.errors import ParameterError
@@ -10,6 +11,8 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 
 __all__ = ["prepare_model", "root_tag"]
+
+log = logging.getLogger("libgz.ros")
 
 DECLARED = ("model", "light", "actor", "include")
 
@@ -36,6 +39,8 @@ def prepare_model(
 ) -> Element:
     """The document of a model or light, renamed, moved, and with a namespace for each plugin that has none.
 
+    Of several it is the first model, as in the original.
+
     Args:
         text: SDF or URDF.
         name: its new name; empty to keep its own.
@@ -44,16 +49,18 @@ def prepare_model(
         free: for ROS 2: makes its own name one that no other has; the namespace replaces those that plugins have.
 
     Raises:
-        ParameterError: there is no model in the text, or more than one.
+        ParameterError: there is none in the text.
         WorldFileError: it has errors.
     """
     file = SdfFile.from_string(text)
     file.diagnostics.raise_errors()
     holder = next(file.root.named("world"), file.root)
-    entities = [one for one in holder.children if one.name in DECLARED]
-    if len(entities) != 1:
-        raise ParameterError(f"the text has {len(entities)} models; one can be spawned at a time")
+    entities = sorted((one for one in holder.children if one.name in DECLARED), key=lambda one: one.name == "light")
+    if not entities:
+        raise ParameterError("the text has no model or light")
     entity = entities[0]
+    if len(entities) > 1:
+        log.warning("spawned is the first of %d in the text: %s", len(entities), entity.Get(str, "name"))
     if name:
         entity.set_attribute("name", name)
     elif free is not None:

@@ -292,3 +292,15 @@ def test_services_of_world_plugins_have_their_namespace_and_remappings(start_ros
     assert server.call("/get_model_properties", "gazebo_msgs/GetModelProperties", model_name="ground").success
     assert server.call("/demo/get_entity_state", "gazebo_msgs/GetEntityState", name="ground").success
     assert not [record for record in caplog.records if record.levelname in ("WARNING", "ERROR")]
+
+
+def test_of_several_models_in_a_text_the_first_is_spawned(start_ros2, caplog):
+    text = "<sdf version='1.6'><light name='lamp' type='point'/>{}</sdf>"
+    models = "<model name='a'><link name='first'/></model><model name='b'><link name='second'/></model>"
+    server = start_ros2()
+    call = "/spawn_entity", "gazebo_msgs/SpawnEntity"
+    assert server.call(*call, name="one", xml=text.format(models)).success
+    assert attach(server.core).world.ModelByName("one").GetLink("first") is not None
+    assert "the first of 3 in the text: a" in caplog.text
+    answer = server.call(*call, name="none", xml="<sdf version='1.6'/>")
+    assert (answer.success, answer.status_message) == (False, "spawn_entity: the text has no model or light")

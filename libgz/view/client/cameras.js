@@ -6,7 +6,8 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 /** @typedef {import("libgz/bodies.js").Bodies} Bodies */
 /** @typedef {import("libgz/store.js").Store} Store */
 
-const LOWEST = 0.08; // [m] of the camera above the ground
+const LOWEST = 0.08; // [m] of the camera above the ground, unless it is nearer to what it looks at
+const LEAST = 0.005; // [m] radius of what is framed
 const MARGIN = 1.5; // around robots at the start
 const FLAT = 1.15; // around what is wide and low: the ball around it is higher than it
 const CLOSE = 1.2; // around what is focused
@@ -43,7 +44,7 @@ export class Cameras {
     this.camera.position.set(-4, -5, 3.4);
     this.controls = new OrbitControls(this.camera, element);
     this.controls.zoomToCursor = true;
-    this.controls.minDistance = 0.05;
+    this.controls.minDistance = 0.01;
     this.controls.maxDistance = 3000;
     this.controls.screenSpacePanning = true;
     this.controls.zoomSpeed = 1.3;
@@ -198,7 +199,7 @@ export class Cameras {
   _eye(center, radius, outward, margin) {
     const half = MathUtils.degToRad(this.camera.fov) / 2;
     const narrow = Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1));
-    const reach = Math.max((0.92 * margin * Math.max(radius, 0.1)) / Math.sin(narrow), 0.3);
+    const reach = (0.92 * margin * Math.max(radius, LEAST)) / Math.sin(narrow);
     return center.clone().addScaledVector(outward.clone().normalize(), reach);
   }
 
@@ -215,12 +216,12 @@ export class Cameras {
     }
     this._step(now);
     controls.update();
-    const lowest = this.groundAt(camera.position.x, camera.position.y) + LOWEST;
+    const lowest = this.groundAt(camera.position.x, camera.position.y) + Math.min(LOWEST, 0.2 * this.distance);
     if (camera.position.z < lowest) {
       camera.position.z = lowest;
       camera.lookAt(controls.target);
     }
-    const near = MathUtils.clamp(this.distance / 60, 0.01, 2);
+    const near = MathUtils.clamp(this.distance / 60, 0.001, 2);
     const far = Math.max(3000, 20 * this.distance);
     if (Math.abs(near / camera.near - 1) > 0.2 || far !== camera.far) {
       camera.near = near;

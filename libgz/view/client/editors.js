@@ -44,11 +44,17 @@ const NOTHING = 1e-11; // what is smaller is shown as zero
 export async function editors(workplace, subject) {
   const { store } = workplace;
   if (!store.control || !store.abilities.has('attributes')) return [];
-  /** @type {Attribute[] | undefined} */
-  const attributes = await workplace.ask('attributes', '-', subject);
+  /** @type {Attribute[]} */
+  let attributes;
+  try {
+    attributes = (await store.ask('attributes', '-', subject)) ?? [];
+  } catch (error) { // it can be looked at all the same
+    const reason = error instanceof Error ? error.message : String(error);
+    return [{ title: 'Attributes', rows: [element('p', { class: 'note', text: `They cannot be edited here: ${reason}` })] }];
+  }
   /** @type {Map<string, HTMLElement[]>} */
   const groups = new Map();
-  for (const attribute of attributes ?? []) {
+  for (const attribute of attributes) {
     if (isPlace(workplace, subject, attribute)) continue;
     const title = capitalized(attribute.group || 'attributes');
     const rows = groups.get(title) ?? [];

@@ -1,4 +1,4 @@
-// Ground: a grid of 1 m and 0.1 m on the level of the ground, which fades with distance, and the world's axes.
+// Ground: a grid of 0.1 m to 100 m on the level of the ground, which fades with distance, and the world's axes.
 
 import { Color, DoubleSide, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from "three";
 
@@ -17,7 +17,7 @@ uniform float level, reach, ratio;
 float lines(vec2 where, float cell, float width) {
   vec2 scaled = where / cell, slope = fwidth(scaled);
   vec2 apart = abs(fract(scaled - 0.5) - 0.5) / max(slope, 1e-6);
-  vec2 strength = (1.0 - smoothstep(ratio * width - 0.5, ratio * width + 0.5, apart)) * (1.0 - smoothstep(0.25, 0.6, slope));
+  vec2 strength = (1.0 - smoothstep(ratio * width - 0.5, ratio * width + 0.5, apart)) * (1.0 - smoothstep(0.1, 0.4, slope));
   return max(strength.x, strength.y);
 }
 void main() {
@@ -25,6 +25,7 @@ void main() {
   float fade = 1.0 - smoothstep(0.15 * reach, 0.95 * reach, away);
   if (fade <= 0.0) discard;
   float alpha = 0.36 * lines(at, 10.0, 0.9);
+  if (reach > 600.0) alpha = max(alpha, 0.36 * lines(at, 100.0, 0.9));
   if (away < 90.0) alpha = max(alpha, 0.24 * lines(at, 1.0, 0.75) * (1.0 - smoothstep(25.0, 90.0, away)));
   if (away < 9.0) alpha = max(alpha, 0.10 * lines(at, 0.1, 0.6) * (1.0 - smoothstep(3.0, 9.0, away)));
   vec3 color = ink;

@@ -10,7 +10,7 @@ const FULL = Math.PI; // intensity at which a white surface that faces the light
 const WARM = new Color(1, 0.955, 0.885); // sunlight beside the light of the sky
 const DEFAULT_SUN = new Vector3(0.45, 0.3, -0.85); // of worlds without lights
 const ABOVE = new Vector3(0, 0, 1);
-const FAR = 300; // [m] of the sun from what it shines on
+const FAR = 300; // [m] of the sun from what it shines on, at least
 const MOST = 8; // lights beside the sun, each of which costs time in every pixel
 const matrix = new Matrix4(), turn = new Quaternion(), place = new Vector3(), size = new Vector3();
 const right = new Vector3(), up = new Vector3(), forward = new Vector3();
@@ -169,14 +169,14 @@ function aim(light, towards, middle, radius, bias) {
   up.crossVectors(forward, right);
   const side = 2 ** (Math.round(2 * Math.log2(radius)) / 2), texel = (2 * side) / shadow.mapSize.x;
   const x = Math.round(middle.dot(right) / texel) * texel, y = Math.round(middle.dot(up) / texel) * texel;
-  const along = Math.round(middle.dot(forward) / 5) * 5;
+  const along = Math.round(middle.dot(forward) / 5) * 5, far = Math.max(FAR, 3 * side);
   target.position.copy(right).multiplyScalar(x).addScaledVector(up, y).addScaledVector(forward, along);
-  light.position.copy(target.position).addScaledVector(forward, FAR);
+  light.position.copy(target.position).addScaledVector(forward, far);
   target.updateMatrixWorld();
   shadow.normalBias = bias * texel;
-  shadow.bias = -0.0003;
+  shadow.bias = -texel / (2 * far); // one texel deep: more would part shadows from what stands on the ground
   if (camera.right !== side) {
-    Object.assign(camera, { left: -side, right: side, top: side, bottom: -side, near: 1, far: 2 * FAR });
+    Object.assign(camera, { left: -side, right: side, top: side, bottom: -side, near: 1, far: 2 * far });
     camera.updateProjectionMatrix();
     return true;
   }

@@ -29,6 +29,7 @@ import { Sky } from "libgz/sky.js";
 const CLICK = 5; // [px] that the pointer may move between press and release of a click
 const HOVER = 40; // [ms] that the pointer rests before what is under it is looked for
 const REST = 500; // [ms] without changes until a still image is refined
+const NEAREST = 0.02, FARTHEST = 2500; // [m] around what is looked at that shadows cover
 const LARGE = 15; // [m] from which a flat mesh is ground
 const SWITCHES_OF_SHAPES = ["hidden", "wireframe", "collisions", "transparent", "skins"];
 
@@ -465,12 +466,12 @@ export class Stage {
     const { camera, controls } = this.cameras;
     this.ground.follow(camera.position, this.renderer.getPixelRatio());
     this.sky.reach(this.cameras.distance);
-    const radius = Math.min(Math.max(1.4 * this.cameras.distance, 1.5), 120);
+    const radius = Math.min(Math.max(1.4 * this.cameras.distance, NEAREST), FARTHEST);
     if (this.lights.cover(camera.position, controls.target, radius)) this.renderer.shadowMap.needsUpdate = true;
     this.marks.face(camera, this.renderer);
     this.renderer.render(this.scene, camera);
     if (this._built && this.lights.shadows && (still || this.quality.level.fine)) {
-      const reach = Math.min(Math.max(0.09 * this.cameras.distance, 0.05), 2);
+      const reach = Math.min(0.09 * this.cameras.distance, 2);
       this.occlusion.render(this.renderer, this.scene, camera, [this.bodies.group, this.skins.group], reach);
     }
     this.outline.render(this.renderer, camera);

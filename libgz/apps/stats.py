@@ -59,6 +59,6 @@ class _Printer:
             row = {"factor": factor, "sim_time": sim, "real_time": real, "paused": bool(message.paused)}
             print(json.dumps(row), flush=True)
         elif self._plot:
-            print(f"{100.0 * factor:.2f}, {sim:.4f}, {real:.4f}, {paused}", flush=True)
+            print(f"{factor:4.2f}, {sim:16.6f}, {real:16.6f}, {paused}", flush=True)  # as of Gazebo's `gz stats -p`
         else:
             print(f"Factor[{factor:.2f}] SimTime[{sim:.2f}] RealTime[{real:.2f}] Paused[{paused}]", flush=True)

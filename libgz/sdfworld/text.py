@@ -83,9 +83,13 @@ class SdfText:
         place = built.include
         if place is None or place.file != self.label:
             return None
-        there = [one for one in found if line_of(one) == place.line]
-        named = [one for one in there if _name_of(one) == built.Get(str, "name")]
-        return named[0] if named else there[0] if len(there) == 1 else None
+        there, name = [one for one in found if line_of(one) == place.line], built.Get(str, "name")
+        named = [one for one in there if _name_of(one) == name]
+        if named or len(there) == 1:
+            return (named or there)[0]
+        # Several in one line, which give no names: most models are called as their folders.
+        called = [one for one in there if not _name_of(one) and _folder_of(one) == name]
+        return called[0] if len(called) == 1 else None
 
     # Each of these returns a change, or several, for `changed`.
 
@@ -194,6 +198,12 @@ def _name_of(include: etree._Element) -> str:
     """The name that an include gives to what it includes; empty if it gives none."""
     given = next(children(include, "name"), None)
     return (given.text or "").strip() if given is not None else ""
+
+
+def _folder_of(include: etree._Element) -> str:
+    """The last part of an include's URI, such as ``sun`` of ``model://sun``."""
+    given = next(children(include, "uri"), None)
+    return (given.text or "").strip().rstrip("/").rpartition("/")[2] if given is not None else ""
 
 
 def children(element: etree._Element, tag: str) -> Iterator[etree._Element]:

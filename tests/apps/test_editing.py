@@ -319,6 +319,19 @@ def test_an_include_sets_name_pose_and_static(including, tmp_path):
         assert (ask.world.get_state(), ask.world.era.text) == before
 
 
+def test_includes_of_one_line_are_known_by_their_names_and_folders(including, monkeypatch):
+    first, second = "<include><uri>model://sun</uri></include>", "<include><uri>model://ground_plane</uri></include>"
+    pebble = "<include><name>pebble</name><uri>model://stone</uri></include>"
+    world = f"<sdf version='1.6'><world name='w'>{first}{second}{pebble}</world></sdf>"
+    monkeypatch.setitem(globals(), "INCLUDING", world)
+    with including() as ask:
+        for name in ("sun", "ground_plane", "pebble"):
+            assert ask.value("include", name=name)["value"].endswith("model.sdf")
+        ask("edit", name="ground_plane", key="pose", value=[0, 0, 1, 0, 0, 0])
+        added = next(line for line in ask("diff")["text"].splitlines() if line.startswith("+<"))
+        assert added.replace("<pose>0 0 1 0 0 0</pose>", "") == f"+{world}"
+
+
 def test_the_pose_of_an_include_is_edited_as_it_is_shown(including, monkeypatch):
     frame = '<frame name="f"><pose>0 4 0 0 0 0</pose></frame>'
     own = '<pose relative_to="f" degrees="true">0 5 0 0 0 90</pose>'

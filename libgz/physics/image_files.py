@@ -18,7 +18,7 @@ __all__ = ["open_image"]
 MOST_PIXELS = 8192 * 8192
 # Formats of pillow that are plain image files: no others, such as EPS, which runs another program. They are tried in
 # this order; beyond the first five, pillow imports the readers of all its formats.
-FORMATS = ("PNG", "JPEG", "BMP", "GIF", "PPM")
+FORMATS: tuple[str, ...] = ("PNG", "JPEG", "BMP", "GIF", "PPM")
 FORMATS += ("DDS", "ICO", "JPEG2000", "PCX", "SGI", "TGA", "TIFF", "WEBP", "XPM")
 
 

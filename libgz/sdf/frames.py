@@ -135,7 +135,8 @@ class _Scope:
         self.inner: dict[int, _Scope] = {}  # scopes of nested models
         self._poses: dict[int, GzPose] = {}
         self._open: list[Element] = []  # whose poses are being resolved
-        self._links: dict[str, str] = {}  # links that frames are fixed to, by the frames' names
+        self._links: dict[str, str | None] = {}  # links that frames are fixed to, by the frames' names
+        self._in_world: dict[str, bool] = {}  # whether frames are fixed to the world
         inside = list(self._inside(holder))
         for kind in NAMED:
             for element in inside:
@@ -251,8 +252,7 @@ class _Scope:
         """The scoped name of the link that a frame is fixed to; None where that is unknown or the world."""
         seen: dict[str, None] = {}  # in order
         link = self._link_behind(name, where, seen)
-        if link is not None:
-            self._links.update(dict.fromkeys(seen, link))  # else each frame of a chain would follow all of it
+        self._links.update(dict.fromkeys(seen, link))  # else each frame of a chain would follow all of it
         return link
 
     def _link_behind(self, name: str, where: Element, seen: dict[str, None]) -> str | None:
@@ -264,6 +264,7 @@ class _Scope:
             if key in seen:
                 message = f"frame {name!r} is attached to itself: {' -> '.join([*seen, key])}"
                 self.diagnostics.warn(where, message)
+                seen.clear()  # it is reported of each frame
                 return None
             seen[key] = None
             if name in ("", MODEL):
@@ -377,14 +378,16 @@ class _Scope:
 
     def _ends_in_world(self, name: str) -> bool:
         """Whether a frame is fixed to the world."""
-        for _ in range(len(self.names) + 1):
-            if name == WORLD:
-                return True
+        way: dict[str, None] = {}
+        while name != WORLD and name not in self._in_world and name not in way:
+            way[name] = None
             found = self.find(name)
             if found is None or found[1].name != "frame":
-                return False
+                break
             name = _attribute(found[1], "attached_to") or found[0]._frame_of_holder(found[1])
-        return False
+        ends = name == WORLD or self._in_world.get(name, False)
+        self._in_world.update(dict.fromkeys(way, ends))
+        return ends
 
     def _forget(self) -> None:
         """Remove the references that are resolved now; frames keep what they are attached to."""

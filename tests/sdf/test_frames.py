@@ -175,3 +175,20 @@ def test_the_link_of_a_long_chain_of_frames_is_found_along_the_chain_once(monkey
     chain = "".join(f"<frame name='f{i}' attached_to='{f'f{i - 1}' if i else 'l'}'/>" for i in range(count))
     assert warnings(f"<model name='m'>{LINK}{chain}</model>") == []
     assert count <= len(found) < 10 * count
+
+
+def test_joints_on_a_long_chain_of_frames_of_the_world_follow_it_once(monkeypatch):
+    looked, find = [], frames._Scope.find
+    monkeypatch.setattr(frames._Scope, "find", lambda scope, name: looked.append(name) or find(scope, name))
+    count = 300
+    chain = "".join(f"<frame name='f{i}' attached_to='{f'f{i - 1}' if i else 'world'}'/>" for i in range(count))
+    held = "".join(
+        f"<joint name='j{i}' type='fixed'><parent>f{count - 1}</parent><child>m</child></joint>" for i in range(count)
+    )
+    file = SdfFile.from_string(
+        f"<sdf version='1.9'><world name='w'>{chain}<model name='m'>{LINK}</model>{held}</world></sdf>"
+    )
+    assert not file.diagnostics.errors
+    joints = list(next(file.root.named("world")).named("joint"))
+    assert {joint.Get(str, "parent") for joint in joints} == {"world"}
+    assert len(looked) < 20 * count  # count squared if each joint followed the chain

@@ -102,7 +102,15 @@ PACKAGES = {
     "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
     "gazebo_ros_control": "Controllers of robots, which libgz has.",
 }
-SPARE_PACKAGES = {"xacro": "Expands the macros of robot descriptions."}
+SPARE_PACKAGES = {
+    "joint_state_controller": "Parameters of a controller, which libgz has.",
+    "xacro": "Expands the macros of robot descriptions.",
+}
+JOINT_STATES = """\
+joint_state_controller:
+  type: joint_state_controller/JointStateController
+  publish_rate: 50
+"""
 MESSAGES = ("control_msgs", "controller_manager_msgs", "gazebo_msgs")  # which Debian does not have
 
 # Packages of messages in Python, made by the user's own genpy from the texts of the types when they are imported.
@@ -178,6 +186,7 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     for folder, packages in (("share", {**PACKAGES, **messages}), ("spare", SPARE_PACKAGES)):
         for name, text in packages.items():
             found[f"{folder}/{name}/package.xml"] = PACKAGE.format(name=name, version=_release(), about=text), False
+    found["spare/joint_state_controller/joint_state_controller.yaml"] = JOINT_STATES, False
     found[f"{share}/launch/empty_world.launch"] = EMPTY_WORLD, False
     for name in WORLDS:
         found[f"{share}/launch/{name}_world.launch"] = OTHER_WORLD.format(name=name), False

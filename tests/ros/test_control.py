@@ -28,7 +28,11 @@ URDF = "<robot name='arm'>{}{}{}{}{}{}</robot>".format(
 )
 PID = {"p": 60.0, "d": 4.0}
 PARAMETERS = {
-    "/arm/states": {"type": "joint_state_controller/JointStateController", "publish_rate": 50},
+    "/arm/states": {
+        "type": "joint_state_controller/JointStateController",
+        "publish_rate": 50,
+        "extra_joints": [{"name": "wheel", "position": 2.0, "effort": 1.0}, {"name": "elbow"}, {"position": 1}, 7],
+    },
     "/arm/shoulder": {"type": "effort_controllers/JointPositionController", "joint": "shoulder", "pid": PID},
     "/arm/push": {"type": "effort_controllers/JointEffortController", "joint": "shoulder"},
     "/arm/elbow": {
@@ -149,9 +153,10 @@ def test_commands_move_joints_and_states_are_published(arm):
     for _ in range(60):
         arm.core.Step()
     found = codec(kind).unpack(read_block(sock))
-    assert found.name == ["shoulder", "elbow", "grip"]
+    assert found.name == ["shoulder", "elbow", "grip", "wheel"]
+    assert (found.position[3], found.velocity[3], found.effort[3]) == (2.0, 0.0, 1.0)
     assert found.position[0] == pytest.approx(arm.position("shoulder"), abs=0.05)
-    assert len(found.velocity) == len(found.effort) == 3
+    assert len(found.velocity) == len(found.effort) == 4
     talker.close()
 
 

@@ -189,6 +189,7 @@ def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
         [prefix / "spare/xacro/xacro", "--inorder", tmp_path / "r.xacro"], capture_output=True, text=True, check=True
     )
     assert '<link name="2"/>' in done.stdout
+    assert "publish_rate: 50" in (prefix / "spare/joint_state_controller/joint_state_controller.yaml").read_text()
     action = message_type("control_msgs/FollowJointTrajectoryAction")
     assert action.md5 == "bc4f9b743838566551c0390c65f1a248"  # which actionlib's clients compare
     assert "_action_goal_type" in (prefix / "include" / f"{action.name}.h").read_text()

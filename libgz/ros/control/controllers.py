@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from libgz.base.errors import ParameterError
@@ -25,6 +26,8 @@ __all__ = [
     "PositionCommands",
     "VelocityCommands",
 ]
+
+log = logging.getLogger("libgz.ros")
 
 ABORTED, PREEMPTED, REJECTED, SUCCEEDED = 4, 2, 5, 3  # of actionlib_msgs/GoalStatus
 COMMANDS = {1: "command", 2: "commands"}  # topics in ROS 1 and 2
@@ -135,18 +138,32 @@ class JointStates(Controller):
             raise ParameterError(f"controller {self.name}: parameter publish_rate is missing or not positive")
         self._ticks = Ticks(bounded_rate(rate, f"parameter {self.name}/publish_rate"))
         self.space = self.space or self.name.rpartition("/")[0]
+        self._extra = list(self._extra_joints())
         self._publication = self.session.publish(f"{self.space}/joint_states", "sensor_msgs/JointState", 4)
+
+    def _extra_joints(self) -> Iterator[tuple[str, tuple[float, ...]]]:
+        """Names, with position, velocity and effort, of joints that the robot does not have; wrong ones are left out,
+        as in the original."""
+        given = self.values.get("extra_joints", [])
+        for one in given if isinstance(given, list) else [given]:
+            name = one.get("name") if isinstance(one, Mapping) else None
+            if not isinstance(name, str) or name in self.hardware.joints:
+                log.warning("controller %s: extra joint %.200r has no name, or that of a joint", self.name, one)
+                continue
+            try:
+                yield name, tuple(number_of(one, key, 0.0, self.name) for key in ("position", "velocity", "effort"))
+            except ParameterError as error:
+                log.warning("controller %s: extra joint %.200r is left out: %s", self.name, name, error)
 
     def update(self, elapsed: float) -> None:
         """Publish, if it is time."""
         if not self._ticks.due(self.now()) or not self._publication.listened:
             return
         joints = self.reported
-        message = self._publication.kind(name=[joint.name for joint in joints])
+        message = self._publication.kind(name=[*(one.name for one in joints), *(name for name, _ in self._extra)])
         set_stamp(message.header.stamp, self.now())
-        message.position = [joint.position for joint in joints]
-        message.velocity = [joint.velocity for joint in joints]
-        message.effort = [joint.effort for joint in joints]
+        for at, key in enumerate(("position", "velocity", "effort")):
+            setattr(message, key, [*(getattr(one, key) for one in joints), *(values[at] for _, values in self._extra)])
         self._publication.publish(message)
 
 

@@ -6,6 +6,7 @@ import datetime
 import enum
 import os
 import random
+import struct
 import subprocess
 import sys
 from collections import OrderedDict, defaultdict, deque, namedtuple
@@ -306,3 +307,24 @@ def test_joints_of_a_model_that_came_back_turn_on():
         world.step(5)
         assert angles() == [expected]
         assert expected > 0.0
+
+
+STATIC = """<sdf version='1.6'><world name='w'><model name='m'><static>1</static><link name='l'><collision name='c'>
+<geometry><box><size>1 1 1</size></box></geometry></collision></link></model></world></sdf>"""
+
+
+def test_bodies_that_do_not_move_return_to_their_places():
+    with libgz.World.from_string(STATIC) as world:
+        engine = world.engine
+        [body] = engine.dummies
+        state, place = engine.get_state(), body.GetPose()
+        body.SetPose(GzPose(GzVector(1.0, 2.0, 3.0)))
+        moved = engine.get_state()
+        assert moved != state
+        engine.set_state(state)
+        assert (body.GetPose(), engine.get_state()) == (place, state)
+        for number in (1e30, float("nan"), float("inf")):
+            with pytest.raises(StateError, match="the pose of a body is out of range"):
+                engine.set_state(state | {"dummies": struct.pack("7d", number, 0, 0, 1, 0, 0, 0)})
+        engine.set_state(moved)
+        assert engine.get_state() == moved

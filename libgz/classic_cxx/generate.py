@@ -47,6 +47,8 @@ def headers() -> dict[str, str]:
     }
     macros = "".join(f"#define IGN_PROFILE{name}\n" for name in PROFILER)
     made["ignition/common/Profiler.hh"] = _guarded("profiler", macros)
+    for version in (2, 3, 4):  # those of Gazebo 7 to 9
+        made[f"ignition/math{version}/ignition/math.hh"] = f"{NOTE}#include <ignition/math.hh>\n"
     for header, plugins in BASE_PLUGINS.items():
         for name in plugins:
             made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/{header}.hh"\n'
@@ -219,6 +221,7 @@ EXTRA = {
     "physics::Actor": ("  std::map<std::string, common::SkeletonAnimation *> SkeletonAnimations() const;",),
     "physics::Joint": (CONNECT.format(name="JointUpdate"),),
     "physics::PhysicsEngine": (ANY_CAST,),
+    "sensors::Noise": ("  void Print(std::ostream &out) const;",),
     "physics::MultiRayShape": (CONNECT.format(name="NewLaserScans"),),
 }
 

@@ -15,8 +15,10 @@
 #include <gazebo/sensors/sensors.hh>
 #include <gazebo/transport/transport.hh>
 #include <csignal>
+#include <future>
 #include <cstdlib>
 #include <ignition/common/Profiler.hh>
+#include <ignition/math4/ignition/math.hh>
 #include <thread>
 
 #define EXPECT(condition) \
@@ -34,6 +36,19 @@ inline int &Loads()
 
 // Ways in which a plugin breaks.
 struct Failure
+{
+};
+struct Saying : public std::exception
+{
+  explicit Saying(const char *_text) : text(_text) {}
+  const char *what() const noexcept override { return this->text; }
+  const char *text;
+};
+enum class Kind
+{
+  OTHER
+};
+struct Failing : public std::exception
 {
 };
 struct Abstract
@@ -80,6 +95,40 @@ static void Break(const std::string &how)
     std::vector<int>().at(3);
   if (how == "memory")
     (void) new char[std::size_t(1) << 62];
+  if (how == "silent")
+    throw Saying(nullptr);
+  if (how == "null text")
+    throw static_cast<const char *>(nullptr);
+  if (how == "several lines")
+    throw Saying("one\n[Err] two\r\x1b[2Jthree");
+  if (how == "long")
+  {
+    static const std::string text(1 << 22, 'a');
+    throw Saying(text.c_str());
+  }
+  if (how == "no text")
+    throw Saying("no \xff text");
+  if (how == "pointer")
+    throw new std::runtime_error("no luck");
+  if (how == "enum")
+    throw Kind::OTHER;
+  if (how == "function")
+    std::function<void()>()();
+  if (how == "mutex")
+    std::unique_lock<std::mutex>().unlock();
+  if (how == "promise")
+  {
+    std::future<int> future = std::promise<int>().get_future();
+    future.get();
+  }
+  if (how == "dynamic cast")
+    (void) dynamic_cast<Failing &>(*static_cast<std::exception *>(new Saying("")));
+  if (how == "assert")
+    GZ_ASSERT(how.empty(), "no luck");
+  if (how == "boost null")
+    physics::LinkPtr()->WorldPose();
+  if (how == "other class")
+    (void) std::stod("no number");
   if (how == "exit")
     std::exit(3);
   if (how == "quick_exit")
@@ -287,6 +336,12 @@ class Checks : public ModelPlugin
     EXPECT(sdf::initFile("joint.sdf", described));
     EXPECT(sdf::readString("<sdf version='1.7'><joint name='rope' type='prismatic'><parent>world</parent>"
                            "<child>base</child><axis><xyz>0 0 1</xyz></axis></joint></sdf>", described));
+    sdf::ElementPtr noisy(new sdf::Element);
+    EXPECT(sdf::initFile("noise.sdf", noisy));
+    EXPECT(sdf::readString("<sdf version='1.7'><noise type='gaussian'><mean>1</mean><stddev>2</stddev></noise></sdf>", noisy));
+    std::ostringstream said;
+    sensors::NoiseFactory::NewNoiseModel(noisy)->Print(said);
+    EXPECT(said.str().find("mean[1], stdDev[2]") != std::string::npos);
     physics::JointPtr rope = this->model->CreateJoint(described);
     EXPECT(rope->GetVelocityLimit(0) == -1 && rope->GetEffortLimit(0) == -1 && rope->GetStopStiffness(0) == 1e8);
     EXPECT(this->model->RemoveJoint("rope"));
@@ -569,6 +624,9 @@ class Wheels : public WheelSlipPlugin
     EXPECT(this->GetParentModel() == _model);
     this->SetSlipComplianceLateral(0.25);
     this->SetSlipComplianceLongitudinal("arm", 0.5);
+    std::map<std::string, ignition::math::Vector3d> slips;
+    this->GetSlips(slips);
+    EXPECT(slips.size() == 1 && slips.at("arm") == ignition::math::Vector3d::Zero);
   }
 };
 class Winch : public HarnessPlugin

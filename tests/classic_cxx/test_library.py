@@ -21,6 +21,7 @@ from libgz.classic.api import classic_api
 from libgz.classic_cxx.generate import bodies, headers
 from libgz.classic_cxx.layouts import RECORDS, shared
 from libgz.classic_cxx.messages import file_of, proto_files
+from libgz.classic_cxx.names import BASE_PLUGINS
 from libgz.classic_cxx.own_messages import files_in
 from libgz.classic_cxx.plugin import load
 from libgz.classic_cxx.recognition import is_classic, version_flags
@@ -105,6 +106,14 @@ def test_records_are_those_of_python():
     assert record.given == {("vel", 0): 2.0, ("suspension_erp", 1): 0.5}
     assert record.parameter("vel", 0) == 2.0
     assert math.isnan(record.parameter("fmax", 0))
+
+
+def test_the_library_replaces_no_class_of_a_plugin(library):
+    """Those who compile a plugin of Gazebo themselves have a class of its name; the linker would take the library's."""
+    done = subprocess.run(["nm", "-DC", library.lib / "libgazebo.so"], capture_output=True, text=True, check=True)
+    assert "gazebo::ready::WheelSlipPlugin::Load(" in done.stdout
+    for name in (name for names in BASE_PLUGINS.values() for name in names):
+        assert f" gazebo::{name}::" not in done.stdout
 
 
 def test_generated_text_has_each_class_once():

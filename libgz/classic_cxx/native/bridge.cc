@@ -277,6 +277,20 @@ static std::string demangled(const char *name)
   return text;
 }
 
+/* What an exception says, as one line: plugins throw null pointers, several lines and megabytes. */
+static std::string as_line(const char *text)
+{
+  const std::size_t most = 2000;
+  if (text == nullptr)
+    return "(it says nothing)";
+  std::string line(text, strnlen(text, most));
+  if (text[line.size()] != '\0')
+    line += " ...";
+  boost::trim(line);
+  std::replace_if(line.begin(), line.end(), [](unsigned char one) { return one < ' ' || one == 127; }, ' ');
+  return line;
+}
+
 bool refused(const PythonError &error)
 {
   return error.get() != nullptr &&
@@ -304,19 +318,20 @@ static void set_error()
   catch (const common::Exception &error)
   {
     PyErr_Format(kind, "it threw gazebo::common::Exception at %s: %s", error.GetErrorFile().c_str(),
-        boost::trim_copy(error.GetErrorStr()).c_str());
+        as_line(error.GetErrorStr().c_str()).c_str());
   }
   catch (const std::exception &error)
   {
-    PyErr_Format(kind, "it threw %s: %s", demangled(typeid(error).name()).c_str(), error.what());
+    PyErr_Format(kind, "it threw %s: %s", demangled(typeid(error).name()).c_str(),
+        as_line(error.what()).c_str());
   }
   catch (const std::string &text)
   {
-    PyErr_Format(kind, "it threw the text %s", text.c_str());
+    PyErr_Format(kind, "it threw the text %s", as_line(text.c_str()).c_str());
   }
   catch (const char *text)
   {
-    PyErr_Format(kind, "it threw the text %s", text);
+    PyErr_Format(kind, "it threw the text %s", as_line(text).c_str());
   }
   catch (...)
   {

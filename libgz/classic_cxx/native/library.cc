@@ -69,6 +69,11 @@ void WheelSlipPlugin::Load(physics::ModelPtr model, sdf::ElementPtr sdf)
   this->model = model;
   ReadyPlugin::Load(model, sdf);
 }
+void WheelSlipPlugin::GetSlips(std::map<std::string, ignition::math::Vector3d> &slips) const
+{
+  for (const auto &slip : libgz::Call(&this->ready, "GetSlips").result<std::map<std::string, ignition::math::Vector3d>>())
+    slips[slip.first] = slip.second;
+}
 void WheelSlipPlugin::SetSlipComplianceLateral(std::string wheel, const double compliance)
 {
   libgz::Call call(&this->ready, "SetSlipComplianceLateral");
@@ -964,6 +969,14 @@ std::string Contact::DebugString() const
 }  // namespace physics
 
 namespace sensors {
+void Noise::Print(std::ostream &out) const
+{
+  if (auto *gaussian = dynamic_cast<const GaussianNoiseModel *>(this))
+    out << "Gaussian noise, mean[" << gaussian->GetMean() << "], stdDev[" << gaussian->GetStdDev() << "] bias["
+        << gaussian->GetBias() << "]\n";
+  else
+    out << "noise of type[" << this->GetNoiseType() << "]\n";
+}
 static const char *const SENSORS = "libgz.classic.sensors";
 bool load() { return true; }
 bool init() { return true; }

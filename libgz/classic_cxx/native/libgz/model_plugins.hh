@@ -4,6 +4,8 @@
 #include "gazebo/libgz/gazebo.hh"
 
 namespace gazebo {
+/* In the library their symbols differ from those of plugins with a class of the same name, which are not to be replaced by them. */
+inline namespace ready {
 
 /* A plugin whose work a class of Python does. */
 class GAZEBO_VISIBLE ReadyPlugin : public ModelPlugin
@@ -65,6 +67,7 @@ class GAZEBO_VISIBLE WheelSlipPlugin : public ReadyPlugin
   void Load(physics::ModelPtr model, sdf::ElementPtr sdf) override;
   virtual void Fini() {}
   physics::ModelPtr GetParentModel() const { return this->model; }
+  void GetSlips(std::map<std::string, ignition::math::Vector3d> &slips) const;
   void SetSlipComplianceLateral(const double compliance) { this->SetSlipComplianceLateral("", compliance); }
   void SetSlipComplianceLateral(std::string wheel, const double compliance);
   void SetSlipComplianceLongitudinal(const double compliance) { this->SetSlipComplianceLongitudinal("", compliance); }
@@ -73,5 +76,6 @@ class GAZEBO_VISIBLE WheelSlipPlugin : public ReadyPlugin
  private:
   physics::ModelPtr model;
 };
+}  // namespace ready
 }  // namespace gazebo
 #endif

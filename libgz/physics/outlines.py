@@ -13,6 +13,8 @@ __all__ = ["extrude", "joined", "triangulate"]
 
 Points = NDArray[np.float64]
 
+MOST_WORK = 10**8  # of cutting one polygon, in points that are looked at: some seconds
+FOR_TURN, FOR_EAR = 50, 1000  # work of looking at a corner, and at whether it may be cut off, beside that of each point
 ON_SIDE = 1e-12  # twice an area, up to which three points lie on a line
 
 
@@ -39,14 +41,18 @@ def triangulate(points: Points) -> NDArray[np.int64]:
     """Triangles of a simple polygon that goes counter-clockwise, by cutting off ears (Meisters, 1975); shape (m, 3).
 
     Raises:
-        ParameterError: its sides cross each other.
+        ParameterError: its sides cross each other, or it takes too long: it has too many corners.
     """
-    left, triangles = list(range(len(points))), []
+    left, triangles, work = list(range(len(points))), [], 0
     while len(left) > 3:
         for k in range(len(left)):
             i, j, n = left[k - 1], left[k], left[(k + 1) % len(left)]
             a, b, c = points[i], points[j], points[n]
-            if _cross(a, b, c) <= 0.0 or _any_inside(points[left], a, b, c):
+            turns = _cross(a, b, c) > 0.0
+            work += FOR_EAR + len(left) if turns else FOR_TURN
+            if work > MOST_WORK:
+                raise ParameterError(f"a polyline of {len(points)} corners takes too long to be cut into triangles")
+            if not turns or _any_inside(points[left], a, b, c):
                 continue
             triangles.append((i, j, n))
             del left[k]

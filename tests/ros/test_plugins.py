@@ -98,6 +98,11 @@ def test_commands_move_it_and_transforms_follow(node):
     for _ in range(3):
         end = odometry()
     assert end.twist.twist.linear.x == pytest.approx(0.2, abs=0.03)  # it was not obeyed
+    for joint in (*drive.left, *drive.right):
+        joint.SetParam("vel", 0, 0.0)  # as another plugin may; the next tick sets the command's speeds again
+    for _ in range(10):
+        end = odometry()
+    assert end.twist.twist.linear.x == pytest.approx(0.2, abs=0.03)
     talker.close()
 
 

@@ -21,6 +21,7 @@ __all__ = [
     "COMMANDS",
     "COVARIANCES",
     "ODOMETRY",
+    "Command",
     "Drive",
     "EncoderPose",
     "Motion",
@@ -61,6 +62,19 @@ class Motion(NamedTuple):
     velocity: tuple[Any, Any, Any]
 
 
+class Command:
+    """What a drive is to do."""
+
+    STATE = ("ahead", "aside", "turn")
+
+    ahead, aside = Number(), Number()  # [m/s]
+    turn = Number()  # [rad/s]
+
+    def give(self, ahead: float = 0.0, aside: float = 0.0, turn: float = 0.0) -> None:
+        """Set it; by default, to stop [m/s], [rad/s]."""
+        self.ahead, self.aside, self.turn = ahead, aside, turn
+
+
 class EncoderPose:
     """A pose in the plane, summed up from the ways of two wheels."""
 
@@ -88,14 +102,12 @@ class Drive(RosPlugin):
     """Takes commands, and publishes odometry.
 
     Attributes:
-        command: the last command: x, y [m/s] and turn rate [rad/s].
+        command: the last one.
         odometry: the message as it is at first; what stays is set after `open_drive`.
-        settled: whether the motors have the speeds of the command, for those that have them at once.
         publication: of the odometry; None: it is not published.
     """
 
-    settled = Number()
-    command: tuple[float, ...] = (0.0, 0.0, 0.0)
+    command: Command
     publication: Publication | None = None
     _packed: PackedMessage | None = None
     _moved: PackedMessage | None = None
@@ -121,6 +133,7 @@ class Drive(RosPlugin):
         if of_twist:
             self.odometry.twist.covariance[:] = self.odometry.pose.covariance
         self.odometry.pose.pose.orientation.w = 1.0
+        self.command = Command()
         self.commands = self.subscribe(given.commandTopic, "geometry_msgs/Twist", self.OnCommand)
 
     def advertise_odometry(
@@ -174,7 +187,7 @@ class Drive(RosPlugin):
     def OnCommand(self, message: Any) -> None:
         """A new command."""
         if finite(message):
-            self.command, self.settled = (message.linear.x, message.linear.y, message.angular.z), 0.0
+            self.command.give(message.linear.x, message.linear.y, message.angular.z)
             self.commanded(self.world.core.GetSimTime())
 
     def commanded(self, now: float) -> None:

@@ -6,7 +6,7 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from libgz.base.errors import ParameterError
-from libgz.base.law import law, rarely
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._ros import ros_elements
 from libgz.ros.packed import PackedMessage
@@ -32,7 +32,7 @@ class Pair(NamedTuple):
 class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
     """Turns the wheels by their motors, and publishes odometry of the world or of the wheels."""
 
-    STATE = ("command", "ticks", "pose", "speeds", "settled")
+    STATE = ("command", "ticks", "pose", "speeds")
 
     own_namespace = True
     parameters = (
@@ -80,7 +80,8 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
             publication = self.publish("joint_states", "sensor_msgs/JointState", 1000, changed=changed)
             names, zeros = [joint.GetName() for joint in self.reported], [0.0] * len(joints)
             self.joint_states = PackedMessage(publication, publication.kind(name=names, position=zeros))
-        self.lawful = not self.two
+        self.acceleration = given.wheelAcceleration if given.updateRate > 0.0 else 0.0
+        self.lawful = not self.two and not self.acceleration > 0.0
         self.run()
 
     def _pairs(self, sdf: Element) -> list[Pair]:
@@ -103,11 +104,12 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
         ]
 
     def _stop(self, now: float) -> None:
-        self.command, self.speeds, self.settled = (0.0, 0.0, 0.0), ((0.0, 0.0),) * len(self.pairs), 0.0
+        self.speeds = ((0.0, 0.0),) * len(self.pairs)
         self.pose = EncoderPose(now)
 
     def Reset(self) -> None:
         """Stop, with odometry at zero."""
+        self.command.give()
         self._stop(self.world.core.GetSimTime())
         for joint in (*self.left, *self.right):
             joint.SetParam("fmax", 0, self.given.wheelTorque)
@@ -130,26 +132,28 @@ class GazeboRosDiffDrive(Drive, Periodic, ModelPlugin):
             self.joint_states.stamp(now)
             self.joint_states.put("position", [joint.Position(0) for joint in self.reported])
             self.joint_states.send()
-        if rarely(self.settled == 0.0):
-            self._run()
+        if self.acceleration > 0.0:
+            self._accelerate()
+            return
+        ahead, turn = self.command.ahead, self.command.turn
+        for pair in self.pairs:
+            half = turn * pair.separation / 2.0
+            pair.left.core.run_motor((ahead - half) / pair.radius)
+            pair.right.core.run_motor((ahead + half) / pair.radius)
 
-    def _run(self) -> None:
-        """Set the speeds of the motors."""
-        given = self.given
-        most = given.wheelAcceleration / given.updateRate if given.updateRate > 0.0 else 0.0
+    def _accelerate(self) -> None:
+        """Bring the speeds of the motors nearer to the wanted ones."""
+        most = self.acceleration / self.given.updateRate
         speeds = [self._speeds_of(pair, before, most) for pair, before in zip(self.pairs, self.speeds, strict=True)]
-        self.speeds, self.settled = tuple(speeds), float(most <= 0.0)
+        self.speeds = tuple(speeds)
         for pair, (left, right) in zip(self.pairs, speeds, strict=True):
-            pair.left.SetParam("vel", 0, left / pair.radius)
-            pair.right.SetParam("vel", 0, right / pair.radius)
+            pair.left.core.run_motor(left / pair.radius)
+            pair.right.core.run_motor(right / pair.radius)
 
     def _speeds_of(self, pair: Pair, before: tuple[float, float], most: float) -> tuple[float, float]:
         """The next speeds of a pair [m/s], at most so far from those before, unless both wheels have their speeds."""
-        speed, _, turn = self.command
-        half = turn * pair.separation / 2.0
-        wanted = speed - half, speed + half
-        if not most > 0.0:
-            return wanted
+        half = self.command.turn * pair.separation / 2.0
+        wanted = self.command.ahead - half, self.command.ahead + half
         off = [want - joint.GetVelocity(0) * pair.radius for want, joint in zip(wanted, pair[:2], strict=True)]
         if any(abs(one) < REACHED for one in off):
             return wanted

@@ -54,8 +54,7 @@ class GazeboRosPlanarMove(Drive, Periodic, ModelPlugin):
 
     def commanded(self, now: float) -> None:
         """A command came at sim time `now` [s]."""
-        forward, left, turn = self.command
-        self.motion.command(forward, left, turn, now)
+        self.motion.command(self.command.ahead, self.command.aside, self.command.turn, now)
 
     @law
     def wanted(self) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import ParameterError
-from libgz.base.law import law, rarely
+from libgz.base.law import law
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.ros.plugin import Parameter, Periodic, Rate, Ticks
 from libgz.ros.plugins._drive import COMMAND, COMMANDS, ODOMETRY, Drive, drive_joint
@@ -20,7 +20,7 @@ WHEELS = ("leftFrontJoint", "leftRearJoint", "rightFrontJoint", "rightRearJoint"
 class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
     """Turns the wheels by their motors, and publishes the model's pose in the world as odometry."""
 
-    STATE = ("command", "ticks", "settled")
+    STATE = ("command", "ticks")
 
     parameters = (
         *COMMANDS,
@@ -56,7 +56,7 @@ class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
 
     def Reset(self) -> None:
         """Stop."""
-        self.command, self.settled = (0.0, 0.0, 0.0), 0.0
+        self.command.give()
         for joint in self.joints:
             joint.SetParam("fmax", 0, self.given.torque)
 
@@ -67,16 +67,9 @@ class GazeboRosSkidSteerDrive(Drive, Periodic, ModelPlugin):
             motion = self.motion_in_world()
             self.publish_transforms(now, motion)
             self.publish_odometry(now, motion)
-        if rarely(self.settled == 0.0):
-            self._run()
-
-    def _run(self) -> None:
-        """Set the speeds of the motors."""
-        self.settled = 1.0
-        speed, _, turn = self.command
-        half, radius = turn * self.given.wheelSeparation / 2.0, self.given.wheelDiameter / 2.0
-        for joint, at in zip(self.joints, (speed - half, speed - half, speed + half, speed + half), strict=True):
-            joint.SetParam("vel", 0, at / radius)
+        ahead, half = self.command.ahead, self.command.turn * self.given.wheelSeparation / 2.0
+        for joint, speed in zip(self.joints, (ahead - half, ahead - half, ahead + half, ahead + half), strict=True):
+            joint.core.run_motor(speed / (self.given.wheelDiameter / 2.0))
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosSkidSteerDrive)

@@ -78,7 +78,8 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
 
     def Reset(self) -> None:
         """Stop, with odometry at zero."""
-        self.command, self.pose = (0.0, 0.0, 0.0), EncoderPose(self.world.core.GetSimTime())
+        self.command.give()
+        self.pose = EncoderPose(self.world.core.GetSimTime())
 
     @law
     def measure(self, now: Any) -> None:
@@ -117,7 +118,7 @@ class GazeboRosTricycleDrive(Drive, Periodic, ModelPlugin):
     def _run(self, period: float) -> None:
         """Set the speed of the wheel, and its angle."""
         given = self.given
-        speed, _, angle = self.command
+        speed, angle = self.command.ahead, self.command.turn
         wanted, present = speed / (given.actuatedWheelDiameter / 2.0), self.wheel.GetVelocity(0)
         up, down = given.wheelAcceleration, given.wheelDeceleration or given.wheelAcceleration
         if up > 0.0 or (self.two and down > 0.0):

@@ -152,7 +152,7 @@ def _cylinder(radius: float, length: float) -> etree._Element:
 def _mesh(geom: Geom, name: str, meshes: Meshes) -> etree._Element:
     """A mesh file of a triangle mesh or a height field."""
     if isinstance(geom, HeightfieldGeom):
-        vertices, triangles = _field(geom)
+        vertices, triangles = geom.triangulated()
     elif isinstance(geom, TriMeshGeom):
         vertices, triangles = geom.vertices, geom.triangles
     else:
@@ -160,16 +160,6 @@ def _mesh(geom: Geom, name: str, meshes: Meshes) -> etree._Element:
     shape = etree.Element("mesh")
     add(shape, "uri", meshes.add(name, vertices, triangles))
     return shape
-
-
-def _field(geom: HeightfieldGeom) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """(vertices, triangles) of a height field, two triangles per cell."""
-    rows, columns = geom.heights.shape
-    x, y = np.meshgrid(np.linspace(-0.5, 0.5, columns) * geom.size[0], np.linspace(-0.5, 0.5, rows) * geom.size[1])
-    vertices = np.stack([x, y, geom.heights], axis=-1).reshape(-1, 3)
-    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1, 1)
-    cells = [corner + np.array(offsets) for offsets in ((0, 1, columns), (1, columns + 1, columns))]
-    return vertices, np.concatenate(cells).astype(np.uint32)
 
 
 def _add_surface(collision: etree._Element, geom: Geom) -> None:

@@ -11,7 +11,7 @@ import ctypes
 import logging
 import math
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import takewhile
 from threading import get_ident
 from typing import Any, Protocol
@@ -151,7 +151,7 @@ class Engine:
         self.couplings: list[Coupling] = []
         self._state = EngineState(self, self._context)
         self._held: ctypes.Array[HeldEffort] | tuple[()] = ()
-        self.fields: dict[int, tuple[NDArray[np.float64], tuple[float, float]]] = {}
+        self._fields: dict[int, tuple[NDArray[np.float64], tuple[float, float]]] = {}
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
@@ -311,21 +311,30 @@ class Engine:
         self._context.alone = 1
 
     @exclusive
-    def show_fields_to_rays(self, fields: Mapping[int, tuple[NDArray[np.float64], tuple[float, float]]]) -> None:
-        """Set the height fields that rays read themselves: handle of a geom -> its heights, and its sizes [m].
+    def show_field_to_rays(self, geom: int, heights: NDArray[np.float64], size: tuple[float, float]) -> None:
+        """Let rays read a height field themselves.
 
-        The arrays are contiguous, in rows along its y, and are kept.
+        Args:
+            geom: its handle.
+            heights: [m] contiguous, in rows along its y; they are kept.
+            size: along x and y [m].
         """
-        self.fields = dict(fields)
-        self._shown = (HeightField * len(fields))(
-            *(
-                HeightField(geom, heights.ctypes.data, *heights.shape, *size)
-                for geom, (heights, size) in self.fields.items()
-            )
-        )
-        self._context.field_count = 0
-        self._context.fields = ctypes.addressof(self._shown)
-        self._context.field_count = len(self._shown)
+        self._fields[geom] = heights, size
+        self._show_fields()
+
+    @exclusive
+    def hide_field_from_rays(self, geom: int) -> None:
+        """Let rays read a height field, which goes, no longer."""
+        if self._fields.pop(geom, None) is not None:
+            self._show_fields()
+
+    def _show_fields(self) -> None:
+        shown = [
+            HeightField(geom, heights.ctypes.data, *heights.shape, *size)
+            for geom, (heights, size) in self._fields.items()
+        ]
+        self._shown = (HeightField * len(shown))(*shown)
+        self._context.fields, self._context.field_count = ctypes.addressof(self._shown), len(shown)
 
     # Contacts ----------------------------------------------------------------------------------------------------
 

@@ -94,7 +94,10 @@ class Geom:
 
     @exclusive
     def _adopt(self, handle: int) -> None:
-        """Use this ODE geom, in place of the previous one."""
+        """Use this ODE geom, in place of the previous one, with what that collides with."""
+        if self._id is not None:
+            ode().dGeomSetCategoryBits(handle, ode().dGeomGetCategoryBits(self._id))
+            ode().dGeomSetCollideBits(handle, ode().dGeomGetCollideBits(self._id))
         self._destroy_handle()
         self._id = handle
         ode().dGeomSetData(handle, self.row)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import ParameterError
-from libgz.base.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
+from libgz.base.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike, rotate
 from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.ode.mesh_data import new_mesh_data
@@ -46,6 +46,7 @@ __all__ = [
 
 
 THINNEST = 1e-6  # [m]
+SQUARE = 1.0 - 1e-12  # cosine from which an axis counts as one of the world's
 
 
 def _thin(length: float, what: str) -> float:
@@ -413,6 +414,9 @@ def _halved(triangle: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
 class HeightfieldGeom(Geom):
     """Ground of varying height, centred on its pose.
 
+    While it stands still, turned by another angle than a right one, it collides as a mesh of its triangles: ODE's
+    bounding box of such a field is too small.
+
     Args:
         heights: [m], shape (rows, columns): rows along +y, columns along +x.
         xSize, ySize: extent [m].
@@ -426,11 +430,12 @@ class HeightfieldGeom(Geom):
     def __init__(
         self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float, thickness: float = 1.0
     ) -> None:
-        self.heights: NDArray[np.float64] = np.array(heights, dtype=np.float64)
+        self.heights: NDArray[np.float64] = np.array(heights, dtype=np.float64, order="C")
         if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not (np.abs(self.heights) <= WIDE).all():
             raise ParameterError(f"heights must be at least 2 x 2 numbers within +-{WIDE:g} m")
         self.size = (positive(xSize, "extent [m]"), positive(ySize, "extent [m]"))
         depth = finite(not_negative(thickness, "thickness [m]"), "thickness [m]")
+        place = _space_id(body, space)
         body.engine.triangles.set(self, 2 * self.heights.size)
         body.engine.collide_alone()
         samples = np.ascontiguousarray(self.heights[::-1])
@@ -439,20 +444,70 @@ class HeightfieldGeom(Geom):
         ode().dGeomHeightfieldDataBuildDouble(
             self._data, samples.ctypes.data, 1, *self.size, columns, rows, 1.0, 0.0, depth, 0
         )
-        super().__init__(body, space, ode().dCreateHeightfield(_space_id(body, space), self._data, 1))
-        self.heights = np.ascontiguousarray(self.heights)
-        body.engine.show_fields_to_rays({**body.engine.fields, self.id: (self.heights, self.size)})
+        self._mesh: tuple[int, NDArray[np.float64], NDArray[np.uint32]] | None = None  # ODE's data, and what it reads
+        super().__init__(body, space, ode().dCreateHeightfield(place, self._data, 1))
+
+    @staticmethod
+    def suits(pose: GzPose) -> bool:
+        """Whether ODE has the right bounding box of a field at a pose: its axes lie along those of the world."""
+        return all(max(map(abs, rotate(pose.rot, axis))) > SQUARE for axis in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+
+    @exclusive
+    def follow_dummy(self) -> None:
+        """Place it as its dummy body is, as a field where that suits."""
+        as_mesh = not self.suits(self.GetPose())
+        if as_mesh != (self._mesh is not None):
+            self._collide(as_mesh)  # which places it
+        else:
+            super().follow_dummy()
+
+    def _collide(self, as_mesh: bool) -> None:
+        """Use a field or a mesh of ODE from now on."""
+        space, before = _space_id(self.body, self.space), self._mesh
+        if as_mesh:
+            points, corners = self.triangulated()
+            padded = np.zeros((len(points), 4))  # as of a TriMeshGeom, and turned as the field
+            padded[:, 0], padded[:, 1], padded[:, 2] = points[:, 0], points[:, 2], -points[:, 1]
+            data = new_mesh_data(padded, corners)
+            self._mesh = data, padded, corners
+            self._adopt(ode().dCreateTriMesh(space, data, None, None, None))
+        else:
+            self._mesh = None
+            self._adopt(ode().dCreateHeightfield(space, self._data, 1))
+        if before is not None:
+            ode().dGeomTriMeshDataDestroy(before[0])
+
+    def _adopt(self, handle: int) -> None:
+        super()._adopt(handle)
+        if self._id == handle and self._mesh is None:
+            self.body.engine.show_field_to_rays(handle, self.heights, self.size)
+
+    def _destroy_handle(self) -> None:
+        if self._id is not None:
+            self.body.engine.hide_field_from_rays(self._id)
+        super()._destroy_handle()
+
+    def triangulated(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+        """(vertices, triangles) of the ground [m], two triangles per cell as ODE has them."""
+        rows, columns = self.heights.shape
+        x, y = np.meshgrid(
+            *(np.linspace(-0.5, 0.5, n) * side for n, side in zip((columns, rows), self.size, strict=True))
+        )
+        corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1, 1)
+        cells = [corner + np.array(offsets) for offsets in ((0, 1, columns), (1, columns + 1, columns))]
+        return np.stack([x, y, self.heights], axis=-1).reshape(-1, 3), np.concatenate(cells).astype(np.uint32)
 
     @exclusive
     def close(self) -> None:
         """Destroy the geom and its heights."""
-        fields = self.body.engine.fields
-        self.body.engine.show_fields_to_rays({geom: field for geom, field in fields.items() if geom != self.id})
         super().close()
         self.body.engine.triangles.set(self, 0)
         if self._data is not None:
             ode().dGeomHeightfieldDataDestroy(self._data)
             self._data = None
+        if self._mesh is not None:
+            ode().dGeomTriMeshDataDestroy(self._mesh[0])
+            self._mesh = None
         self.heights = np.empty((0, 0))  # as those of a mesh
 
 

@@ -216,6 +216,8 @@ class EngineState:
             saved = encoding.decode(state["objects"])
             _check_objects(saved)
             self._restore_objects(saved)
+        if state["dummies"] != self._dummy_poses():
+            self._restore_dummies(state["dummies"])
         numbers, memory = list(state["numbers"]), bytes(state["memory"])
         if len(numbers) != _NUMBERS or len(state["settings"]) != _FIELDS.size:
             raise StateError("the state is damaged: it has not all numbers of an engine")
@@ -234,6 +236,16 @@ class EngineState:
         self._restore_parts(state)
         engine.tables.disturb()
         return changed or bool(engine.couplings)
+
+    def _restore_dummies(self, poses: bytes) -> None:
+        """Place dummies before ODE's memory is copied: from their poses follows which geoms ODE has."""
+        for dummy, place in zip(self._engine.dummies, _POSE.iter_unpack(poses), strict=True):
+            if not all(abs(number) <= LARGEST for number in place):
+                raise StateError("the state is damaged: the pose of a body is out of range")
+            if place != tuple(dummy._frame):
+                dummy._frame = [*place]
+                for geom in dummy.geoms:
+                    geom.follow_dummy()
 
     def _restore_settings(self, state: dict[str, Any], numbers: list[Any]) -> bool:
         """Whether there were others."""
@@ -292,11 +304,6 @@ class EngineState:
             engine.couplings = [coupling for coupling, _ in couplings]
         engine.moved_dummies.update(engine.dummies)
         engine.tables.record.changes += 1
-        if state["dummies"] != self._dummy_poses():
-            for dummy, place in zip(engine.dummies, _POSE.iter_unpack(state["dummies"]), strict=True):
-                if not all(abs(number) <= LARGEST for number in place):
-                    raise StateError("the state is damaged: the pose of a body is out of range")
-                dummy._frame = [*place]
         if engine.record_contacts:
             contacts = np.frombuffer(state["contacts"], CONTACT)
             known = {0, *engine.geoms}
@@ -349,6 +356,8 @@ class EngineState:
             changed = True
         geom.appearance.version += changed
         geom.mark()
+        if changed and geom.body.dummy:
+            geom.follow_dummy()
 
     def _restore_joints(self, saved: dict[str, Any], joints: list[Any], bodies: list[Any], count: int) -> None:
         engine, table = self._engine, self._engine.tables.joints

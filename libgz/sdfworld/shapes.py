@@ -50,7 +50,6 @@ SIMPLE: dict[str, tuple[Callable[..., Geom], tuple[str, ...]]] = {
     "cylinder": (CylinderGeom, ("radius", "length")),
     "capsule": (CapsuleGeom, ("radius", "length")),
 }
-SQUARE = 1.0 - 1e-12  # cosine from which an axis counts as one of the world's
 PATCHES = 16  # of a rendered plane, in each direction: light is computed at their corners
 
 Note = Callable[[Element, str], None]  # reports a warning about an element
@@ -74,7 +73,7 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
         altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
         return PlaneGeom(body, space, altitude, normal)
     geom = _simple(body, space, shape, note)
-    if geom is None and shape.name == "heightmap" and body.dummy and _is_square(placed):
+    if geom is None and shape.name == "heightmap" and body.dummy and HeightfieldGeom.suits(placed):
         heights = _made(shape, lambda: _heights(shape), note)
         if heights is None:
             return None
@@ -89,11 +88,6 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
         geom = TriMeshGeom(body, space, vertices, triangles)
     geom.SetRelativePose(pose)
     return geom
-
-
-def _is_square(pose: GzPose) -> bool:
-    """Whether axes lie along those of the world: ODE's bounding boxes of other height fields are too small."""
-    return all(max(map(abs, rotate(pose.rot, axis))) > SQUARE for axis in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
 
 
 def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:

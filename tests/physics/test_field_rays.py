@@ -9,7 +9,7 @@ from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.ode.context import RayScan
 from libgz.physics.body import Body
 from libgz.physics.engine import Engine
-from libgz.physics.geoms import HeightfieldGeom, TriMeshGeom
+from libgz.physics.geoms import HeightfieldGeom, SphereGeom, TriMeshGeom
 from libgz.physics.space import Space
 
 SIZE = 13.0, 9.0  # [m]
@@ -48,7 +48,7 @@ def scanned(make, rays, yaw):
     return ranges, rows
 
 
-@pytest.mark.parametrize("yaw", [0.0, np.pi])
+@pytest.mark.parametrize("yaw", [0.0, np.pi, 0.7])
 def test_rays_meet_a_field_where_they_meet_its_triangles(yaw):
     random = np.random.default_rng(3)
     heights, rays = 2.0 * random.random((37, 53)), some_rays(random)
@@ -73,3 +73,39 @@ def test_rays_pass_a_field_that_was_removed():
         fields.pop().close()
     scan()
     assert rows[0] == -1
+
+
+def test_a_field_that_is_turned_at_run_time_carries_and_is_seen_up_to_its_corners():
+    engine = Engine()
+    ground = Body(engine, dummy=True)
+    field = HeightfieldGeom(ground, Space(engine), np.zeros((5, 5)), 4.0, 4.0)
+    ball = Body(engine)
+    SphereGeom(ball, Space(engine), 0.1).SetMass(1.0)
+    ranges, rows = np.zeros(1), np.zeros(1, dtype=np.int64)
+    rays = np.array([[2.6, 0.0, 3.0, 0.0, 0.0, -1.0, 9.0]])
+    scan = engine.scanner(RayScan(np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]), rays, ball.number, ranges, rows))
+
+    def height():
+        """Where the ball comes to rest above a corner of the turned field."""
+        ball.SetPose(GzPose(GzVector(2.6, 0.0, 0.15)))
+        ball.SetLinearVel(GzVector())
+        for _ in range(200):
+            engine.step()
+        scan()
+        return ball.GetPose().pos.z
+
+    flat = engine.get_state()
+    assert height() < 0.0
+    assert rows[0] == -1
+    ground.SetPose(GzPose(GzVector(), GzQuaternFromEuler(0.0, 0.0, np.pi / 4.0)))
+    turned = engine.get_state()
+    assert height() == pytest.approx(0.1, abs=0.01)
+    assert (ranges[0], rows[0]) == (3.0, field.row)
+    engine.set_state(flat)
+    assert height() < 0.0
+    assert rows[0] == -1
+    engine.set_state(turned)
+    assert height() == pytest.approx(0.1, abs=0.01)
+    field.close()
+    field.close()
+    assert height() < 0.0

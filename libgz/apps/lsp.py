@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import json
 import logging
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from lsprotocol import types
     from pygls.lsp.server import LanguageServer
-    from pygls.workspace import TextDocument
+    from pygls.workspace import PositionCodec, TextDocument
 
 __all__ = ["configure", "new_server", "run"]
 
@@ -40,6 +41,7 @@ LONGEST_HEADER = 1024  # bytes of a line
 LONGEST_MESSAGE = 128 << 20  # bytes
 MOST_CHECKS = 4  # at a time
 MOST_SHOWN = 500  # diagnostics of a file
+LONGEST_LINE = 10_000  # characters of a line in which something is marked
 UNTRUSTED = "files are untrusted"  # in what is reported of code that was not run
 TRIGGERS = ("<", ":", " ", '"', "'", ">")
 
@@ -163,8 +165,8 @@ class _Checks:
                 return
             text, version = document.source, document.version
             found = await self._diagnostics(Path(document.path), text)
-        lines = text.splitlines()
-        shown = [_shown(one, lines, document.path) for one in found[:MOST_SHOWN]]
+        lines = [line[:LONGEST_LINE] for line in text.split("\n")]  # as libxml counts them
+        shown = [_shown(one, lines, document.path, document.position_codec) for one in found[:MOST_SHOWN]]
         self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
 
     async def _diagnostics(self, path: Path, text: str) -> list[dict[str, Any]]:
@@ -206,7 +208,7 @@ def _whole_file(message: str) -> dict[str, Any]:
     return {"file": "", "line": 0, "element": "", "message": message, "severity": "error"}
 
 
-def _shown(one: dict[str, Any], lines: list[str], path: str) -> types.Diagnostic:
+def _shown(one: dict[str, Any], lines: list[str], path: str, codec: PositionCodec) -> types.Diagnostic:
     """A diagnostic of `libgz check`, for an editor; one of another file is at the beginning, with its place."""
     from lsprotocol import types
 
@@ -218,13 +220,25 @@ def _shown(one: dict[str, Any], lines: list[str], path: str) -> types.Diagnostic
     severity = types.DiagnosticSeverity.Error if one["severity"] == "error" else types.DiagnosticSeverity.Warning
     if UNTRUSTED in one["message"]:
         severity = types.DiagnosticSeverity.Information
-    start = len(line) - len(line.lstrip())
+    start, end = _marked(line, one["element"] if here else "")
+    marked = types.Range(types.Position(number, start), types.Position(number, end))
     return types.Diagnostic(
-        types.Range(types.Position(number, start), types.Position(number, max(len(line.rstrip()), start + 1))),
+        codec.range_to_client_units(lines, marked),
         f"{place}{element}{one['message']}",
         severity=severity,
         source=SOURCE,
     )
+
+
+def _marked(line: str, element: str) -> tuple[int, int]:
+    """Where an element begins and ends in its line; the whole line where it is not there, or several of its name."""
+    name = re.escape(element)
+    tag = rf"<{name}(?![\w:.-])[^<>]*>?(?:[^<>]*</{name}\s*>)?"
+    found = list(re.finditer(tag, line)) if element else []
+    if len(found) == 1:
+        return found[0].span()
+    start = len(line) - len(line.lstrip())
+    return start, max(len(line.rstrip()), start + 1)
 
 
 def new_server(*, trust: bool = False) -> LanguageServer:

@@ -124,6 +124,27 @@ def test_no_plugin_of_a_text_runs(tmp_path):
     assert [one.severity for one in found] == [types.DiagnosticSeverity.Information]
 
 
+TWO = 2 * "<collision name='c'><max_contacts>many</max_contacts></collision>"  # which one it is is not known
+
+
+@pytest.mark.parametrize(
+    ("before", "marked", "after"),
+    [
+        ("<link name='😀'><inertial>", "<mass>heavy</mass>", "</inertial></link>"),
+        ("<link name='l'><inertial>", "<mass>", "heavy\n</mass></inertial></link>"),
+        ("<link name='l'><inertial>", "<mass >heavy</mass >", "<massive/></inertial></link>"),
+        ("<link name='l'>\n", TWO, "\n</link>"),
+    ],
+)
+def test_an_element_is_marked_in_its_line(tmp_path, before, marked, after):
+    text = f"<sdf version='1.6'>\n <model name='m'>\n  {before}{marked}{after}\n </model>\n</sdf>"
+    found = asyncio.run(diagnostics_of(tmp_path / "my.sdf", text))
+    [place, *_] = [one.range for one in found if "must be" in one.message]
+    assert place.start.line == place.end.line
+    line = text.splitlines()[place.start.line].encode("utf-16-le")  # the protocol counts by its units
+    assert line[2 * place.start.character : 2 * place.end.character].decode("utf-16-le") == marked
+
+
 def test_what_is_no_xml_is_an_error_of_its_line(tmp_path):
     found = asyncio.run(diagnostics_of(tmp_path / "my.world", "<gz:world xmlns:gz='x'>\n<model"))
     assert found

@@ -441,6 +441,19 @@ def test_the_inspector_shows_and_sets_a_model(opened):
     assert not panel.get_by_text("vx", exact=True).is_visible()  # a folded section stays so
 
 
+@pytest.mark.parametrize("query", ["paused", "paused&watch"])
+@pytest.mark.parametrize("part", ["", ", part: {kind: 'body', name: 'link'}"], ids=["model", "link"])
+def test_angles_of_poses_are_in_degrees_whether_they_can_be_edited_or_not(opened, query, part):
+    page = opened(query)
+    page.evaluate("world.state.simTime = 1.5 * Math.PI; world.move()")
+    page.evaluate(f"world.select({{entity: 7{part}}})")
+    shown = "(name) => { const row = document.querySelector(`[data-series$='\"${name}\"]']`);"
+    shown += " return (row.querySelector('input')?.value ?? row.querySelector('output').textContent)"
+    shown += " + row.querySelector('.unit').textContent; }"
+    assert page.evaluate(shown, "yaw") == "90.0deg"
+    assert page.evaluate(shown, "wz").endswith("rad/s")
+
+
 def test_links_joints_sensors_and_lights(opened):
     page = opened()
     panel = page.locator("#inspector")

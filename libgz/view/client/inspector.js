@@ -228,7 +228,7 @@ export class Inspector {
     fill(
       this.root,
       this.#head('link', name || 'body', `link of ${entity.id}`, undefined, () => store.select({ entity: entity.number })),
-      this.#section('Pose', POSES.map((value) => this.#value(key(value), 3, value))),
+      this.#shownPose(key),
       row >= 0 && !body.static && this.#section('Velocity', SPEEDS.map((value) => this.#value(key(value), 3, value))),
       this.#section('Shapes', shapes.map((shape) => this.#text(shape.name || shape.kind, () => shapeText(shape)))),
       this.#section('Sensors', entity.sensors.filter((sensor) => sensor.body === body.id).map((sensor) => this.#sensorRow(entity.number, entity, sensor))),
@@ -384,11 +384,24 @@ export class Inspector {
    * @param {Series} series
    * @param {number} digits
    * @param {string} [name] in the row
+   * @param {string} [unit] if it is shown in another one
+   * @param {(value: number) => number} [shown] the value in that unit
    */
-  #value(series, digits, name = series.label) {
+  #value(series, digits, name = series.label, unit = series.unit, shown = (value) => value) {
     const figure = element('output', { class: 'figure' });
-    this.live.push(() => setText(figure, fixed(this.workplace.sampler.read(series.key), digits)));
-    return plottable(this.workplace, series, element('span', { class: 'name', text: name, title: name }), figure);
+    this.live.push(() => setText(figure, fixed(shown(this.workplace.sampler.read(series.key)), digits)));
+    return plottable(this.workplace, series, element('span', { class: 'name', text: name, title: name }), figure, unit);
+  }
+
+  /**
+   * A pose that is only shown, with its angles in degrees as where poses are edited.
+   * @param {(name: string) => Series} key
+   */
+  #shownPose(key) {
+    const rows = POSES.map((name, place) =>
+      place < 3 ? this.#value(key(name), 3, name) : this.#value(key(name), 1, name, 'deg', degrees),
+    );
+    return this.#section('Pose', rows);
   }
 
   /** @param {string} name @param {() => string} value */
@@ -419,8 +432,7 @@ export class Inspector {
     const { workplace } = this;
     const { store } = workplace;
     const editable = store.control && store.abilities.has('move') && entity.kind !== 'joints';
-    if (!editable)
-      return this.#section('Pose', POSES.map((name) => this.#value(key(name), 3, name)));
+    if (!editable) return this.#shownPose(key);
     /** @type {HTMLInputElement[]} */
     const inputs = [];
     const present = () => {

@@ -51,18 +51,23 @@ static int is_switched(const operation *o, const char *memory)
     return number != 0;
 }
 
-/* Numbers of any type as doubles. */
-#define TYPES(X) X('d', double) X('f', float) X('i', int32_t) X('I', uint32_t) X('H', uint16_t) X('B', uint8_t)
+/* A number as an integer, of which fields of less bits keep the last ones; 0 if it is far beyond all of them, or NaN. */
+static int64_t integer(double number) { return fabs(number) <= 0x1p62 ? (int64_t)number : 0; }
+
+/* Numbers of any type as doubles: letter, type, and how one is made. */
+#define TYPES(X) \
+    X('d', double, ) X('f', float, ) \
+    X('i', int32_t, integer) X('I', uint32_t, integer) X('H', uint16_t, integer) X('B', uint8_t, integer)
 
 static void store(const operation *o, char *memory)
 {
     char *to = (char *)((intptr_t)memory + (intptr_t)o->two); /* without an interface, an address */
     const double *from = o->one;
     int32_t i;
-#define STORE_AS(letter, kind) \
+#define STORE_AS(letter, kind, made) \
     case letter: \
         for (i = 0; i < o->count; i++) { \
-            kind number = (kind)from[i * o->strides[0]]; \
+            kind number = (kind)made(from[i * o->strides[0]]); \
             memcpy(to + i * o->strides[1], &number, sizeof number); \
         } \
         break;
@@ -76,7 +81,7 @@ static void load(const operation *o, const char *memory)
     const char *from = memory + (intptr_t)o->two;
     double *to = o->result;
     int32_t i;
-#define LOAD_AS(letter, kind) \
+#define LOAD_AS(letter, kind, made) \
     case letter: \
         for (i = 0; i < o->count; i++) { \
             kind number; \
@@ -276,7 +281,7 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
     case NOTE:
         gz_note_effort(t->context, o->result, o->type, *one);
         break;
-    case APPEND: /* bytes, `count` of them, to others from a place on; they fit, which is a condition of the law */
+    case APPEND: /* bytes, `count` of them, to others from a place on; that they fit was required before */
         memcpy((char *)o->two + (int64_t)*three, o->one, (size_t)o->count);
         break;
     }

@@ -79,18 +79,9 @@ static int may_hit(const double *start, const double *dir, double length, const 
 /* The height of the ground at (u, v), in cells from its corner; each cell is two triangles, as ODE's collider has them. */
 static double ground(const height_field *f, double u, double v)
 {
-    int64_t i = (int64_t)u, j = (int64_t)v;
-    const double *low, *high;
-    if (i > f->columns - 2)
-        i = f->columns - 2;
-    if (j > f->rows - 2)
-        j = f->rows - 2;
-    if (i < 0)
-        i = 0;
-    if (j < 0)
-        j = 0;
-    low = f->heights + j * f->columns + i;
-    high = low + f->columns;
+    int64_t i = (int64_t)fmin(fmax(u, 0.0), (double)(f->columns - 2));
+    int64_t j = (int64_t)fmin(fmax(v, 0.0), (double)(f->rows - 2));
+    const double *low = f->heights + j * f->columns + i, *high = low + f->columns;
     u -= (double)i;
     v -= (double)j;
     return u + v < 1.0 ? low[0] + (low[1] - low[0]) * u + (high[0] - low[0]) * v

@@ -82,9 +82,8 @@ def _put(recorder: Recorder, message: PackedMessage, path: str, values: Iterable
     places, numbers = message.slot(path).places, tuple(values)
     if len(places) != len(numbers):
         raise wrong(f"sets {path}, which has {len(places)} numbers, to {len(numbers)}")
-    recorder.kept.append(message)
     for (at, letter), number in zip(places, numbers, strict=True):
-        recorder.put(message.memory.ctypes.data + at, letter, number)
+        recorder.put(message.memory, at, letter, number)
 
 
 def _hand_over(recorder: Recorder, message: PackedMessage) -> None:
@@ -93,7 +92,6 @@ def _hand_over(recorder: Recorder, message: PackedMessage) -> None:
     if box is None:
         raise LeftToPython("send")
     used = recorder.get(box, "used")
-    recorder.require(used + message.memory.size <= box.memory.size, True)
     recorder.append(message.memory, box.memory, used)
     recorder.set(box, "used", used + message.memory.size)
     recorder.set(session, "gathered", 1.0)

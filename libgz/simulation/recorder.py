@@ -302,15 +302,17 @@ class Recorder:
             self._add(self.operations, Operation.COPY, [(cells[i].address, 0)], result + 8 * i)
         return result
 
-    def put(self, address: int, kind: str, value: Any) -> None:
-        """Set a number of ours that is of any type, by numpy's letter, and that no law reads."""
+    def put(self, memory: NDArray[np.uint8], at: int, kind: str, value: Any) -> None:
+        """Set a number in bytes of ours that is of any type, by numpy's letter, and that no law reads."""
         if self.interface is not None or kind not in _TYPES:
             raise LeftToPython(kind)
-        self.add(Operation.STORE, count=1, type=ord(kind), one=self.address(value), two=address)
+        self.kept.append(memory)
+        self.add(Operation.STORE, count=1, type=ord(kind), one=self.address(value), two=memory.ctypes.data + at)
 
     def append(self, data: NDArray[np.uint8], to: NDArray[np.uint8], begin: Any) -> None:
-        """Copy bytes to where others begin; that they fit is for the law to make sure of."""
+        """Copy bytes to where others begin; Python does the law where there is no room for them."""
         self.kept += [data, to]
+        self.require(begin + data.size <= to.size, True)
         place = self.address(begin)
         self.add(Operation.APPEND, count=data.size, one=data.ctypes.data, two=to.ctypes.data, three=place)
 

@@ -36,6 +36,7 @@ from libgz.base.law import (
 )
 from libgz.base.records import Kind, numbers
 from libgz.legacy.model import Model
+from libgz.simulation.recorder import recorded_as
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m'>"
 VALUES = (0.0, -0.0, 1.0, -1.0, 0.3, -2.7, 1e300, 5e-324, math.pi, math.inf, -math.inf, math.nan)
@@ -256,6 +257,57 @@ def test_steps_that_are_not_usual_are_pythons():
         assert own.y == 2.0
         assert calls[:2] == [-1.0, 11.0]
         assert math.isnan(calls[2])
+
+
+def test_numbers_of_bytes_keep_the_last_bits_of_integers():
+    letters, memory = "dfiIHB", np.zeros(48, np.uint8)
+
+    def record(recorder, own, value):
+        for place, letter in enumerate(letters):
+            recorder.put(memory, 8 * place, letter, value)
+
+    @recorded_as(record)
+    def put(self, value):
+        raise AssertionError
+
+    @law
+    def compute(self):
+        self.put(self.x)
+
+    with world_of(compute, put=put) as world:
+        for value in (*VALUES, -3.9, 1e10, -1e10, 2.0**62, 2.0**80):
+            world.model("own").x = value
+            world.step()
+            found = [memory[8 * i :].view(letter)[0] for i, letter in enumerate(letters[:-1])] + [memory[40]]
+            number = int(value) if abs(value) < 2.0**63 else 0
+            expected = [number % 2**bits for bits in (32, 32, 16, 8)]
+            with np.errstate(over="ignore"):
+                assert bits(found[:2]) == bits([value, float(np.float32(value))])
+            assert [int(one) % 2**32 for one in found[2:]] == expected
+
+
+def test_bytes_are_appended_where_there_is_room():
+    data, box, full = np.arange(3, dtype=np.uint8) + 1, np.zeros(8, np.uint8), []
+
+    def record(recorder, own):
+        used = recorder.get(own, "x")
+        recorder.append(data, box, used)
+        recorder.set(own, "x", used + 3.0)
+
+    @recorded_as(record)
+    def append(self):
+        full.append(self.x)
+
+    @law
+    def compute(self):
+        self.append()
+
+    with world_of(compute, append=append) as world:
+        own = world.model("own")
+        for _ in range(3):
+            world.step()
+        assert (own.x, full) == (6.0, [6.0])
+        assert box.tolist() == [1, 2, 3, 1, 2, 3, 0, 0]
 
 
 def untraceable(reason):

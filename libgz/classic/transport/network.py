@@ -69,6 +69,7 @@ class Network:
         self._advertised: dict[str, Any] = {}  # topic to what was announced
         self._subscribed: dict[str, Any] = {}
         self._sources: dict[tuple[_Key, int], Connection] = {}  # for all subscribers, 0, or for one, its id
+        self._hosts: dict[_Key, str] = {}  # addresses of those whose machines were named, and looked up
         self._unknown: dict[_Key, float] = {}  # publishers without an address -> when it is looked up again [s]
         self._to_look_up: collections.deque[tuple[Topic, _Key]] = collections.deque()
         self._lookers = 0  # threads
@@ -167,6 +168,7 @@ class Network:
             found: Any = message_type("Publish").FromString(content)
             key = found.topic, found.host, found.port
             self._publishers.pop(key, None)
+            self._hosts.pop(key, None)
             if self._unknown.get(key, math.inf) < math.inf:
                 del self._unknown[key]
             self._types = {key[0]: name for key, name in self._publishers.items()}
@@ -260,7 +262,7 @@ class Network:
         if not self.client and len(self._sources) >= SOURCES:
             self._loop.warn("clients publish on more than %d topics; others are not received", SOURCES)
             return
-        _, host, port = key
+        host, port = self._hosts.get(key, key[1]), key[2]
         try:
             flags = socket.AI_NUMERICHOST if host != "localhost" else 0
             family, kind, protocol, _, where = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)[0]
@@ -310,7 +312,7 @@ class Network:
                 host = str(socket.getaddrinfo(key[1], key[2], type=socket.SOCK_STREAM)[0][4][0])
             except NO_ADDRESS:
                 host = ""
-            self._loop.call(functools.partial(self._replace_publisher, topic, key, host))
+            self._loop.call(functools.partial(self._looked_up, topic, key, host))
         self._loop.call(self._end_look_up)
 
     def _end_look_up(self) -> None:
@@ -318,16 +320,16 @@ class Network:
         if self._to_look_up:  # it came meanwhile
             self._begin_look_up()
 
-    def _replace_publisher(self, topic: Topic, key: _Key, host: str) -> None:
+    def _looked_up(self, topic: Topic, key: _Key, host: str) -> None:
         """Connect to a publisher whose machine has an address now; an empty one: it was not found."""
+        self._unknown.pop(key, None)
         if key not in self._publishers:
-            self._unknown.pop(key, None)
-        elif not host:
-            self._unknown[key] = time.monotonic() + LOOK_UP_AGAIN
-        else:
-            self._unknown.pop(key, None)
-            self._publishers[key[0], host, key[2]] = self._publishers.pop(key)
+            return
+        if host:
+            self._hosts[key] = host
             self._connect_sources(topic)
+        else:
+            self._unknown[key] = time.monotonic() + LOOK_UP_AGAIN
 
     def _take(self, topic: Topic, type_name: str, subscriber: weakref.ref[LocalSubscriber] | None, data: bytes) -> None:
         if self.watch_only:

@@ -454,3 +454,27 @@ def test_names_of_machines_that_are_none_are_left_out_and_few_are_looked_up_at_a
         free.set()
     assert most <= network.LOOK_UPS
     assert "could not be handled" not in caplog.text
+
+
+def test_a_publisher_of_a_machine_with_a_name_is_looked_up_once_and_forgotten_when_it_ends(uri, node, monkeypatch):
+    asked, looked = network.socket.getaddrinfo, []
+
+    def named(host, *values, **options):
+        if threading.current_thread().name == "names":
+            looked.append(host)
+            host = "127.0.0.1"
+        return asked(host, *values, **options)
+
+    monkeypatch.setattr(network.socket, "getaddrinfo", named)
+    with serve() as link, socket.create_server(("127.0.0.1", 0)) as publisher:
+        publisher.settimeout(PATIENCE)
+        subscriber = node.Subscribe("/gazebo/w/talk", print)
+        client = Connection(link.address.port)
+        port = publisher.getsockname()[1]
+        publish = msgs.Publish(topic="/gazebo/w/talk", host="here.invalid", port=port, msg_type="gazebo.msgs.Any")
+        client.send("advertise", publish)
+        with publisher.accept()[0]:
+            wait(lambda: getAdvertisedTopics() == [subscriber.GetTopic()])
+            client.send("unadvertise", publish)
+            wait(lambda: getAdvertisedTopics() == [])
+    assert looked == ["here.invalid"]

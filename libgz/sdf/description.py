@@ -120,11 +120,16 @@ class _Blocks(Mapping[str, Description]):
         self._columns = [f"{what}_{min(version, NEWEST)}" for what in ("default", "count")]
 
     def __getitem__(self, name: str) -> Description:
-        if name not in self._made:
-            for path, kind, default, count, note in self._rows(name):
-                _add(self, self._made, path, kind, default, count, note)
-            _complete_poses(self._made[name], POSE_ATTRIBUTES[self._version])
-        return self._made[name]
+        if name in self._made:
+            return self._made[name]
+        rows = list(self._rows(name))
+        if not rows:
+            raise KeyError(name)
+        block = Description(name, path=name)
+        for path, kind, default, count, note in rows:
+            _add(self, block, path, kind, default, count, note)
+        _complete_poses(block, POSE_ATTRIBUTES[self._version])
+        return self._made.setdefault(name, block)  # another thread may have made it, too
 
     def __iter__(self) -> Iterator[str]:
         return (name for name in _families() if any(True for _ in self._rows(name)))
@@ -163,13 +168,10 @@ def _complete_poses(element: Description, attributes: Mapping[str, str]) -> None
         _complete_poses(child, attributes)
 
 
-def _add(
-    blocks: _Blocks, made: dict[str, Description], path: str, kind: str, default: str, count: str, note: str
-) -> None:
-    """Add one row; rows of parents come before those of their children."""
+def _add(blocks: _Blocks, block: Description, path: str, kind: str, default: str, count: str, note: str) -> None:
+    """Add one row of a block; rows of parents come before those of their children."""
     where, _, attribute = path.partition("@")
-    head, *steps = where.split("/")
-    node = made.get(head) or made.setdefault(head, Description(head, path=head))
+    node, (_, *steps) = block, where.split("/")
     for i, step in enumerate(steps):
         last = i == len(steps) - 1
         if step == "*":

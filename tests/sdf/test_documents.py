@@ -1,6 +1,7 @@
 """SDF documents: defaults by version, getters, errors, includes."""
 
 import math
+import threading
 
 import pytest
 from commands import run_libgz
@@ -8,6 +9,7 @@ from hypothesis import given, strategies as st
 
 from libgz.base.errors import NotFoundError, ParameterError, WorldFileError
 from libgz.base.geometry import GzColor, GzPose, GzQuaternToEuler, GzVector
+from libgz.sdf import description
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
@@ -64,6 +66,24 @@ def test_versions_differ_where_they_should():
     assert describe("1.6")["surface"].children["contact"].children["collide_bitmask"].default == "65535"
     with pytest.raises(ParameterError, match=r"1\.4, .*1\.9"):
         describe("2.0")
+
+
+def test_another_thread_sees_no_block_before_it_is_complete(monkeypatch):
+    blocks, complete, seen = describe.__wrapped__("1.6"), description._complete_poses, []
+
+    def look():
+        seen.append(set(blocks["link"].children["pose"].all_attributes))
+
+    def interrupted(element, attributes):
+        if not seen and threading.current_thread() is threading.main_thread():
+            other = threading.Thread(target=look)
+            other.start()
+            other.join()
+        complete(element, attributes)
+
+    monkeypatch.setattr(description, "_complete_poses", interrupted)
+    assert "pose" in blocks["link"].children
+    assert seen == [{"frame"}]
 
 
 # Getters ---------------------------------------------------------------------------------------------------------

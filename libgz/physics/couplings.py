@@ -27,6 +27,7 @@ from libgz.base.geometry import (
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.types import JointType, dParamERP, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
+from libgz.physics.check import LARGEST
 from libgz.physics.engine import HasEngine
 from libgz.physics.joint import AxisJoint, HingeJoint, Joint, JointFunctions
 from libgz.physics.lock import exclusive
@@ -35,7 +36,6 @@ from libgz.physics.mass import given_mass
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
 FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
-FARTHEST = 1e9  # [m] that a line joint is off
 RACK = 0.1  # mass of a gear's rack as a share of what it drives
 LEVER = 1e4  # radii at the rack, in radii of gyration
 STIFF = 1e9  # inertia of a rack that is to slide and not to turn [kg m^2]
@@ -79,7 +79,7 @@ class LineJoint(Joint):
     @exclusive
     def place(self, point: GzVector, direction: GzVector, error: float) -> None:
         """Put the line through a global point [m]; `error` [m] is how far the first body is ahead along it."""
-        error = max(-FARTHEST, min(error, FARTHEST))
+        error = max(-LARGEST, min(error, LARGEST))
         length = max(1.0, 2.0 * error)  # ODE keeps a distance, which is above zero
         px, py, pz = point
         dx, dy, dz = GzVectorMul(0.5 * length, direction)
@@ -323,6 +323,7 @@ class Gears:
         if self._speed is not None:
             foreseen += speed - self._speed - self._change  # other efforts act as in the last step
             rack.AddForce(*GzVectorMul(self._mass * (speed - self._foreseen) / step, along))
+        foreseen = max(-LARGEST, min(foreseen, LARGEST))  # large errors of gears with extreme ratios are beyond
         self._speed, self._change, self._foreseen = speed, change, foreseen
         rack.SetPose(pose)
         rack.SetLinearVel(GzVectorMul(foreseen, along))

@@ -298,7 +298,7 @@ class EngineState:
             couplings = [(present[place], values) for place, values in state["couplings"]]
             for coupling, values in couplings:
                 for name, value, present in zip(saved_names(coupling), values, saved_values(coupling), strict=True):
-                    if not _fits(name, value, present):
+                    if not (_fits(name, value, present) and _is_bounded(value)):
                         raise StateError("the state is damaged: a screw or gear has numbers that none has")
                     setattr(coupling, name, value)
             engine.couplings = [coupling for coupling, _ in couplings]
@@ -527,6 +527,13 @@ def _fits(name: str, value: Any, present: Any) -> bool:
 
 def _is_finite(number: Any) -> bool:
     return isinstance(number, (int, float)) and abs(number) <= FINITE
+
+
+def _is_bounded(value: Any) -> bool:
+    """Whether all numbers of a screw or gear are finite."""
+    if value is None or isinstance(value, (int, float)):
+        return value is None or _is_finite(value)
+    return all(map(_is_bounded, value))
 
 
 _place_of = attrgetter("pos.x", "pos.y", "pos.z", "rot.u", "rot.x", "rot.y", "rot.z")

@@ -319,6 +319,11 @@ def test_gears_and_threads(solver):
 
     check(engine, command=command, change=change, before=50)
     assert (gears.ratio, thread.pitch) == (2.0, 4.0)
+    for endless in ([0.0, math.inf], [-math.inf, 0.0]):
+        state = engine.get_state()
+        state["couplings"][0][1][Gears.SAVED.index("angles")] = endless
+        with pytest.raises(StateError, match="a screw or gear has numbers that none has"):
+            engine.set_state(state)
 
 
 def test_motion_records():

@@ -72,3 +72,13 @@ def test_endless_numbers_of_a_gearbox_are_bounded(load):
         gear.set_param(key, float("inf"))
     made.step(3)
     assert abs(made.body("g", "a").GetAngularRate().y) < 1e6
+
+
+@pytest.mark.parametrize("ratio", [1e-4, -1e4])
+def test_gears_of_extreme_ratios_correct_any_error(load, ratio):
+    made = load(gears(ratio))
+    gear = made.model("g").sdf_joints["gear"]
+    for key in ("reference_angle1", "reference_angle2"):
+        gear.set_param(key, 3.1)
+        made.step(5)
+    assert made.model("g").failed is None

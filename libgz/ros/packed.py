@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import ParameterError
-from libgz.base.law import LeftToPython, Number, floor, law, least, where, wrong
+from libgz.base.law import LeftToPython, Number, floor, largest, law, least, where, wrong
 from libgz.ros.packing import Codec
 from libgz.ros.types import MessageType
 from libgz.simulation.recorder import Recorder, recorded_as
@@ -82,8 +82,9 @@ def _put(recorder: Recorder, message: PackedMessage, path: str, values: Iterable
     places, numbers = message.slot(path).places, tuple(values)
     if len(places) != len(numbers):
         raise wrong(f"sets {path}, which has {len(places)} numbers, to {len(numbers)}")
+    memory = recorder.get(message, "memory")  # it is recorded again where there is another one
     for (at, letter), number in zip(places, numbers, strict=True):
-        recorder.put(message.memory, at, letter, number)
+        recorder.put(memory, at, letter, number)
 
 
 def _hand_over(recorder: Recorder, message: PackedMessage) -> None:
@@ -91,9 +92,9 @@ def _hand_over(recorder: Recorder, message: PackedMessage) -> None:
     session, box = publication.gatherer
     if box is None:
         raise LeftToPython("send")
-    used = recorder.get(box, "used")
-    recorder.append(message.memory, box.memory, used)
-    recorder.set(box, "used", used + message.memory.size)
+    memory, used = recorder.get(message, "memory"), recorder.get(box, "used")
+    recorder.append(memory, box.memory, used)
+    recorder.set(box, "used", used + memory.size)
     recorder.set(session, "gathered", 1.0)
 
 
@@ -156,7 +157,7 @@ class PackedMessage:
         begin, layout, whole, _ = self.slot(path)
         try:
             layout.pack_into(self.memory.data, begin, *(map(int, values) if whole else values))
-        except (struct.error, OverflowError, TypeError) as error:
+        except (struct.error, OverflowError, TypeError, ValueError) as error:
             raise ParameterError(f"{self.publication.kind.name} cannot be packed: {path}: {error}") from error
 
     def put_array(self, path: str, values: ArrayLike) -> None:
@@ -174,8 +175,8 @@ class PackedMessage:
 
     @law
     def stamp(self, now: Any, path: str = "header.stamp") -> None:
-        """Set a time [s], to the nanosecond, or the latest one that stamps can hold."""
-        now = least(now, LATEST)
+        """Set a time [s], to the nanosecond, or the nearest one that stamps can hold."""
+        now = least(largest(now, 0.0), LATEST)
         whole = floor(now)
         nanoseconds = floor((now - whole) * 1e9 + 0.5)
         carried = nanoseconds >= 1e9

@@ -425,8 +425,8 @@ class Session(Closing):
 
 
 def set_stamp(stamp: Stamp, seconds: float) -> None:
-    """Set a time [s], to the nanosecond, or the latest one that stamps can hold."""
-    total = round(min(seconds, LATEST) * 1e9)
+    """Set a time [s], to the nanosecond, or the nearest one that stamps can hold."""
+    total = round(min(max(seconds, 0.0), LATEST) * 1e9)
     stamp.secs, stamp.nsecs = divmod(total, 1_000_000_000)
 
 

@@ -1,6 +1,7 @@
 """Messages of ROS against the library rosbags: bytes of both wires, sums of types; damaged bytes."""
 
 import itertools
+import math
 import random
 import struct
 from types import SimpleNamespace
@@ -13,7 +14,9 @@ from rosbags.typesys import Stores, get_typestore
 from libgz.base.errors import ParameterError
 from libgz.ros.packed import PackedMessage
 from libgz.ros.packing import MOST_ITEMS, Codec, FormatError, codec, read_schema
+from libgz.ros.session import set_stamp
 from libgz.ros.types import NUMBERS, TIMES, MessageType, Stamp, message_type, service_type, type_names
+from libgz.simulation.recorder import Recorder
 
 # What nodes of ROS say of types that rosbags does not know, from Gazebo's own gazebo_msgs and from Debian's tf2_msgs.
 SUMS = {
@@ -226,3 +229,28 @@ def test_numbers_of_packed_messages_are_set_in_place():
         for path, values in (("pose.pose", (1.0,)), ("child_frame_id", ()), ("twist.twist.linear", ("x", "y", "z"))):
             with pytest.raises(ParameterError):
                 packed.put(path, values)
+        with pytest.raises(ParameterError, match="NaN"):
+            packed.put("header.stamp", (math.nan, 0.0))
+
+
+def test_times_that_stamps_cannot_hold_become_the_nearest_one():
+    kind = message_type("rosgraph_msgs/Clock")
+    topic = SimpleNamespace(kind=kind, codec=codec(kind), stamped=False)
+    packed = PackedMessage(topic, kind())
+    for time, nearest in ((-5.0, Stamp(0, 0)), (1e300, Stamp(2**31 - 1, 0))):
+        packed.stamp(time, "clock")
+        message = kind()
+        set_stamp(message.clock, time)
+        assert topic.codec.unpack(packed.memory[4:].tobytes()).clock == message.clock == nearest
+
+
+def test_what_is_recorded_of_a_message_holds_until_it_is_packed_anew():
+    kind = message_type("rosgraph_msgs/Clock")
+    topic = SimpleNamespace(kind=kind, codec=codec(kind), stamped=False)
+    packed, recorder = PackedMessage(topic, kind()), Recorder()
+    recorder.record(packed.stamp, 1.0, "clock")
+    assert Recorder().take(recorder)
+    assert any(one is packed.memory for one in recorder.kept)  # native code writes there
+    topic.codec = Codec(kind, cdr=True)
+    packed.stamp(2.0, "clock")
+    assert not Recorder().take(recorder)

@@ -128,6 +128,20 @@ def test_the_clock_has_its_frequency(master, start):
     assert last - first == pytest.approx(1.0, abs=1e-3)
 
 
+def test_the_clock_is_at_0_before_sim_time_is(master, start):
+    node = Node(master, *start("<sdf version='1.6'><world name='default'/></sdf>"))
+    clock = node.topic("/clock", "rosgraph_msgs/Clock")
+    clock()
+    node.core.set_sim_time(-1.0)
+    while (last := clock().clock.seconds) != 0.0:
+        pass
+    node.core.step(10)
+    node.core.set_sim_time(1.0)
+    while last < 1.0:
+        last = clock().clock.seconds
+        assert last == 0.0 or last > 1.0
+
+
 def test_native_code_makes_the_messages_of_listened_plugins(master, start, monkeypatch):
     world = re.sub("<sensor.*?</sensor>", "", (Path(__file__).parent / "turtle.world").read_text(), flags=re.DOTALL)
     world = re.sub("<gaussianNoise>.*?</gaussianNoise>", "", world)

@@ -77,7 +77,7 @@ class Publisher:
         if self.outbox is not None and self.outbox.used:
             frames = self.outbox.take()
             for reader in self.readers:
-                reader.push([frames], len(frames))
+                reader.push([frames], len(frames), several=True)
 
     def connected(self, reader: Reader) -> None:
         """A subscriber came; what was kept waits for it, before all that is published from now on."""

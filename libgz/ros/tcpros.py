@@ -217,8 +217,14 @@ class Reader:
         self._most = max(sink.queue, LEAST_QUEUE)
         self._queue = connection.queue
 
-    def push(self, parts: Sequence[Buffer], size: int) -> None:
-        """Send a message of some parts, or queue it; from any one thread."""
+    def push(self, parts: Sequence[Buffer], size: int, *, several: bool = False) -> None:
+        """Send a message of some parts, or queue it; from any one thread.
+
+        Args:
+            parts: of its frame.
+            size: of all together [byte].
+            several: whether these are frames of several messages: of them, WAITING bytes may wait in any queue.
+        """
         connection, queue, most = self.connection, self._queue, self._most
         hurried = connection.loop.hurried()
         if not hurried and connection.send_at_once(parts, size):
@@ -226,7 +232,7 @@ class Reader:
         queue.append((b"".join(parts),) if size < LARGE else tuple(kept(parts)))
         connection.send_soon(hurried)
         if size * most > WAITING:
-            most = max(self.sink.queue, WAITING // size, 2)
+            most = max(0 if several else self.sink.queue, WAITING // size, 2)
         if len(queue) > most // 2 and not connection.slow:
             connection.hasten()
         while len(queue) > most:

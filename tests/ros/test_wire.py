@@ -244,6 +244,21 @@ def test_a_slow_reader_holds_a_bounded_number_of_messages(paced, master, caplog)
     assert caplog.text.count("reads /talk too slowly") == 1
 
 
+def test_messages_of_native_code_that_wait_for_a_slow_reader_are_bounded(node, master):
+    node.node.follow_pace(lambda: True)
+    topic = node.publish("talk", STRING.name, 1000)
+    wait_for(lambda: "/talk" in master.publishers)
+    _sock, _ = open_topic(master, "/talk")  # which is never read
+    wait_for(lambda: topic.listened)
+    publisher = topic._publisher
+    (reader,) = publisher.readers
+    for _ in range(1000):
+        publisher.outbox.used = float(publisher.outbox.memory.size)
+        publisher.flush()
+    assert sum(len(part) for frame in list(reader.connection.queue) for part in frame) < 6_000_000
+    assert reader.dropped > 500
+
+
 def test_messages_of_a_hurried_world_arrive_in_order_and_none_is_lost(node, master):
     node.node.follow_pace(lambda: True)
     topic = node.publish("talk", STRING.name, 1)

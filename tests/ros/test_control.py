@@ -11,6 +11,7 @@ from ros2_robots import wagon
 from ros_peers import Service, Talker, open_topic, read_block, wait_for
 
 from libgz.apps.spawn_controllers import main as spawner
+from libgz.base.errors import ParameterError
 from libgz.ros.control.drive import Limiter
 from libgz.ros.control.trajectory import Trajectory
 from libgz.ros.packing import codec
@@ -316,3 +317,10 @@ def test_limits_without_a_maximum_stop_a_diff_drive_controller_of_ros_1(caplog):
     turned = {"has_acceleration_limits": True, "max_acceleration": 1.0, "min_acceleration": 2.0}
     assert Limiter(turned, "/base/linear/x", 0.0).limit(5.0, 0.1) == pytest.approx(0.1)
     assert "are 2 and 1: no limits; the maximum is taken" in caplog.text
+    for values in (
+        {"max_velocity": math.nan},
+        {"max_velocity": -math.inf},
+        {"max_velocity": 1, "min_velocity": math.nan},
+    ):
+        with pytest.raises(ParameterError, match=r"/base/min_velocity and max_velocity are .*: no limits"):
+            Limiter({"has_velocity_limits": True} | values, "/base", 0.0)

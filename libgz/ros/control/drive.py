@@ -32,10 +32,10 @@ class Limiter:
             minimum that is not given is the negative maximum.
         where: the name of these parameters.
         missing: the maximum that is taken, with a warning, where none is given; the maximum holds, too, where it is
-            below the minimum. None: neither may be.
+            below the minimum. None: neither is allowed.
 
     Raises:
-        ParameterError: limits are wanted without a maximum, or the minimum is above it.
+        ParameterError: limits are wanted without a maximum, or the minimum is above it; or one allows no finite value.
     """
 
     def __init__(self, values: Mapping[str, Any], where: str, missing: float | None = None) -> None:
@@ -71,10 +71,10 @@ def _limits(values: Mapping[str, Any], name: str, where: str, missing: float | N
     least = number_of(values, f"min_{name}", -most, where)
     if missing is not None and f"max_{name}" not in values:
         log.warning("controller %s: has_%s_limits without max_%s; it is taken as %g", where, name, name, missing)
-    if not least <= most:
-        text = f"parameters {where}/min_{name} and max_{name} are {least:g} and {most:g}: no limits"
-        if missing is None:
-            raise ParameterError(text)
+    text = f"parameters {where}/min_{name} and max_{name} are {least:g} and {most:g}: no limits"
+    if not (least < math.inf and most > -math.inf) or (least > most and missing is None):  # NaN, too
+        raise ParameterError(text)
+    if least > most:
         log.warning("%s; the maximum is taken", text)
     return least, most
 

@@ -209,6 +209,9 @@ def test_links_have_wrenches_harnesses_a_namespace_and_elevators_floors(start_ro
     server.send("/elevator", "std_msgs/String", data="3")
     wait_for(lambda: "there is no floor 3" in caplog.text, server.core.Step)
     assert not elevator.steps
+    for _ in range(50):
+        elevator.MoveToFloor(3)
+    assert caplog.text.count("there is no floor 3") == 1
     server.send("/elevator", "std_msgs/String", data="2")
     wait_for(lambda: elevator.steps, server.core.Step)
     assert server.topic("/joint_states").name == ["cabin_joint"]

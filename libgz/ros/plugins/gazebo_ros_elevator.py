@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from typing import TYPE_CHECKING
 
@@ -13,8 +12,6 @@ from libgz.ros.plugin import Endpoint, Parameter, RosPlugin
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
-
-log = logging.getLogger("libgz.ros")
 
 
 class GazeboRosElevator(RosPlugin, ElevatorPlugin):
@@ -39,7 +36,7 @@ class GazeboRosElevator(RosPlugin, ElevatorPlugin):
     def MoveToFloor(self, floor: int) -> None:
         """Begin a trip to a floor; in ROS 2, not to one out of range."""
         if self.two and not self.given.bottomFloor <= floor <= self.given.topFloor:
-            log.error("%s: there is no floor %d", self.handleName, floor)
+            self.ros.log_refusal(self.given.topic, f"there is no floor {floor}")
             return
         super().MoveToFloor(floor)
 

@@ -258,6 +258,13 @@ def test_wheels_that_spin_in_the_air_slip_wholly(start_ros2):
     assert slips.longitudinal_slip[0] == pytest.approx(1.0, abs=0.02)
 
 
+def test_wheels_without_a_tolerance_may_stand(start_ros2):
+    slip = "<wheel link_name='a_wheel'><wheel_normal_force>10</wheel_normal_force></wheel>"
+    slip = plugin("gazebo_ros_wheel_slip", wheel_spin_tolerance=0).replace("</plugin>", f"{slip}</plugin>")
+    server = start_ros2(world(wheeled("robot", {"a": "0 0.2"}, f"<pose>0 0 50 0 0 0</pose>{slip}")))
+    assert server.topic("/wheel_slip").longitudinal_slip.tolist() == [0.0]
+
+
 def test_a_trajectory_holds_the_link_that_is_its_frame(start_ros2):
     arm = (
         f"<link name='base'>{INERTIA}</link><link name='arm'><pose>1 0 0 0 0 0</pose>{INERTIA}</link>"

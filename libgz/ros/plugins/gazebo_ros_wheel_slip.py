@@ -57,7 +57,7 @@ class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
         ahead = axle.Cross(Vector3d(0.0, 0.0, 1.0))
         ahead = ahead.Normalized() if ahead.Length() > 0.0 else Vector3d(1.0, 0.0, 0.0)
         spin, along = tire.joint.GetVelocity(axis) * tire.radius, velocity.Dot(ahead)
-        if abs(spin) < self.given.wheelSpinTolerance:
+        if spin == 0.0 or abs(spin) < self.given.wheelSpinTolerance:
             return 0.0, 0.0
         return math.atan2(velocity.Dot(axle), along), (spin - along) / spin
 

@@ -61,31 +61,32 @@ class SnapshotControl:
 
     def act(self) -> bool:
         """Answer what was asked for, after each step; whether that set another time, from which pacing begins anew."""
+        self.requests.stepped()
+        if self._control is None or not self._control.waiting:
+            return False
         before = self._time()
-        self._answer()
+        while self._control.waiting:
+            self._answer(self._control.waiting.popleft())
         return self._time() != before
 
     def _time(self) -> float:
         return self.world.GetSimTime() + self.world.GetPauseTime()
 
-    def _answer(self) -> None:
-        self.requests.stepped()
-        while self._control is not None and self._control.waiting:
-            request = self._control.waiting.popleft()
-            try:
-                request.answer(self._obey(request))
-            except PluginError as error:
-                request.answer(error=str(error))
-                with self.world.lock:  # an error of this world, which ends a strict one
-                    worlds_log.error("%s: %s", request.verb, error)
-            except GazeboError as error:
-                request.answer(error=str(error))
-            except Exception as error:
-                log.exception("request %r failed", request.verb)
-                request.answer(error=f"the request failed, see the server's log: {type(error).__name__}: {error}")
-            except BaseException:
-                request.answer(error="the server failed; its log says why")
-                raise
+    def _answer(self, request: Request) -> None:
+        try:
+            request.answer(self._obey(request))
+        except PluginError as error:
+            request.answer(error=str(error))
+            with self.world.lock:  # an error of this world, which ends a strict one
+                worlds_log.error("%s: %s", request.verb, error)
+        except GazeboError as error:
+            request.answer(error=str(error))
+        except Exception as error:
+            log.exception("request %r failed", request.verb)
+            request.answer(error=f"the request failed, see the server's log: {type(error).__name__}: {error}")
+        except BaseException:
+            request.answer(error="the server failed; its log says why")
+            raise
 
     def _obey(self, request: Request) -> bytes:
         world = self.world

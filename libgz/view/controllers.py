@@ -47,7 +47,7 @@ class Controllers:
     def act(self) -> None:
         """Hand over from a page that does not answer."""
         if self._asking is not None and time.monotonic() >= self._until:
-            self.page, self._asking = self._asking, None
+            self._hand_over()
             self._notify()
 
     def request(self, page: Page, what: str) -> None:

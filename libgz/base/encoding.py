@@ -10,6 +10,7 @@ and counts are checked before memory is taken, and each refusal is a `StateError
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
 import random
@@ -629,7 +630,7 @@ _GENERATORS: dict[Any, set[str]] = {
 
 
 def made(value: Any) -> Any:
-    """Decoded data, with new generators where there were some.
+    """A copy of decoded data, which its owner may change, with new generators where there were some.
 
     Raises:
         StateError: there was an object that cannot be made anew.
@@ -638,7 +639,7 @@ def made(value: Any) -> Any:
     if kind in SCALARS:
         return value
     if kind in (list, tuple, set, frozenset):
-        return value if SCALARS.issuperset(map(type, value)) else kind(map(made, value))
+        return kind(value) if SCALARS.issuperset(map(type, value)) else kind(map(made, value))
     if kind is dict:
         return {made(key): made(item) for key, item in value.items()}
     if kind is deque:
@@ -652,4 +653,4 @@ def made(value: Any) -> Any:
         )
     if kind is Items:
         raise StateError(f"there is no ctypes array of {len(value.values)} numbers now, which the state has there")
-    return value
+    return copy.deepcopy(value)

@@ -219,7 +219,7 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any,
     after = value if kind in SCALARS and type(before) in SCALARS else _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
-        if not ours or getattr(type(holder), name, None) is None:  # else a number in memory, or a property, which knows
+        if not ours or not hasattr(getattr(type(holder), name, None), "__set__"):  # else in memory, or it knows itself
             _restoring.replaced = True
 
 
@@ -415,7 +415,7 @@ def _load_deque(before: deque[Any], value: deque[Any]) -> Any:
 
 def _load_array(before: NDArray[Any], value: NDArray[Any]) -> Any:
     if (before.shape, before.dtype.str) != (value.shape, value.dtype.str) or not before.flags.writeable:
-        return value.copy()
+        return made(value)
     before[...] = value
     return before
 

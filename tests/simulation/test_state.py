@@ -581,6 +581,23 @@ def test_vectors_return_in_place_of_anything(world):
             assert world.get_state() == state
 
 
+def test_a_state_that_is_set_again_keeps_nothing_of_what_was_changed_meanwhile(world, monkeypatch):
+    model = made(world, "made", value=None)
+    monkeypatch.setattr(type(model), "__module__", "libgz.models.made")  # as if no code of users had a part in it
+    values = [[1.0], {1.0}, np.ones(1), {"a": [1.0]}, GzVector(1.0, 2.0, 3.0)]
+    model.value = list(values)
+    state, kept = world.get_state(), repr(values)
+    for _ in range(3):
+        model.value = None
+        world.set_state(state)
+        assert repr(model.value) == kept
+        numbers, unique, array, table, vector = model.value
+        numbers.append(2.0)
+        unique.add(2.0)
+        array[0] = vector.x = 2.0
+        table["a"].clear()
+
+
 def test_arrays_of_every_size_return_as_they_were(world):
     shapes = [((), "f8"), ((0, 3), "i4"), ((5,), "?"), ((160, 80, 3), "u1"), ((300, 4), "c16"), ((5000,), ">f4")]
     shapes += [((40, 60, 3), "u1"), ((700,), "U3")]

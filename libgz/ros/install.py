@@ -277,11 +277,10 @@ def uninstall(prefix: Path) -> int:
             (prefix / path).unlink(missing_ok=True)
         (prefix / MANIFEST).unlink()
         folders = {folder for path in known for folder in (prefix / path).parents if folder.is_relative_to(prefix)}
-        caches = {folder / "__pycache__" for folder in folders}
-        for folder in sorted(caches, reverse=True):
-            for compiled in folder.glob("__init__.*.pyc"):
+        for source in (prefix / path for path in known if path.endswith(".py")):
+            for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
                 compiled.unlink()
-        for folder in sorted({*folders, *caches}, reverse=True):
+        for folder in sorted({*folders, *(folder / "__pycache__" for folder in folders)}, reverse=True):
             if folder.is_dir() and not any(folder.iterdir()):
                 folder.rmdir()
     except OSError as error:

@@ -2,6 +2,7 @@
 
 import ast
 import os
+import py_compile
 import re
 import runpy
 import shutil
@@ -21,7 +22,7 @@ from libgz.apps.ros_option import ros_wanted, without_ros_words
 from libgz.apps.spawn_model import main as spawn_model
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.ros.environment import find_python
-from libgz.ros.install import install
+from libgz.ros.install import install, uninstall
 from libgz.ros.packages import exported_folders
 from libgz.ros.types import message_type, service_type
 from libgz.ros.venv import definitions, make_environment
@@ -318,6 +319,10 @@ def test_launch_files_of_ros2_start_the_server_with_their_arguments(tmp_path, mo
     said = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
     assert "Gazebo multi-robot simulator" in said
     assert said.endswith(f"{prefix}:/opt/ros/any\n")
+    for path in (package / "launch").glob("*.py"):
+        py_compile.compile(str(path), doraise=True)  # as ros2 launch does
+    uninstall(tmp_path / "p")
+    assert not (tmp_path / "p").exists()
 
 
 def test_folders_that_packages_export_are_searched(tmp_path, monkeypatch):

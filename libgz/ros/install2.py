@@ -60,17 +60,23 @@ LAUNCH_PART = '''\
 from pathlib import Path
 
 from launch import LaunchDescription
-from launch.actions import {actions}
+{imports}
 
 PACKAGE = Path(__file__).absolute().parents[1]
-PROGRAMS = PACKAGE.parents[1] / "bin"
 '''
+
+PROCESS = "from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown"
+PROCESS_PART = """\
+PROGRAMS = PACKAGE.parents[1] / "bin"
+TRUE = ("true", "1", "yes", "on")
+"""
 
 SERVER = (
     LAUNCH_PART.format(
         about="Starts the server, with the arguments of gazebo_ros's file of this name.",
-        actions="DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown",
+        imports=PROCESS,
     )
+    + PROCESS_PART
     + '''
 SWITCHES = {switches!r}
 VALUES = {values!r}
@@ -83,7 +89,6 @@ OTHERS = {{
     "valgrind": ("false", "run it in valgrind"),
     "server_required": ("false", "end all when the server ends"),
 }}
-TRUE = ("true", "1", "yes", "on")
 
 
 def start(context):
@@ -118,8 +123,9 @@ def generate_launch_description():
 CLIENT = (
     LAUNCH_PART.format(
         about="Shows the world in a page, with the arguments of gazebo_ros's file of this name.",
-        actions="DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown",
+        imports=PROCESS,
     )
+    + PROCESS_PART
     + '''
 SWITCHES = ("version", "verbose", "help")
 ARGUMENTS = {**dict.fromkeys((*SWITCHES, "gdb", "valgrind", "gui_required"), "false"), "extra_gazebo_args": ""}
@@ -128,9 +134,9 @@ ARGUMENTS = {**dict.fromkeys((*SWITCHES, "gdb", "valgrind", "gui_required"), "fa
 def start(context):
     """The process of the client."""
     given = context.launch_configurations
-    command = [str(PROGRAMS / "gzclient"), *(f"--{name}" for name in SWITCHES if given[name].lower() == "true")]
+    command = [str(PROGRAMS / "gzclient"), *(f"--{name}" for name in SWITCHES if given[name].lower() in TRUE)]
     command += given["extra_gazebo_args"].split()
-    more = {"on_exit": Shutdown()} if given["gui_required"].lower() == "true" else {}
+    more = {"on_exit": Shutdown()} if given["gui_required"].lower() in TRUE else {}
     return [ExecuteProcess(cmd=command, output="screen", **more)]
 
 
@@ -144,11 +150,13 @@ def generate_launch_description():
 BOTH = (
     LAUNCH_PART.format(
         about="Starts server and client, with the arguments of gazebo_ros's file of this name.",
-        actions="DeclareLaunchArgument, IncludeLaunchDescription",
+        imports="""\
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.conditions import IfCondition
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration""",
     )
-    .replace(
-        'PROGRAMS = PACKAGE.parents[1] / "bin"\n',
-        '''
+    + '''
 
 def generate_launch_description():
     """Server and client."""
@@ -161,17 +169,7 @@ def generate_launch_description():
             IncludeLaunchDescription(source, condition=condition),
         ]
     return LaunchDescription(parts)
-''',
-    )
-    .replace(
-        "IncludeLaunchDescription\n",
-        """IncludeLaunchDescription
-from launch.conditions import IfCondition
-from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration
-""",
-        1,
-    )
+'''
 )
 
 

@@ -325,6 +325,22 @@ def test_launch_files_of_ros2_start_the_server_with_their_arguments(tmp_path, mo
     assert not (tmp_path / "p").exists()
 
 
+@pytest.mark.parametrize(("words", "space"), [([], "/fleet"), (["-robot_namespace", "mine"], "mine")])
+def test_spawn_entity_gives_plugins_the_namespace_of_its_node(words, space, tmp_path, monkeypatch):
+    install(tmp_path)
+    ros = ("gazebo_msgs.msg", "gazebo_msgs.srv", "rclpy.executors", "rclpy.qos", "rclpy.utilities", "std_msgs.msg")
+    for name in ("rclpy", *ros, "std_srvs.srv"):
+        monkeypatch.setitem(sys.modules, name, MagicMock())
+    found = runpy.run_path(str(tmp_path / "ros2" / "lib" / "gazebo_ros" / "spawn_entity.py"))
+    (tmp_path / "r.urdf").write_text(URDF)
+    options = found["read_options"](["-file", str(tmp_path / "r.urdf"), "-entity", "r", *words])
+    spawner = found["Spawner"](MagicMock(**{"get_namespace.return_value": "/fleet"}), options)
+    spawner.call = MagicMock()
+    spawner.run()
+    request = spawner.call.call_args.kwargs
+    assert (request["robot_namespace"], request["xml"]) == (space, URDF)
+
+
 def test_folders_that_packages_export_are_searched(tmp_path, monkeypatch):
     package = tmp_path / "share" / "worlds"
     (package / "models" / "crate").mkdir(parents=True)

@@ -33,7 +33,7 @@ class SpawnError(Exception):
 
 def read_options(words: Sequence[str]) -> argparse.Namespace:
     """The options."""
-    about = "Spawn an entity in gazebo"
+    about = "Asks the server for a new entity."
     parser = argparse.ArgumentParser(prog="spawn_entity.py", description=about, allow_abbrev=False)
     add = parser.add_argument
     source = parser.add_mutually_exclusive_group(required=True)
@@ -44,15 +44,15 @@ def read_options(words: Sequence[str]) -> argparse.Namespace:
     add("-entity", required=True, metavar="ENTITY_NAME", help="its name")
     add("-reference_frame", default="", help="model or link that the pose is relative to; the world by default")
     add("-gazebo_namespace", default="", help="namespace of Gazebo's services")
-    add("-robot_namespace", default="", help="namespace of the entity's plugins")
+    add("-robot_namespace", help="namespace of the entity's plugins; that of this node by default")
     add("-timeout", type=float, default=30.0, help="how long to wait for a service [s]")
-    add("-unpause", action="store_true", help="unpause physics after spawning")
+    add("-unpause", action="store_true", help="end the pause of the world then")
     add("-wait", metavar="ENTITY_NAME", help="wait for an entity first")
     add("-spawn_service_timeout", type=float, metavar="TIMEOUT", help="as -timeout")
     for axis, what in {"x": "m", "y": "m", "z": "m", "R": "rad", "P": "rad", "Y": "rad"}.items():
         add(f"-{axis}", type=float, default=0.0, metavar="NUMBER", help=f"of the initial pose [{what}]")
     add("-package_to_model", action="store_true", help="replace package:// by model:// in names of meshes")
-    add("-b", dest="bond", action="store_true", help="delete the entity when this program is interrupted")
+    add("-b", dest="bond", action="store_true", help="stay, and delete the entity at the end")
     return parser.parse_args(words)
 
 
@@ -93,7 +93,7 @@ class Spawner:
         try:
             root = ET.fromstring(text)
         except ET.ParseError as error:
-            raise SpawnError(f"Invalid XML: {error}") from None
+            raise SpawnError(f"the text of the entity is no XML: {error}") from None
         if not options.package_to_model:
             return text
         for mesh in root.iter("mesh"):
@@ -112,7 +112,7 @@ class Spawner:
                 found.append(value)
 
         subscription = self.node.create_subscription(kind, topic, take, QoSProfile(depth=1, durability=durability))
-        self.log.info(f"Waiting for {topic}")
+        self.log.info(f"waiting for {topic}")
         while rclpy.ok() and not found:
             rclpy.spin_once(self.node, timeout_sec=0.2)
         self.node.destroy_subscription(subscription)
@@ -128,9 +128,9 @@ class Spawner:
             raise SpawnError("-timeout must not be negative")
         full = f"{options.gazebo_namespace}/{service}"
         client = self.node.create_client(kind, full)
-        self.log.info(f"Waiting for service {full}, timeout = {patience:g}")
+        self.log.info(f"waiting up to {patience:g} s for {full}")
         if not client.wait_for_service(timeout_sec=patience):
-            raise SpawnError(f"Service {full} unavailable. Was Gazebo started with --ros2?")
+            raise SpawnError(f"nothing serves {full}; start the server with --ros2")
         answer = client.call_async(kind.Request(**values))
         while rclpy.ok() and not answer.done():
             rclpy.spin_once(self.node, timeout_sec=0.2)
@@ -149,29 +149,30 @@ class Spawner:
         pose.position.x, pose.position.y, pose.position.z = options.x, options.y, options.z
         turn = pose.orientation
         turn.w, turn.x, turn.y, turn.z = quaternion(options.R, options.P, options.Y)
+        space = options.robot_namespace
         answer = self.call(
             SpawnEntity,
             "spawn_entity",
             name=options.entity,
             xml=self.text(),
-            robot_namespace=options.robot_namespace,
+            robot_namespace=self.node.get_namespace() if space is None else space,
             initial_pose=pose,
             reference_frame=options.reference_frame,
         )
-        self.log.info(f"Spawn status: {answer.status_message}")
         if not answer.success:
-            raise SpawnError("Spawn service failed. Exiting.")
+            raise SpawnError(answer.status_message)
+        self.log.info(answer.status_message)
         if options.unpause:
             self.call(Empty, "unpause_physics")
         if options.bond:
-            self.log.info(f"Waiting for shutdown to delete entity [{options.entity}]")
+            self.log.info(f"{options.entity} is deleted when this program ends")
             with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
                 rclpy.spin(self.node)
             if not rclpy.ok():
                 rclpy.init()
                 self.node = rclpy.create_node("spawn_entity")
             answer = self.call(DeleteEntity, "delete_entity", name=options.entity)
-            self.log.info(f"Deleting status: {answer.status_message}")
+            self.log.info(answer.status_message)
 
 
 def main() -> int:

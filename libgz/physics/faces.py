@@ -74,10 +74,9 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64], holes: NDArray[np
 def _holes_by_outline(counts: Corners, holes: NDArray[np.bool_]) -> dict[int, list[int]]:
     """The holes of each polygon that has some."""
     found: dict[int, list[int]] = {}
-    for hole in np.flatnonzero(holes & (counts > 2)).tolist():
-        outlines = np.flatnonzero(~holes[:hole])
-        if len(outlines) and counts[outlines[-1]] > 2:
-            found.setdefault(int(outlines[-1]), []).append(hole)
+    outlines = np.maximum.accumulate(np.where(holes, -1, np.arange(len(holes))))  # of each, the last one up to it
+    for hole in np.flatnonzero(holes & (counts > 2) & (outlines >= 0) & (counts[outlines] > 2)).tolist():
+        found.setdefault(int(outlines[hole]), []).append(hole)
     return found
 
 

@@ -133,18 +133,19 @@ class PackedMessage:
         if self._codec is not self.publication.codec:
             self._pack()
         if path not in self._slots:
+            fields = [place for name, place in self._places.items() if name == path or name.startswith(f"{path}.")]
             found = [
                 (FRAME.size + at + i * struct.calcsize(letter), letter)
-                for name, (at, letter, count) in self._places.items()
-                if name == path or name.startswith(f"{path}.")
+                for at, letter, count in fields
                 for i in range(count)
             ]
             ends = [at + struct.calcsize(letter) for at, letter in found]
             gaps = [after - end for end, (after, _) in zip(ends, found[1:], strict=False)]
-            if not found or any(gaps):
+            if not fields or any(gaps):
                 raise ParameterError(f"{self.publication.kind.name} has no numbers {path!r} that follow each other")
             letters = "".join(letter for _, letter in found)
-            self._slots[path] = _Slot(found[0][0], struct.Struct(f"<{letters}"), not set(letters) & set("df"), found)
+            begin, layout = FRAME.size + fields[0][0], struct.Struct(f"<{letters}")
+            self._slots[path] = _Slot(begin, layout, not set(letters) & set("df"), found)
         return self._slots[path]
 
     @recorded_as(_put)
@@ -167,7 +168,7 @@ class PackedMessage:
             ParameterError: it has another length.
         """
         begin, _, _, places = self.slot(path)
-        letter, count = places[0][1], len(places)
+        letter, count = places[0][1] if places else "B", len(places)
         data = np.ascontiguousarray(values, np.dtype(letter).newbyteorder("<")).view(np.uint8)
         if len(data) != count * struct.calcsize(letter):
             raise ParameterError(f"{self.publication.kind.name}: {path} has {count} numbers")

@@ -205,7 +205,7 @@ def test_values_that_do_not_fit_name_the_type():
 
 
 def test_numbers_of_packed_messages_are_set_in_place():
-    kind = message_type("nav_msgs/Odometry")
+    kind, states = message_type("nav_msgs/Odometry"), message_type("sensor_msgs/JointState")
     for cdr, name in itertools.product((False, True), ("", "o", "frame", "a longer name")):
         message = kind(child_frame_id=name)
         message.header.frame_id = name
@@ -229,6 +229,11 @@ def test_numbers_of_packed_messages_are_set_in_place():
         for path, values in (("pose.pose", (1.0,)), ("child_frame_id", ()), ("twist.twist.linear", ("x", "y", "z"))):
             with pytest.raises(ParameterError):
                 packed.put(path, values)
+        none = PackedMessage(SimpleNamespace(**vars(topic) | {"kind": states, "codec": Codec(states, cdr)}), states())
+        none.put("position", ())
+        none.put_array("effort", np.zeros(0))
+        with pytest.raises(ParameterError, match="has 0 numbers"):
+            none.put_array("effort", np.zeros(1))
         with pytest.raises(ParameterError, match="NaN"):
             packed.put("header.stamp", (math.nan, 0.0))
 

@@ -128,6 +128,14 @@ def test_the_clock_has_its_frequency(master, start):
     assert last - first == pytest.approx(1.0, abs=1e-3)
 
 
+def test_a_model_without_joints_has_empty_joint_states(master, start):
+    states = "<plugin name='p' filename='libgazebo_ros_joint_state_publisher.so'/>"
+    model = f"<model name='m'><link name='l'/>{states}</model>"
+    node = Node(master, *start(f"<sdf version='1.6'><world name='default'>{model}</world></sdf>"))
+    found = node.topic("/m/joint_states", "sensor_msgs/JointState")()
+    assert (len(found.name), len(found.position), len(found.velocity)) == (0, 0, 0)
+
+
 def test_the_clock_is_at_0_before_sim_time_is(master, start):
     node = Node(master, *start("<sdf version='1.6'><world name='default'/></sdf>"))
     clock = node.topic("/clock", "rosgraph_msgs/Clock")

@@ -116,13 +116,10 @@ class Ticks:
 
     def due(self, now: float) -> bool:
         """Whether a period has begun since the last tick, at sim time `now` [s]; if so, it ticks."""
-        if self.endless:
-            return True
-        count = math.floor(now * self.rate + TICK_SLACK)
-        if count == self.count:
-            return False
-        self.count = count
-        return True
+        due = bool(self.is_due(now))
+        if due:
+            self.tick(now)
+        return due
 
 
 class RosPlugin:

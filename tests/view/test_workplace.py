@@ -354,6 +354,17 @@ def test_the_tree_selects_hides_locks_and_finds(opened):
     page.keyboard.press("Escape")
 
 
+def test_a_model_with_the_name_of_the_root_folds_alone(opened):
+    page = opened()
+    page.evaluate("world.entities.get(6).id = 'world'; world.emit('scene')")
+    row(page, "world").click()
+    assert page.evaluate("world.selection") == {"entity": 6}
+    for key, folded in (("ArrowRight", "true"), ("ArrowLeft", "false")):
+        page.keyboard.press(key)
+        assert row(page, "world").get_attribute("aria-expanded") == folded
+    assert row(page, "arena").get_attribute("aria-expanded") == "true"
+
+
 def test_a_tree_of_many_models_has_few_rows_in_the_page(opened):
     page = opened("models=500")
     tree = page.get_by_role("tree")

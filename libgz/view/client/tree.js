@@ -397,8 +397,8 @@ export class Tree {
   }
 }
 
-/** @param {TreeNode} node with others below it */
-const nameOf = (node) => (node.entity ? node.label : WORLD);
+/** By what it is known whether it is unfolded; a model may be named like the root. @param {TreeNode} node */
+const nameOf = (node) => (node.entity ? `entity ${node.label}` : WORLD);
 
 /**
  * What can be done with an entity.

@@ -299,8 +299,8 @@ class Network:
             self._begin_look_up()
 
     def _begin_look_up(self) -> None:
-        self._lookers += 1
         threading.Thread(target=self._look_up_all, name="names", daemon=True).start()
+        self._lookers += 1  # not of one that could not start
 
     def _look_up_all(self) -> None:
         while self._to_look_up:

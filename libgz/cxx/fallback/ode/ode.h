@@ -261,6 +261,7 @@ void dBodySetAutoDisableAngularThreshold( void *, dReal );
 void dBodySetAutoDisableSteps( void *, int );
 void dBodySetAutoDisableTime( void *, dReal );
 void dBodySetGravityMode( void *, int );
+void dBodySetGyroscopicMode( void *, int );
 int dBodyGetGravityMode( void * );
 void dBodySetFiniteRotationMode( void *, int );
 int dBodyGetFiniteRotationMode( void * );

@@ -310,7 +310,7 @@ class Recorder:
         self.add(Operation.STORE, count=1, type=ord(kind), one=self.address(value), two=memory.ctypes.data + at)
 
     def append(self, data: NDArray[np.uint8], to: NDArray[np.uint8], begin: Any) -> None:
-        """Copy bytes to where others begin; Python does the law where there is no room for them."""
+        """Copy bytes to where others begin; Python does the law where they do not fit."""
         self.kept += [data, to]
         self.require(begin + data.size <= to.size, True)
         place = self.address(begin)

@@ -10,7 +10,7 @@ from engine_parts import INF, box, solid, unsolvable, use_classic
 
 import libgz
 from libgz.base.errors import ParameterError
-from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzVector
+from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
 
@@ -188,7 +188,7 @@ def test_a_pair_whose_collision_detection_fails_is_skipped(monkeypatch, caplog):
     engine = Engine()
     ground, space = libgz.Body(engine, "ground", dummy=True), Space(engine)
     libgz.HeightfieldGeom(ground, space, np.zeros((3, 3)), 0.01, 0.01)
-    ground.SetPose(GzPose(GzVector(1, 2, 3), GzQuaternFromEuler(0, 0, 1)))
+    ground.SetPose(GzPose(GzVector(1, 2, 3), GzQuatern()))
     wide = solid(engine, box(1e8, 1e8, 1), position=(0, 0, 3.2))
     wide.bodyName = "wide"
     ball = solid(engine, lambda b, s: libgz.SphereGeom(b, s, 0.5), position=(0, 0, 9))

@@ -1,4 +1,4 @@
-"""The tables of docs/ros.md, made from what plugins declare: ``python -m libgz.ros.reference`` writes them."""
+"""docs/ros_plugins.md and lists of docs/ros.md, from declarations: ``python -m libgz.ros.reference`` writes them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,18 @@ from libgz.ros.plugin import SAME, Parameter, RosPlugin
 from libgz.ros.server import PLUGINS, STAND_INS
 from libgz.simulation.plugins import load_plugin
 
-__all__ = ["device_table", "legacy_service_table", "page", "plugin_table", "service_table"]
+__all__ = ["device_table", "legacy_service_table", "page", "plugin_page", "service_table"]
 
 BEGIN, END = "<!-- {}: made by python -m libgz.ros.reference -->", "<!-- end of {} -->"
+SHARED = 5  # parameters of another plugin that are not described again, at least
+INTRODUCTION = """\
+# The plugins of ROS
+
+[Your ROS robot in libgz](ros.md) says how worlds with these plugins run. Topics, types and parameters are those of
+gazebo_ros_pkgs. `<x>` in the name of a topic stands for the value of parameter x; `robotNamespace` comes before names
+that do not begin with `/`. Elements may also have their names in ROS 2, such as `update_rate` for `updateRate`.
+This page is made by `python -m libgz.ros.reference`.
+"""
 
 
 def _plugins() -> Iterator[tuple[str, type[RosPlugin]]]:
@@ -28,33 +37,53 @@ def _plugins() -> Iterator[tuple[str, type[RosPlugin]]]:
                 yield path.stem, one
 
 
-def plugin_table() -> str:
-    """A table of the plugins with their topics and parameters, in Markdown."""
-    rows = ["| plugin | topics and services | parameters |", "|---|---|---|"]
+def plugin_page() -> str:
+    """The page of the plugins with their topics and parameters, in Markdown."""
+    parts: list[str] = [INTRODUCTION]
+    before: dict[str, tuple[Parameter, ...]] = {}
     for name, plugin in _plugins():
-        others = [other for other, own in STAND_INS.items() if own == name]
-        names = ", ".join(f"`lib{one}.so`" for one in (name, *others))
-        about = "<br>".join(f"{one.verb} `{one.name}` {one.kind}" for one in plugin.endpoints)
-        about += "<br>without `robotNamespace` below `/<model>/`" if plugin.own_namespace else ""
-        rows.append(f"| {names} | {about} | {'<br>'.join(map(_described, plugin.parameters))} |")
-    return "\n".join(rows)
+        others = ", ".join(f"`lib{other}.so`" for other, own in STAND_INS.items() if own == name)
+        parts += [f"## lib{name}.so", _sentence(plugin) + (f" The same: {others}." if others else "")]
+        about = [f"- {one.verb} `{one.name}` {one.kind}" for one in plugin.endpoints]
+        about += ["- without `robotNamespace` below `/<model>/`"] if plugin.own_namespace else []
+        parts += ["\n".join(about)] if about else []
+        parts += _parameters(plugin.parameters, before)
+        before[name] = plugin.parameters
+    return "\n\n".join(map(str.strip, parts)) + "\n"
 
 
-def _described(parameter: Parameter) -> str:
-    text = f"`{parameter.name}`{_default(parameter.default)} {parameter.meaning}"
-    if parameter.ros2 is not SAME:
-        text += f"; in ROS 2{_default(parameter.ros2).rstrip(':') or ' empty'}"
-    return text.replace("|", "\\|")
+def _sentence(plugin: type[RosPlugin]) -> str:
+    return " ".join((plugin.__doc__ or "").partition("\n\n")[0].split())
+
+
+def _parameters(parameters: tuple[Parameter, ...], before: Mapping[str, tuple[Parameter, ...]]) -> Iterator[str]:
+    """A table, without those that the most similar of the plugins before has, which are listed."""
+    near = max(before, key=lambda name: sum(one in before[name] for one in parameters), default="")
+    shared = [one for one in parameters if near and one in before[near]]
+    if len(shared) < SHARED:
+        shared = []
+    own = [one for one in parameters if one not in shared]
+    if own:
+        yield "\n".join(["| parameter | default | in ROS 2 | |", "|---|---|---|---|", *map(_row, own)])
+    if shared:
+        listed = ", ".join(f"`{one.name}`" for one in shared)
+        yield f"As those of [lib{near}.so](#lib{near}so): {listed}."
+
+
+def _row(parameter: Parameter) -> str:
+    other = "" if parameter.ros2 is SAME else _default(parameter.ros2) or "none"
+    row = f"| `{parameter.name}` | {_default(parameter.default)} | {other} | "
+    return row + parameter.meaning.replace("|", "\\|") + " |"
 
 
 def _default(value: Any) -> str:
     if isinstance(value, type):
-        return " (required):"
+        return "must be given"
     if isinstance(value, bool):
-        return f" ({str(value).lower()}):"
-    if isinstance(value, str | int | float):
-        return f" ({value if isinstance(value, str) else f'{value:g}'}):" if value != "" else ":"
-    return ":"
+        return str(value).lower()
+    if isinstance(value, str):
+        return value
+    return f"{value:g}" if isinstance(value, int | float) else ""
 
 
 def service_table(services: Mapping[str, str]) -> str:
@@ -89,7 +118,6 @@ def _with_table(text: str, name: str, table: str) -> str:
 def page(text: str) -> str:
     """A page with its tables as they should be."""
     tables = {
-        "plugins": plugin_table(),
         "services": service_table(SERVICES),
         "services2": service_table(SERVICES2),
         "devices": device_table(),
@@ -101,5 +129,7 @@ def page(text: str) -> str:
 
 
 if __name__ == "__main__":
-    path = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/ros.md")
-    path.write_text(page(path.read_text()))
+    docs = Path(sys.argv[1] if len(sys.argv) > 1 else "docs")
+    guide = docs / "ros.md"
+    guide.write_text(page(guide.read_text()))
+    (docs / "ros_plugins.md").write_text(plugin_page())

@@ -15,7 +15,7 @@ from ros_peers import Talker, open_topic, read_block, wait_for
 from libgz import World
 from libgz.ros.packing import codec
 from libgz.ros.plugin import Ticks, bounded_rate
-from libgz.ros.reference import page
+from libgz.ros.reference import page, plugin_page
 from libgz.ros.session import Publication
 from libgz.ros.types import message_type
 from libgz.simulation.stepping import Stepping
@@ -276,9 +276,11 @@ def test_without_ros_the_stand_ins_run_and_the_notice_says_so(caplog):
     assert "gzserver --ros1" in caplog.text
 
 
-def test_the_page_has_the_tables_of_the_declarations():
-    text = (Path(__file__).parents[2] / "docs" / "ros.md").read_text()
+def test_the_pages_are_those_of_the_declarations():
+    docs = Path(__file__).parents[2] / "docs"
+    text = (docs / "ros.md").read_text()
     assert page(text) == text  # else: python -m libgz.ros.reference
+    assert (docs / "ros_plugins.md").read_text() == plugin_page()
 
 
 CAMERAS = """<sdf version='1.6'><world name='default'>

@@ -62,7 +62,7 @@ ROBOT_FLAGS = {"static"}
 NOTED = {"canonicalBody", "preserveFixedJoint", "disableFixedJointLumping"}  # which have been read, or mean nothing
 OWN = {*SURFACE, *JOINT, *JOINT_FLAGS, *LINK_FLAGS, *ROBOT_FLAGS, *NOTED}  # the others are SDF already
 POSED = ("sensor", "projector", "light")  # elements of a link that have a pose in it
-# Elements that name links -> those in them that do.
+# Elements that name links -> those in them that do. Plugins of sensors keep their names, which are those of frames of TF.
 NAMING = {
     "gripper": ("gripper_link", "palm_link"),
     "joint": ("parent", "child"),
@@ -108,7 +108,8 @@ class _Writer:
         for extension in robot.extensions:
             self._write_robot_extension(model, extension)
         for element in [e for e in model.iter(etree.Element) if local_name(e) in (*NAMING, "sensor")]:
-            self._rename(element)
+            if local_name(element.getparent()) != "sensor":
+                self._rename(element)
         transmissions = list(robot.xml.iterfind("transmission"))
         if transmissions:
             count = len(transmissions)

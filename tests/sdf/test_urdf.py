@@ -233,7 +233,8 @@ def test_names_and_places_in_extensions_follow_lumped_links():
         joint("j", inside="<origin xyz='0 0 1' rpy='0 0 1.5707963267948966'/>"),
         joint("k", "continuous", "b", "c", "<axis xyz='0 0 1'/>"),
         "<gazebo reference='b'><sensor name='s' type='contact'><pose>1 0 0 0 0 0</pose>"
-        "<contact><collision>b_collision</collision></contact></sensor></gazebo>",
+        "<contact><collision>b_collision</collision></contact>"
+        "<plugin name='in' filename='libi.so'><frameName>b</frameName></plugin></sensor></gazebo>",
         "<gazebo><plugin name='p' filename='libp.so'><bodyName>b</bodyName><xyzOffset>1 0 0</xyzOffset></plugin>"
         "<plugin name='q' filename='libq.so'><frameName>c</frameName></plugin>"
         "<gripper name='g'><gripper_link>c</gripper_link><palm_link>b</palm_link></gripper>"
@@ -242,6 +243,7 @@ def test_names_and_places_in_extensions_follow_lumped_links():
     sensor = named(robot, "link", "a").child("sensor")
     assert sensor.child("contact").Get(str, "collision") == "a_fixed_joint_lump__b_collision"
     assert tuple(sensor.Get(GzPose, "pose").pos) == pytest.approx((0, 1, 1))
+    assert sensor.child("plugin").Get(str, "frameName") == "b"  # as in Gazebo: that is a frame of TF
     first, second = robot.named("plugin")
     assert first.Get(str, "bodyName") == "a"
     assert tuple(first.Get(GzVector, "xyzOffset")) == pytest.approx((0, 1, 1))

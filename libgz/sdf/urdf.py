@@ -62,7 +62,7 @@ ROBOT_FLAGS = {"static"}
 NOTED = {"canonicalBody", "preserveFixedJoint", "disableFixedJointLumping"}  # which have been read, or mean nothing
 OWN = {*SURFACE, *JOINT, *JOINT_FLAGS, *LINK_FLAGS, *ROBOT_FLAGS, *NOTED}  # the others are SDF already
 POSED = ("sensor", "projector", "light")  # elements of a link that have a pose in it
-# Elements that name links -> those in them that do. Plugins of sensors keep their names, which are those of frames of TF.
+# Elements that name links -> those in them that do. Plugins of sensors keep theirs, which are frames of TF.
 NAMING = {
     "gripper": ("gripper_link", "palm_link"),
     "joint": ("parent", "child"),

@@ -152,7 +152,6 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.sampled: dict[str, Any] = {}
         self.outcome = Outcome(0, 0)  # until its sizes are known
         self._law: LawCall | None = None
-        self._bound: tuple[World, int] | None = None  # the world of the last `_bind`, and how often its rows were built
         self.world = self._load(self._sampled(np.random.default_rng(0)), 0)  # so that wrong paths fail here
         try:
             self._prepare(period, settle, time_limit)
@@ -233,11 +232,6 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _bind(self, patience: int = 0) -> None:
         """Find what actions write and observations read, among the present objects of the world."""
-        rows = self.world.rows
-        now = (self.world, rows.builds) if rows.valid else None
-        if now is not None and now == self._bound:  # the objects are the same
-            return
-        self._bound = now
         named, self._made = self._tables()
         for left in range(patience, -1, -1):
             try:
@@ -331,8 +325,6 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.world.reseed(world_seed)
         if self._start is not None:
             self._start(self.world, self.np_random, options or {})
-        if self._law is not None:
-            self._law.renew()  # for what the start has set
         self._settle(self._settling)
         shapes = [one.shape for one in self._readings]
         self._bind(patience=MOST_SETTLING if self._settling else 0)

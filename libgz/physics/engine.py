@@ -557,13 +557,10 @@ class Engine:
         return self._state.get()
 
     @exclusive
-    def set_state(self, state: dict[str, Any]) -> bool:
+    def set_state(self, state: dict[str, Any]) -> None:
         """Set a state of `get_state`: what follows is the same to the bit as what followed then.
 
         Joints, geoms, bodies and spaces that are not in it are closed.
-
-        Returns:
-            Whether more than numbers in memory has changed: objects, or settings.
 
         Raises:
             StateError: bodies, geoms, joints or spaces of the state are missing, and nothing was changed; or it was
@@ -571,7 +568,7 @@ class Engine:
             LibraryError, ClosedError: as `get_state`.
         """
         _ = self.world
-        return self._state.set(state)
+        self._state.set(state)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 

@@ -190,12 +190,12 @@ class EngineState:
 
     # Set ---------------------------------------------------------------------------------------------------------
 
-    def set(self, state: dict[str, Any]) -> bool:
+    def set(self, state: dict[str, Any]) -> None:
         """Set a state; see `Engine.set_state`."""
         if state.get("ode") != layout().digest:
             raise StateError("this state was made with another build of ODE")
         try:
-            return self._set(state)
+            self._set(state)
         except (StateError, LibraryError):
             raise
         except (
@@ -209,10 +209,9 @@ class EngineState:
         ) as error:
             raise StateError(f"the state is damaged: {error}") from error
 
-    def _set(self, state: dict[str, Any]) -> bool:
+    def _set(self, state: dict[str, Any]) -> None:
         engine = self._engine
-        changed = bool(state["objects"] != self._objects())
-        if changed:
+        if state["objects"] != self._objects():
             saved = encoding.decode(state["objects"])
             _check_objects(saved)
             self._restore_objects(saved)
@@ -229,13 +228,12 @@ class EngineState:
         if checked != self._sound:
             check_memory(parts, blocks, memory, engine.native.get_state(parts), distance)
             self._sound = checked
-        changed |= self._restore_settings(state, numbers)
+        self._restore_settings(state, numbers)
         if not engine.native.set_state(parts, memory):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
         engine.tables.disturb()
-        return changed or bool(engine.couplings)
 
     def _restore_dummies(self, poses: bytes) -> None:
         """Place dummies before ODE's memory is copied: from their poses follows which geoms ODE has."""
@@ -247,17 +245,14 @@ class EngineState:
                 for geom in dummy.geoms:
                     geom.follow_dummy()
 
-    def _restore_settings(self, state: dict[str, Any], numbers: list[Any]) -> bool:
-        """Whether there were others."""
+    def _restore_settings(self, state: dict[str, Any], numbers: list[Any]) -> None:
         engine, context = self._engine, self._context
         quirks = state["quirks"]
         if not all(isinstance(quirk, str) for quirk in quirks):
             raise StateError("the state is damaged: quirks have no names")
-        changed: bool = engine.quirks != frozenset(quirks)
         engine.quirks = frozenset(quirks)
         settings, present = state["settings"], self._settings
         if settings[:_PROGRESS] != present[:_PROGRESS] or settings[_REST:] != present[_REST:]:
-            changed = True
             then, now = _fields(settings), _fields(present)
             for name in SETTINGS:
                 if then[name] != now[name]:
@@ -265,7 +260,6 @@ class EngineState:
             context.solver = then["solver"]
         present[_PROGRESS:_REST] = settings[_PROGRESS:_REST]  # random state, how many steps and contacts there were
         if numbers != (others := list(_numbers(engine))):
-            changed |= numbers[: -len(COUNTERS)] != others[: -len(COUNTERS)]
             for name, value, other in zip(SWITCHES, numbers, others, strict=False):
                 if value != other:
                     setattr(engine, name, value)
@@ -276,7 +270,6 @@ class EngineState:
                 engine.set_range(distance)
             engine.collisions, abandoned = map(int, rest)
             engine.abandoned = bool(abandoned)
-        return changed
 
     def _restore_tables(self, state: dict[str, Any]) -> None:
         """What follows from the tables, whose numbers were copied with ODE's memory."""

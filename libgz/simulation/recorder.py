@@ -114,9 +114,9 @@ class Recorder:
         self._next, self._left = 0, 0
         self.moved: set[tuple[int, int]] = set()  # bodies whose velocities the law sets, and their columns
         self.returned: int | None = None  # where the number is that the law returned
-        self._taken: list[tuple[Any, str, Any]] = []  # attributes of objects that were taken as they are
+        self._taken: dict[tuple[int, str], tuple[Any, str, Any]] = {}  # attributes that were taken as they are
         self._found: list[tuple[types.MethodType, Any, Any]] = []  # what methods returned: method, arguments, result
-        self._handles: list[tuple[Any, int, int]] = []  # bodies and joints, with handle and row
+        self._handles: dict[int, tuple[Any, int, int]] = {}  # bodies and joints, with handle and row
 
     def record(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Call a law, a method.
@@ -145,25 +145,31 @@ class Recorder:
 
     def take(self, other: Recorder) -> bool:
         """Take what another one recorded, unless that has changed since: to record takes a hundred times as long."""
-        if self._memory != other._memory or not other._holds():
+        if self._memory != other._memory or not other.holds():
             return False
         self.operations += other.operations
         self.effects += other.effects
         self.returned = other.returned
         self.kept.append(other.kept)
-        for thing, name, _ in other._taken:
+        for thing, name, _ in other._taken.values():
             watched = getattr(thing, "__dict__", {}).get("_watched")
             if watched is not None:
                 watched.add(name)  # where it is set, the law is recorded again
         return True
 
-    def _holds(self) -> bool:
+    def holds(self) -> bool:
         """Whether objects are as they were when they were recorded."""
-        return (
-            all(not thing.closed and (thing.id, thing.row) == (id_, row) for thing, id_, row in self._handles)
-            and all(_is_as(found, method(*values)) for method, values, found in self._found)
-            and all(_is_as(before, getattr(thing, name, None)) for thing, name, before in self._taken)
-        )
+        for thing, id_, row in self._handles.values():
+            if thing.closed or (thing.id, thing.row) != (id_, row):
+                return False
+        for method, values, found in self._found:
+            if not _is_as(found, method(*values)):
+                return False
+        for thing, name, before in self._taken.values():
+            now = getattr(thing, name, None)
+            if now is not before and not _is_as(before, now):
+                return False
+        return True
 
     # Operations --------------------------------------------------------------------------------------------------
 
@@ -386,7 +392,7 @@ class Recorder:
             if not is_constant(static.fget):
                 raise self._no_law(thing, name)
         value = getattr(thing, name)
-        self._taken.append((thing, name, _noted(value)))
+        self._taken.setdefault((id(thing), name), (thing, name, _noted(value)))
         return self.wrap(value)
 
     def set(self, thing: Any, name: str, value: Any) -> None:
@@ -487,7 +493,7 @@ class Recorder:
             operation = Operation.BODY_STATE if kind is Body else Operation.JOINT_STATE
             self.add(operation, one=thing.id, two=thing.row, result=result)
             self._states[id(thing)] = result
-            self._handles.append((thing, thing.id, thing.row))
+            self._handles[id(thing)] = (thing, thing.id, thing.row)
         return Term(self, self._states[id(thing)] + 8 * column)
 
     def _has_moved(self, thing: Any, column: int) -> bool:
@@ -505,7 +511,7 @@ class Recorder:
         if thing.row < 0 or thing.closed:
             raise LeftToPython(repr(thing))
         self.add(operation, one=thing.id, two=thing.row)
-        self._handles.append((thing, thing.id, thing.row))
+        self._handles[id(thing)] = (thing, thing.id, thing.row)
         return int(thing.id)
 
     def address(self, value: Any) -> int:
@@ -527,7 +533,7 @@ class Recorder:
             raise LeftToPython(repr(joint))
         result = self._registers(4)
         self.add(Operation.VECTOR, one=joint.id, two=joint.row, three=ode().address(function), result=result)
-        self._handles.append((joint, joint.id, joint.row))
+        self._handles[id(joint)] = (joint, joint.id, joint.row)
         terms: Any = [Term(self, result + 8 * i) for i in range(3)]
         return GzVector(*terms)
 
@@ -549,10 +555,11 @@ def _noted(value: Any) -> Any:
 
 def _is_as(before: Any, now: Any) -> bool:
     """Whether a value is as it was noted."""
+    if now is before:
+        return True
     if isinstance(now, (list, tuple)) and isinstance(before, tuple):
         return len(before) == len(now) and all(map(_is_as, before, now))
-    plain = isinstance(now, (bool, int, float, str, types.MethodType)) and type(now) is type(before)
-    return now is before or (plain and now == before)
+    return isinstance(now, (types.MethodType, bool, int, float, str)) and type(now) is type(before) and now == before
 
 
 def _shape(kind: Any) -> tuple[tuple[int, ...], Any]:

@@ -144,11 +144,12 @@ class Snapshots:
         """
         data = bytes(data)
         proven, self._proven = self._proven, None
-        again = proven is not None and data is proven[0] and not anew and self._is_of_libgz()
-        saved = proven[1] if proven is not None and again else self._decoded(data)
-        before = None if again else self._saved_before()
+        if proven is not None and data is proven[0] and not anew and self._is_of_libgz():
+            saved, before = proven[1], None  # it could be set once, so nothing will have to be undone
+        else:
+            saved, before = self._decoded(data), self._saved_before()
         try:
-            self._set(data, saved, anew, again=again)
+            self._set(data, saved, anew)
             if self.failures:
                 raise self.failures[0]
             self._proven = (data, saved) if self._is_of_libgz() else None
@@ -207,23 +208,21 @@ class Snapshots:
             raise StateError("the state is damaged: it has not the parts of one")
         return saved
 
-    def _set(
-        self, data: bytes, saved: dict[str, Any], anew: bool, *, again: bool = False, undoing: bool = False
-    ) -> None:
+    def _set(self, data: bytes, saved: dict[str, Any], anew: bool, *, undoing: bool = False) -> None:
         """Set a state: twice if plugins came or went, for their Load may have changed what was set already."""
         self.failures.clear()
         try:
             state.restoring(True)
-            twice = self._set_once(saved, anew, again)
-            if twice and (undoing or not self.failures):
+            again = self._set_once(saved, anew)
+            if again and (undoing or not self.failures):
                 self.failures.clear()
                 state.restoring(True)
                 self._set_once(self._decoded(data), False)
         finally:
             state.restoring(False)
 
-    def _set_once(self, saved: dict[str, Any], anew: bool, again: bool = False) -> bool:
-        """Set a state, perhaps the one that was set last; whether a companion asks for setting it once more."""
+    def _set_once(self, saved: dict[str, Any], anew: bool) -> bool:
+        """Set a state; whether a companion asks for setting it once more."""
         world, listed = self._world, saved["list"]
         keep = 0 if anew else self._fit_for_plugins(saved)
         other = keep < len(world.entities) or listed != self._list()
@@ -246,22 +245,22 @@ class Snapshots:
             for entity, row in zip(world.entities, rows, strict=True):
                 _load_relatives(world, entity, row)
         self._load_entities(saved["entities"])
+        world.update_rows_changed()
         if other:
             world.followers[:] = [world.entities[index] for index in listed["followers"]]
-        twice = False
+        again = False
         for companion in world.companions:
-            twice |= companion.set_state(saved["companions"].get(_name(companion)))
+            again |= companion.set_state(saved["companions"].get(_name(companion)))
         for name, extension in self._extensions():
             if name in saved["extensions"]:
                 state.set_values(extension, saved["extensions"][name])
-        if world.engine.set_state(saved["engine"]) or other or not again or state.replaced():
-            world.update_rows_changed()
+        world.engine.set_state(saved["engine"])
         present = self._interfaces()
         for kind, name, content in saved["interfaces"]:
             interface = present.get((kind, name))
             if interface is not None:
                 interface.set_bytes(content)
-        return twice
+        return again
 
     def _fit_for_plugins(self, saved: dict[str, Any]) -> int:
         """How many entities may stay: a Load that makes a joint fails, or has none, where that joint is there."""

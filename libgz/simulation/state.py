@@ -24,7 +24,7 @@ import sys
 import threading
 import weakref
 from collections import deque
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain, zip_longest
 from operator import attrgetter
 from typing import Any, TypeVar
@@ -47,7 +47,6 @@ __all__ = [
     "get_state",
     "get_values",
     "reader",
-    "replaced",
     "restoring",
     "set_state",
     "set_values",
@@ -100,8 +99,12 @@ class Reader:
             present = ()
         same = 0  # how many at the front need no change; to set one of them may change what is behind it
         for value, before in zip(values, present, strict=False):
-            if not _is_same(value, before):
-                break
+            if value is not before:
+                kind = type(value)
+                if type(before) is not kind or (kind not in _EXACT and kind is not float) or before != value:
+                    break
+                if kind is float and value == 0.0 and str(before) != str(value):  # zeros have signs
+                    break
             same += 1
         for place, value in zip(self.places[same:], values[same:], strict=True):
             try:
@@ -207,7 +210,6 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any,
     part, name = place
     if not name:
         thing.LoadState(made(value))
-        _restoring.replaced = True
         return
     holder = thing if part is None else part(thing)
     before = getattr(holder, name, None)
@@ -219,8 +221,6 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any,
     after = value if kind in SCALARS and type(before) in SCALARS else _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
-        if not ours or not hasattr(getattr(type(holder), name, None), "__set__"):  # else in memory, or it knows itself
-            _restoring.replaced = True
 
 
 def _require_objects(before: Any, value: Any) -> None:
@@ -281,36 +281,20 @@ def _declared(value: Any) -> tuple[int, Any] | None:
     return (ITEMS, value[:]) if issubclass(kind, ctypes.Array) else None
 
 
-class _Restoring(threading.local):
-    """What this thread sets of a state at present."""
-
-    loaded: dict[int, tuple[Any, Any]] | None = None
-    replaced = False
-
-
-_restoring = _Restoring()
+_restoring = threading.local()
 
 
 def restoring(on: bool) -> None:
     """What this thread sets from now on is of one state, until that ends: no object takes two values of it."""
     _restoring.loaded = {} if on else None
-    _restoring.replaced = False
-
-
-def replaced() -> bool:
-    """Whether this thread has set an attribute, or changed a container, since `restoring`.
-
-    Numbers in memory that native code reads, too, are left out: `Number`, fields of ctypes, arrays; and properties of
-    libgz's classes, which do themselves what follows.
-    """
-    return _restoring.replaced
 
 
 def _is_taken(before: Any, value: Any) -> bool:
     """Whether an object has taken another value of the state already."""
-    if _restoring.loaded is None:
+    loaded: dict[int, tuple[Any, Any]] | None = getattr(_restoring, "loaded", None)
+    if loaded is None:
         return False
-    _, first = _restoring.loaded.setdefault(id(before), (before, value))
+    _, first = loaded.setdefault(id(before), (before, value))
     return first is not value and encode(first) != encode(value)
 
 
@@ -351,26 +335,8 @@ def _puts(before: Any, value: Generated) -> bool:
     return same
 
 
-def _is_same(one: Any, other: Any) -> bool:
-    """Whether two values are one object, or equal in every respect."""
-    if one is other:
-        return True
-    kind = type(one)
-    if type(other) is not kind or (kind not in _EXACT and kind is not float) or one != other:
-        return False
-    return kind is not float or one != 0.0 or str(one) == str(other)  # zeros have signs
-
-
-def _note_contents(before: Collection[Any], after: Collection[Any]) -> None:
-    """Note whether a container that changes in place holds something else then."""
-    if len(before) != len(after) or not all(map(_is_same, before, after)):
-        _restoring.replaced = True
-
-
 def _load_list(before: list[Any], value: list[Any]) -> Any:
-    items = made(value) if SCALARS.issuperset(map(type, before)) else _each_loaded(before, value)
-    _note_contents(before, items)
-    before[:] = items
+    before[:] = made(value) if SCALARS.issuperset(map(type, before)) else _each_loaded(before, value)
     return before
 
 
@@ -389,7 +355,6 @@ def _load_dict(before: dict[Any, Any], value: dict[Any, Any]) -> Any:
         keys = [*map(made, value)]
         items = [*map(_loaded, map(before.get, keys), value.values())]
         value = dict(zip(keys, items, strict=True))
-    _note_contents((*before, *before.values()), (*value, *value.values()))
     before.clear()
     before.update(value)
     return before
@@ -397,7 +362,6 @@ def _load_dict(before: dict[Any, Any], value: dict[Any, Any]) -> Any:
 
 def _load_set(before: set[Any], value: set[Any]) -> Any:
     items = made(value)
-    _restoring.replaced |= before != items
     before.clear()
     before.update(items)
     return before
@@ -407,7 +371,6 @@ def _load_deque(before: deque[Any], value: deque[Any]) -> Any:
     if value.maxlen != before.maxlen:
         return made(value)
     items = _each_loaded(before, value)
-    _note_contents(before, items)
     before.clear()
     before.extend(items)
     return before

@@ -400,8 +400,7 @@ def run_exchanges(world: HasRows, exchanges: Sequence[tuple[Exchange, Callable[[
 class LawCall:
     """A law that is computed between steps: natively where that is possible, else in Python.
 
-    It is recorded again when what it takes as constant has changed and the rows of the world have been built again
-    since, as those of laws that are done in steps, or `renew` was called.
+    It is recorded again when what it takes as constant has changed.
 
     Args:
         world: of the bodies and joints that it uses.
@@ -418,31 +417,27 @@ class LawCall:
         self._record: LawRecord | None = None
         self._table: Any = None
         self._kept: object = None
-        self._builds = -1  # of the rows when it was recorded
+        self._refused = -1  # how often the rows had been built when it could not be recorded
 
     @property
     def address(self) -> int:
         """Of its `LawRecord`, for a job; 0 where Python has to compute it now."""
         rows = self.world.rows
-        if not (rows.native and rows.valid and is_law(self._method)):
+        if not (rows.native and is_law(self._method)):
             return 0
-        if self._builds != rows.builds:
-            self._builds = rows.builds
+        if self._recorder is None or not self._recorder.holds():
+            if self._refused == rows.builds:
+                return 0
             self._record_again()
         return 0 if self._record is None else ctypes.addressof(self._record)
 
-    def renew(self) -> None:
-        """Record it again before it is computed next, if what it takes as constant has changed."""
-        self._builds = -1
-
     def _record_again(self) -> None:
         recorder = Recorder()
-        if self._recorder is not None and recorder.take(self._recorder):
-            return
         self._recorder = self._record = None
         try:
             recorder.record(self._method)
         except LeftToPython:
+            self._refused = self.world.rows.builds
             return
         self._recorder, (self._record, kept) = recorder, recorder.result()
         row = (Row * 1)(Row(Kind.LAW, 0, ctypes.addressof(self._record)))

@@ -10,7 +10,6 @@ from libgz.base.errors import ParameterError
 from libgz.base.law import law, where
 from libgz.gym import WorldVectorEnv
 from libgz.gym.tasks import WORLDS
-from libgz.simulation.rate import UpdateRate
 
 MEASURED = [name for name, kind in libgz.gym.TASKS.items() if kind.measure is not libgz.gym.WorldEnv.measure]
 
@@ -123,16 +122,9 @@ def test_a_law_sees_what_a_start_has_set():
     env.close()
 
 
-def test_a_reset_that_changes_numbers_alone_keeps_the_rows():
-    env = gymnasium.make("libgz/Balance-v0").unwrapped
-    builds = []
-    for _ in range(4):
-        env.reset(seed=1)
-        env.step(env.action_space.sample())
-        builds.append(env.world.rows.builds)
-    assert builds[1:] == builds[1:2] * 3
-    env.world.model("robot1").rate = UpdateRate(5.0)  # which the plan of its update has
-    env.reset(seed=1)
-    env.step(env.action_space.sample())
-    assert env.world.rows.builds > builds[-1]
-    env.close()
+def test_a_law_sees_what_an_episode_has_set():
+    with Aim() as env:
+        env.reset(seed=0)
+        for aim in (1.5, -2.0):
+            env.aim = aim
+            assert env.step([0.0])[1] == aim

@@ -23,12 +23,13 @@ from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
 from libgz.rendering.image import depth_text, jpeg_text
-from libgz.sdf.paths import find_model
+from libgz.sdf.paths import find_model, model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
 
 if TYPE_CHECKING:
     from libgz.apps.joint_servos import JointServos
+    from libgz.sdf.reader import SdfFile
 
 __all__ = ["WorldControl", "steps_of"]
 
@@ -270,6 +271,8 @@ class WorldControl:
         world, text, uri = self.world, str(content.get("text", "")), str(content.get("model", ""))
         if text:
             file = SdfFile.from_string(text, "<inserted>")
+            if content.get("of_page"):
+                _check_plugins(file)
         elif uri in SHAPES:
             file = SdfFile.from_string(f"<sdf version='1.6'>{sdf_shape(uri)}</sdf>")
         else:
@@ -440,6 +443,21 @@ class WorldControl:
 
 
 _PLACE = re.compile(r"(?P<file>[^\s:][^:\n]{0,4000}):(?P<line>\d{1,9}): ")
+
+
+def _check_plugins(file: SdfFile) -> None:
+    """Check that all plugins of what a page wrote are those of models that it may insert.
+
+    Raises:
+        ParameterError: one is of another file.
+    """
+    folders = [folder.resolve() for folder in model_directories()]
+    for element in file.root.find("plugin"):
+        path = Path(element.file).resolve()
+        if not any(path.is_relative_to(folder) for folder in folders):
+            raise ParameterError(
+                f"{element.where}: a page inserts no plugins but those of models of the model directories"
+            )
 
 
 def steps_of(argument: str) -> int:

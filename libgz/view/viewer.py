@@ -581,7 +581,7 @@ class Viewer(Closing):
 
 
 def _check_insertion(content: dict[str, Any], controls: Controls) -> None:
-    """Refuse what a page inserts if it is no model of the catalogue, or could run code.
+    """Refuse what a page inserts if it is no model of the catalogue, or could run code; mark a text that it wrote.
 
     Raises:
         GazeboError: it is refused.
@@ -590,6 +590,7 @@ def _check_insertion(content: dict[str, Any], controls: Controls) -> None:
         text = content["text"]
         if not isinstance(text, str) or CODE.search(text.removeprefix("<?xml")):
             raise GazeboError("a page inserts no plugins, macros or declarations: put the model into a world's file")
+        content["of_page"] = True  # what it includes is checked where it is read
         return
     entries = controls.ask("catalogue") or []
     if content.get("model") not in [one["name"] if isinstance(one, dict) else one for one in entries]:

@@ -112,6 +112,36 @@ def test_models_of_installed_worlds_are_inserted(ask):
     assert ask("insert", model="pioneer2at/robot1") == ["robot2", "laser2"]
 
 
+PLUGIN = "<plugin name='p' filename='libevil.so'/>"
+CONFIG = "<model><name>{0}</name><sdf version='1.6'>model.sdf</sdf></model>"
+INCLUDE = "<sdf version='1.6'><world name='w'><include><uri>{}</uri></include></world></sdf>"
+
+
+@pytest.mark.parametrize("uri", ["{evil}/a", "file://{evil}/a", "model://{evil}/a", "model://../evil/a", "model://b"])
+def test_a_page_includes_no_plugins_from_elsewhere(tmp_path, monkeypatch, uri):
+    (tmp_path / "models").mkdir()
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path / "models"))
+    for place, inside in (
+        ("evil/a", PLUGIN),
+        ("models/b", f"<include><uri>{tmp_path}/evil/a</uri></include>"),
+        ("models/c", PLUGIN),
+    ):
+        folder = tmp_path / place
+        folder.mkdir(parents=True)
+        (folder / "model.config").write_text(CONFIG.format("m"))
+        (folder / "model.sdf").write_text(
+            f"<sdf version='1.6'><model name='{folder.name}'><link name='l'/>{inside}</model></sdf>"
+        )
+    with libgz.World.from_string(SDF) as world:
+        world.attach_era()
+        ask, count = Asker(world), len(world.models)
+        with pytest.raises(GazeboError, match="a page inserts no plugins but those of models of the model directories"):
+            ask("insert", text=INCLUDE.format(uri.format(evil=tmp_path / "evil")), of_page=True)
+        assert len(world.models) == count
+        assert ask("insert", text=INCLUDE.format("model://c"), of_page=True) == ["c"]
+        assert ask("insert", text=INCLUDE.format(tmp_path / "evil" / "a")) == ["a"]  # of a program of the user
+
+
 CORNERS = {"o": "0 0 5", "x": "200 0 5", "y": "0 100 5", "z": "0 0 305"}  # of a tetrahedron [mm]
 FACETS = "".join(
     f"facet normal 0 0 0\nouter loop\n{''.join(f'vertex {CORNERS[one]}{chr(10)}' for one in names)}endloop\nendfacet\n"

@@ -4,7 +4,7 @@ import pytest
 from commands import run_libgz
 
 import libgz
-from libgz.base.errors import Diagnostics, WorldFileError
+from libgz.base.errors import Diagnostics, ParameterError, WorldFileError
 from libgz.reference.check import check_sdf
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.value import repaired
@@ -39,6 +39,28 @@ def test_slips_are_warnings(text, said):
     found = warnings(text)
     assert len(found) == 1
     assert said in found[0]
+
+
+@pytest.mark.parametrize("begin", ["", "\n", "x"])
+@pytest.mark.parametrize(
+    ("encoding", "hidden"),
+    [("utf-7", "+AHA-lugin"), ("ISO-2022-JP", "pl\x1b(Bugin"), ("ISO-2022-KR", "pl\x0fugin"), ("HZ", "pl~{~}ugin")],
+)
+def test_a_text_is_read_as_it_stands_whatever_encoding_it_declares(begin, encoding, hidden):
+    """Else who checked the text for plugins has checked another one."""
+    for version in ("1.0", "1.0>"):
+        text = f"{begin}<?xml version='{version}' encoding='{encoding}'?>" + MODEL.format(f"<{hidden} name='p'/>")
+        try:
+            file = SdfFile.from_string(text)
+        except WorldFileError:
+            continue
+        assert list(file.root.find("plugin")) == []
+
+
+def test_a_text_without_a_declaration_is_not_guessed_to_be_of_two_bytes_a_character():
+    text = "".join(f"\0{letter}" for letter in "<?xml version='1.0'?>" + MODEL.format(""))
+    with pytest.raises(ParameterError, match="<string>:1: '\\x00' is no character of XML"):
+        SdfFile.from_string(text)
 
 
 def test_an_encoding_that_is_declared_late_is_used():

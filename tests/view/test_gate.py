@@ -220,10 +220,11 @@ def test_pages_ask_for_nothing_but_the_worlds_requests(viewer, controls):
         assert page.ask("insert", model="/tmp/evil.sdf")[1] == "there is no '/tmp/evil.sdf' in the catalogue"
         for text in ("<sdf><model><plugin/></model></sdf>", "<!DOCTYPE a>", "<a xmlns:Xacro='b'/>", 7):
             assert "inserts no plugins" in page.ask("insert", text=text)[1]
-        assert page.ask("insert", text="<?xml version='1.0'?><sdf/>") == (None, None)
+        whole = {"text": "<?xml version='1.0'?><sdf/>", "of_page": True}
+        assert page.ask("insert", text=whole["text"]) == (None, None)
         assert page.ask("insert", model="box") == (None, None)
     asked = [(verb, content) for verb, _, content in controls.asked if verb != "catalogue"]
-    assert asked == [("write", {}), ("insert", {"text": "<?xml version='1.0'?><sdf/>"}), ("insert", {"model": "box"})]
+    assert asked == [("write", {}), ("insert", whole), ("insert", {"model": "box"})]
 
 
 @pytest.mark.parametrize("bad", ["NaN", "Infinity", "1e308", "-1e10", str(2**63)])

@@ -557,5 +557,5 @@ def test_names_and_texts_that_are_no_unicode(tmp_path, text):
     path.write_text(text)
     with libgz.World.from_file(path) as world:
         world.step()
-    with pytest.raises(libgz.GazeboError, match=r"<string>:2: '\\udce9' is no character of Unicode"):
+    with pytest.raises(libgz.GazeboError, match=r"<string>:2: '\\udce9' is no character of XML"):
         libgz.World.from_string(text + "\n\udce9")

@@ -12,7 +12,7 @@ from pathlib import Path
 from libgz.base.errors import ParameterError
 from libgz.classic_cxx.library import EXACT, STANDARD, built
 from libgz.classic_cxx.recognition import OLD_NAMES, asks_for_old_names, version_flags
-from libgz.cxx.build import CompileError, check_sources, compiler, run_compiler
+from libgz.cxx.build import CompileError, compiler, run_compiler, source_words
 
 __all__ = ["build", "check", "default_output"]
 
@@ -67,7 +67,7 @@ def build(
         LibraryError: there is no compiler, or a package is missing.
         ParameterError: a source cannot be read, or the output cannot be written.
     """
-    check_sources(sources)
+    own_words = source_words(sources)
     library = built(progress)
     quality = ["-g3", "-O0"] if debug else ["-O2"]
     try:
@@ -76,7 +76,7 @@ def build(
 
             def compiled(version: Sequence[str]) -> list[CompileError]:
                 own = _command(library.compiler_flags(), standard, [*quality, *version, *options])
-                words = [*own, "-shared", "-o", str(new), *map(str, sources), *libraries, *library.linker_flags()]
+                words = [*own, "-shared", "-o", str(new), *own_words, *libraries, *library.linker_flags()]
                 return run_compiler(words, _hint)
 
             errors = _either(compiled, sources)
@@ -100,13 +100,13 @@ def check(
         LibraryError: there is no compiler, or a package is missing.
         ParameterError: a source cannot be read.
     """
-    check_sources(sources)
+    named = zip(sources, source_words(sources), strict=True)
     flags = built(progress).compiler_flags()
     found: list[CompileError] = []
-    for source in sources:
+    for source, word in named:
 
-        def compiled(version: Sequence[str], source: Path = source) -> list[CompileError]:
-            words = [*_command(flags, standard, [*version, *options]), "-fsyntax-only", str(source)]
+        def compiled(version: Sequence[str], word: str = word) -> list[CompileError]:
+            words = [*_command(flags, standard, [*version, *options]), "-fsyntax-only", word]
             return run_compiler(words, _hint)
 
         found += _either(compiled, [source])

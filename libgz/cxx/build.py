@@ -22,11 +22,11 @@ __all__ = [
     "CompileError",
     "build",
     "check",
-    "check_sources",
     "compiler",
     "cxxflags",
     "for_installation",
     "run_compiler",
+    "source_words",
 ]
 
 STANDARD = "gnu++98"  # as which old sources are compiled
@@ -134,7 +134,7 @@ def build(
         LibraryError: there is no compiler.
         ParameterError: a source cannot be read, or the output cannot be written.
     """
-    check_sources(sources)
+    words = source_words(sources)
     quality = ["-g3", "-O0"] if debug else ["-O2"]
     try:
         with tempfile.TemporaryDirectory(dir=output.parent) as folder:
@@ -144,7 +144,7 @@ def build(
                 "-shared",
                 "-o",
                 str(new),
-                *map(str, sources),
+                *words,
                 *libraries,
             ]
             errors = run_compiler(command)
@@ -162,16 +162,15 @@ def check(sources: Sequence[Path], *, standard: str = STANDARD, options: Sequenc
         LibraryError: there is no compiler.
         ParameterError: a source cannot be read.
     """
-    check_sources(sources)
     return [
         error
-        for source in sources
-        for error in run_compiler([*_command(standard, options), "-fsyntax-only", str(source)])
+        for source in source_words(sources)
+        for error in run_compiler([*_command(standard, options), "-fsyntax-only", source])
     ]
 
 
-def check_sources(sources: Sequence[Path]) -> None:
-    """Check that files are there, and may be sources.
+def source_words(sources: Sequence[Path]) -> list[str]:
+    """What names sources to a compiler, which takes ``-x.cc`` for options, and ``@x.cc`` for a file with options.
 
     Raises:
         ParameterError: one is not.
@@ -181,6 +180,9 @@ def check_sources(sources: Sequence[Path]) -> None:
             raise ParameterError(f"there is no file {str(source)!r}")
         if source.suffix not in SUFFIXES:  # which a compiler would give to the linker as a script
             raise ParameterError(f"{str(source)!r} is no C++ source: it ends with none of {', '.join(SUFFIXES)}")
+        if source.name[0] == "@":  # wherever it lies: GCC hands the name on
+            raise ParameterError(f"{str(source)!r} is a name that compilers take for a file with options; rename it")
+    return [f"./{source}" if str(source)[0] in "-@" else str(source) for source in sources]
 
 
 def run_compiler(command: list[str], hint: Callable[[str], str] | None = None) -> list[CompileError]:

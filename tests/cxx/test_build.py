@@ -68,6 +68,19 @@ def test_several_sources_options_and_symbols(tmp_path, cxx):
         assert world.models[0].GetBody().GetLinearVel().x == 3.0
 
 
+@pytest.mark.parametrize("name", ["@x.cc", "@d/x.cc", "d/@x.cc", "-wrapper.cc"])
+@pytest.mark.parametrize("verb", ["build", "check"])
+def test_the_name_of_a_source_is_no_option_of_the_compiler(tmp_path, cxx, verb, name):
+    """An option can be the name of a program that the compiler runs, or of a file with more options."""
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text(source())
+    (tmp_path / "x.cc").write_text("-wrapper touch,stolen\n")
+    code, _out, said = cxx(verb, *(["-o", "My.so"] if verb == "build" else []), "--", name)
+    assert code == (1 if Path(name).name == "@x.cc" else 0)
+    assert ("a name that compilers take for a file with options" in said) == (code == 1)
+    assert not (tmp_path / "stolen").exists()
+
+
 def test_check_explains_what_is_missing_with_its_line(tmp_path, cxx):
     lines = [
         "#include <gazebo/World.hh>",

@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from lxml import etree
 
-from libgz.base.errors import WorldFileError
+from libgz.base.errors import LibraryError, WorldFileError
 
 __all__ = [
     "check_size",
@@ -23,6 +23,7 @@ __all__ = [
     "is_file",
     "is_folder",
     "open_file",
+    "own_cache",
     "read_file",
     "read_limited",
     "read_text",
@@ -212,6 +213,24 @@ def _write_and_rename(folder: int, name: str, data: bytes, mode: int) -> None:
             with contextlib.suppress(OSError):
                 os.unlink(beside, dir_fd=folder)
         raise
+
+
+def own_cache(*parts: str) -> Path:
+    """A folder in the user's cache, below XDG_CACHE_HOME or ~/.cache; it need not exist. It may hold code that is run.
+
+    Raises:
+        LibraryError: it belongs to another user.
+    """
+    place = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    folder = place if place.is_absolute() else Path.home() / ".cache"
+    for part in parts:
+        folder /= part
+        with contextlib.suppress(FileNotFoundError):
+            about = folder.lstat()
+            if about.st_uid != os.geteuid() or not stat.S_ISDIR(about.st_mode):
+                owner = f"is no directory of user {os.geteuid()}"
+                raise LibraryError(f"{folder} {owner}, and what it holds would be run; set XDG_CACHE_HOME")
+    return folder
 
 
 def installed_worlds() -> Path:

@@ -26,7 +26,7 @@ from pathlib import Path
 
 import libgz.cxx
 from libgz.base.errors import LibraryError
-from libgz.base.files import write_whole
+from libgz.base.files import own_cache, write_whole
 from libgz.classic.api import TABLE as CLASSIC
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
@@ -134,8 +134,12 @@ def _toolchain_key() -> str:
 
 
 def cache_folder() -> Path:
-    """Where libraries are kept."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "libgz" / "classic-cxx"
+    """Where libraries are kept.
+
+    Raises:
+        LibraryError: it belongs to another user.
+    """
+    return own_cache("libgz", "classic-cxx")
 
 
 def default_prefix() -> Path:
@@ -519,7 +523,8 @@ def uninstall(prefix: Path | None = None) -> list[Path]:
     manifest = place / MANIFEST
     if not manifest.is_file():
         return []
-    removed = [place / line for line in manifest.read_text().splitlines() if line and ".." not in Path(line).parts]
+    listed = manifest.read_text(errors="surrogateescape").splitlines()
+    removed = [place / line for line in listed if _is_file_of(place, place / line)]
     for path in (*removed, manifest):
         path.unlink(missing_ok=True)
     for folder in sorted({parent for path in (*removed, manifest) for parent in _below(path, place)}, reverse=True):
@@ -528,6 +533,14 @@ def uninstall(prefix: Path | None = None) -> list[Path]:
     if _registry().is_file() and _registry().read_text().strip() == str(place / "lib" / "cmake" / "gazebo"):
         _registry().unlink()
     return [*removed, manifest]
+
+
+def _is_file_of(place: Path, path: Path) -> bool:
+    """Whether a path is a file in a directory, by the links on its way, too: a manifest may be of somebody else."""
+    try:
+        return (path.is_symlink() or path.is_file()) and path.parent.resolve().is_relative_to(place.resolve())
+    except (OSError, ValueError):
+        return False
 
 
 def _below(path: Path, place: Path) -> Iterator[Path]:

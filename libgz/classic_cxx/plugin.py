@@ -82,9 +82,8 @@ def _functions(path: Path, key: str, folder: Path) -> Any:
                 "it; build it again"
             )
         return _library[0][1]
-    folders = [folder, cache_folder() / key / "lib"]
-    place = next((one for one in folders if (one / SONAME).is_file()), None)
-    if place is None:
+    place = folder if (folder / SONAME).is_file() else cache_folder() / key / "lib"
+    if not (place / SONAME).is_file():
         raise PluginError(
             f"error loading plugin: {path} needs {SONAME}, which is not in {folder} any more; "
             "libgz config --install-classic installs it"

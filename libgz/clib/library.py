@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 from libgz.base.errors import LibraryError
+from libgz.base.files import own_cache
 from libgz.clib import FOLDER
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
@@ -45,13 +46,13 @@ def library_folder(version: int = LIBGAZEBO_VERSION, *, i386: bool = False) -> P
         i386: for 32-bit programs.
 
     Raises:
-        LibraryError: there is no compiler, it failed, or the cache cannot be written.
+        LibraryError: there is no compiler, it failed, or the cache cannot be written, or is another user's.
     """
     command = [*compiler(), *FLAGS, f"-DLIBGAZEBO_VERSION={version:#05x}"]
     if i386:
         command += [FOR_I386, "-D_FILE_OFFSET_BITS=64"]  # for files with large numbers
         _check_i386(command)
-    folder = _cache() / f"libgz-{_fingerprint(command)}"
+    folder = own_cache(f"libgz-{_fingerprint(command)}")
     if not ((folder / ARCHIVE).exists() and (folder / SHARED).exists()):
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -75,11 +76,6 @@ def _check_i386(command: list[str]) -> None:
             raise LibraryError(
                 f"{command[0]} cannot make 32-bit programs ({FOR_I386}) here: apt-get install gcc-multilib"
             )
-
-
-def _cache() -> Path:
-    place = os.environ.get("XDG_CACHE_HOME", "")
-    return Path(place) if Path(place).is_absolute() else Path.home() / ".cache"
 
 
 def _fingerprint(command: list[str]) -> str:

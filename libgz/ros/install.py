@@ -268,7 +268,7 @@ def uninstall(prefix: Path) -> int:
     """
     prefix = prefix.expanduser().absolute()
     try:
-        listed = (prefix / MANIFEST).read_text().splitlines()
+        listed = (prefix / MANIFEST).read_text(errors="replace").splitlines()
     except OSError:
         raise NotFoundError(f"{prefix} has no {MANIFEST}: libgz installed nothing there") from None
     known = set(_contents(prefix)) & set(listed)  # a changed manifest removes nothing else

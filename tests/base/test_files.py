@@ -11,8 +11,10 @@ import pytest
 
 from libgz import WorldFile
 from libgz.base import files
-from libgz.base.errors import WorldFileError
-from libgz.base.files import write_whole
+from libgz.base.errors import LibraryError, WorldFileError
+from libgz.base.files import own_cache, write_whole
+from libgz.classic_cxx.library import cache_folder
+from libgz.clib.library import library_folder
 from libgz.sdf.reader import SdfFile
 
 
@@ -23,6 +25,26 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path, monkeypatch, load):
     monkeypatch.setattr(files, "LARGEST_FILE", 10)
     with pytest.raises(WorldFileError, match="it is larger than 0 MiB"):
         load(path)
+
+
+@pytest.mark.parametrize("find", [own_cache, cache_folder, library_folder])
+def test_code_is_kept_in_no_folder_of_another_user(tmp_path, monkeypatch, find):
+    """As in one of a directory that all may write, or of a home that sudo has kept."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    words = ("libgz",) if find is own_cache else ()
+    folder = find(*words)
+    assert folder.is_relative_to(tmp_path)
+    folder.mkdir(parents=True, exist_ok=True)
+    assert find(*words) == folder
+    monkeypatch.setattr(os, "geteuid", lambda: 12345)
+    with pytest.raises(LibraryError, match="is no directory of user 12345, and what it holds would be run"):
+        find(*words)
+    monkeypatch.undo()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder.rename(tmp_path / "elsewhere")
+    folder.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(LibraryError, match="is no directory of user"):
+        find(*words)
 
 
 def test_pipes_and_devices_are_written_to_and_never_replaced(tmp_path):

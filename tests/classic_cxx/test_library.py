@@ -294,6 +294,22 @@ def test_installation(library, tmp_path, monkeypatch, capsys):
     assert not (tmp_path / ".cmake/packages/gazebo/libgz").exists()
 
 
+def test_a_manifest_removes_nothing_outside_its_directory(tmp_path):
+    """A prefix may be one of somebody else, or have been unpacked from an archive."""
+    prefix, kept = tmp_path / "prefix", tmp_path / "kept"
+    (prefix / "share" / "libgz").mkdir(parents=True)
+    (prefix / "folder").mkdir()
+    (prefix / "link").symlink_to(tmp_path)
+    (prefix / "file").write_text("")
+    kept.write_text("")
+    lines = [str(kept), "../kept", "link/kept", "share/../../kept", "folder", "file/x", ".", "nul\0", "\udcff", "file"]
+    (prefix / library_module.MANIFEST).write_text("\n".join(lines), errors="surrogateescape")
+    assert library_module.uninstall(prefix) == [prefix / "file", prefix / library_module.MANIFEST]
+    assert kept.exists()
+    assert (prefix / "link").is_symlink()
+    assert not (prefix / "file").exists()
+
+
 @pytest.mark.trial
 def test_the_tutorial_as_typed(library, tmp_path, monkeypatch):
     """cmake ../, make, GAZEBO_PLUGIN_PATH, gzserver hello.world --verbose; then by a Makefile's command."""

@@ -12,7 +12,8 @@ from lxml import etree
 
 from libgz.apps.server_link import add_world, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
-from libgz.base.errors import ParameterError
+from libgz.base.budget import ELEMENT, Budget, BudgetError
+from libgz.base.errors import ParameterError, WorldFileError
 from libgz.classic import msgs
 from libgz.classic.log import ENCODINGS, LogReader, LogState, LogWriter, NamePattern, read_states
 from libgz.sdf.upgrade import NEWEST
@@ -60,13 +61,16 @@ def run(options: argparse.Namespace) -> int:
     if options.hz is not None and not options.hz > 0.0:
         raise ParameterError(f"--hz is {options.hz:g}; it must be above 0")
     reader = LogReader(options.file)
-    if options.output is not None:
-        _write(reader, options)
-    elif options.echo:
-        for text in _texts(reader, options):
-            sys.stdout.write(text)
-    else:
-        _print_info(reader, options.json)
+    try:
+        if options.output is not None:
+            _write(reader, options)
+        elif options.echo:
+            for text in _texts(reader, options):
+                sys.stdout.write(text)
+        else:
+            _print_info(reader, options.json)
+    except BudgetError as error:
+        raise WorldFileError(f"{options.file}: {error}") from None
     return 0
 
 
@@ -84,18 +88,25 @@ def _write(reader: LogReader, options: argparse.Namespace) -> None:
 
 
 def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogState]:
-    """States at no more than a rate [Hz]; each includes the changes of the omitted states before it."""
-    due, omitted = -float("inf"), LogState(0.0)
+    """States at no more than a rate [Hz]; each includes the changes of the omitted states before it.
+
+    Raises:
+        BudgetError: those are too many.
+    """
+    due, omitted, held = -float("inf"), LogState(0.0), Budget()
     for state in states:
-        state.poses = {**omitted.poses, **state.poses}
-        state.velocities = {**omitted.velocities, **state.velocities}
-        state.insertions = omitted.insertions + state.insertions
-        state.deletions = omitted.deletions + state.deletions
-        omitted = state
+        texts = *state.insertions, *state.deletions, *(name for name in state.poses if name not in omitted.poses)
+        held.take(sum(map(len, texts)) + ELEMENT * len(texts))
+        omitted.poses.update(state.poses)
+        omitted.velocities.update(state.velocities)
+        omitted.insertions += state.insertions
+        omitted.deletions += state.deletions
         if rate is None or state.sim_time >= due - TIME_SLACK:
             due = state.sim_time + (1.0 / rate if rate else 0.0)
+            state.poses, state.velocities = omitted.poses, omitted.velocities
+            state.insertions, state.deletions = omitted.insertions, omitted.deletions
             yield state
-            omitted = LogState(0.0)
+            omitted, held = LogState(0.0), Budget()
 
 
 def _texts(reader: LogReader, options: argparse.Namespace) -> Iterator[str]:
@@ -109,11 +120,14 @@ def _texts(reader: LogReader, options: argparse.Namespace) -> Iterator[str]:
 
 def _print_info(reader: LogReader, as_json: bool) -> None:
     """Print a summary in the format of classic's tool, or as JSON."""
-    count, first, last, models = 0, None, 0.0, set()
+    count, first, last, held = 0, None, 0.0, Budget()
+    models: set[str] = set()
     for state in read_states(reader):
         first = state.sim_time if first is None else first
         count, last = count + 1, state.sim_time
-        models |= {name.partition("::")[0] for name in state.poses if "::" in name}
+        new = {name.partition("::")[0] for name in state.poses if "::" in name} - models
+        held.take(sum(map(len, new)) + ELEMENT * len(new))
+        models |= new
     encoding = next((encoding for encoding, _ in reader.chunks()), "none")
     header = reader.header
     if as_json:

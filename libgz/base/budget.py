@@ -14,7 +14,7 @@ from typing import Any
 from libgz.base.errors import ParameterError
 from libgz.base.numbers import whole_number
 
-__all__ = ["DECOMPRESSED", "VARIABLE", "Budget", "BudgetError", "budget_limit"]
+__all__ = ["DECOMPRESSED", "ELEMENT", "VARIABLE", "Budget", "BudgetError", "budget_limit"]
 
 DECOMPRESSED = 256 << 20  # [byte]
 WINDOW = 1 << 27  # [byte] of zstd's memory for a frame, the most that zstd itself makes

@@ -13,7 +13,7 @@ import re
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lxml import etree
 
@@ -27,6 +27,9 @@ from libgz.base.numbers import whole_number
 __all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
 
 LARGEST_SEED = (1 << 32) - 1
+MOST_IN_HEADER = 20  # elements
+LONGEST_PROLOGUE = 1 << 20  # [byte] before the first element, such as document types
+BLOCK = 1 << 16  # [byte] that are parsed at a time
 CHUNK = 64 * 1024  # characters that are written together
 # How chunks are compressed, and how within a budget they are decompressed.
 ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[Budget, bytes], bytes]]] = {
@@ -141,21 +144,36 @@ class LogReader:
         self.header = self._read_header()
 
     def _elements(self, name: str) -> Iterator[etree._Element]:
+        """Yield the elements of a name, each until the next one is read: of a log no more is held than that."""
         try:
             with open_file(self.path) as file:
-                # recover: the end may be missing.
-                yield from (
-                    element
-                    for _, element in etree.iterparse(
-                        file,
-                        tag=name,
-                        recover=True,
-                        huge_tree=True,
-                        resolve_entities=False,
-                        no_network=True,
-                        load_dtd=False,
-                    )
+                parser = etree.XMLPullParser(
+                    ("start", "end"),
+                    recover=True,  # the end may be missing
+                    huge_tree=True,
+                    remove_comments=True,
+                    remove_pis=True,
+                    resolve_entities=False,
+                    no_network=True,
+                    load_dtd=False,
                 )
+                begun, kept = False, 0
+                while block := file.read(BLOCK):
+                    parser.feed(block)
+                    events: Iterator[Any] = parser.read_events()  # its stubs have those of namespaces, too
+                    for event, element in events:
+                        begun = True
+                        if event == "start":
+                            continue
+                        if element.tag == name:
+                            yield element
+                        parent = element.getparent()
+                        if parent is not None and parent.tag == "header" and kept < MOST_IN_HEADER:
+                            kept += 1
+                        elif parent is not None:
+                            parent.remove(element)
+                    if not begun and file.tell() > LONGEST_PROLOGUE:
+                        raise WorldFileError(f"{self.path}:1: is not a log file: it begins with no element")
         except OSError as error:
             raise WorldFileError(f"log {self.path} cannot be read: {error.strerror}") from None
         except etree.XMLSyntaxError as error:
@@ -187,6 +205,7 @@ class LogReader:
                 )
             text = element.text or ""
             try:
+                Budget().take(len(text))
                 if encoding != "txt":
                     text = ENCODINGS[encoding][1](Budget(), base64.b64decode(text)).decode()
                 Budget().take_xml(text)  # what readers make of it
@@ -195,7 +214,6 @@ class LogReader:
             except ValueError as error:
                 raise WorldFileError(f"{self.path}:{line}: <chunk>: is damaged: {error}") from None
             yield encoding, text
-            element.clear()
 
     def documents(self) -> Iterator[etree._Element]:
         """Yield the `<sdf>` elements, in order: the world's, then those with states.

@@ -9,6 +9,7 @@ from types import TracebackType
 
 from lxml import etree
 
+from libgz.base.budget import Budget
 from libgz.base.errors import GazeboError, ParameterError, WorldFileError
 from libgz.classic.log.file import LogReader
 from libgz.classic.physics.base import Entity
@@ -29,6 +30,7 @@ __all__ = ["LogPlay", "LogState", "read_states"]
 log = logging.getLogger("libgz.classic")
 
 LogState = SdfState
+MOST_NAMES = 100_000  # whose parts are remembered: a log may name any number that its world has not
 
 
 def read_states(reader: LogReader) -> Iterator[SdfState]:
@@ -72,6 +74,7 @@ class LogPlay(Stateless):
         self.core = CoreWorld() if core is None else core
         self._next: SdfState | None = None
         self._index, self._time, self._iterations = 0, 0.0, 0
+        self._inserted = Budget()
         self._parts: dict[str, Entity | None] = {}  # by scoped name
         try:
             self.core.extension(SdfWorld).load(self._first())
@@ -90,8 +93,11 @@ class LogPlay(Stateless):
     def Span(self) -> tuple[float, float]:
         """The first and the last sim time of the log [s]; the first call reads the whole log."""
         if self._span is None:
-            times = [state.sim_time for state in read_states(self.reader)] or [0.0]
-            self._span = times[0], times[-1]
+            first, last = None, 0.0
+            for state in read_states(self.reader):
+                last = state.sim_time
+                first = last if first is None else first
+            self._span = first or 0.0, last
         return self._span
 
     def _first(self) -> SdfFile:
@@ -154,7 +160,7 @@ class LogPlay(Stateless):
 
     def _rewind(self) -> None:
         """Return to before the first state, with the models and lights of the start."""
-        self._states, self._index = read_states(self.reader), 0
+        self._states, self._index, self._inserted = read_states(self.reader), 0, Budget()
         self._next = next(self._states, None)
         self._parts.clear()
         here = {part.GetName() for part in self.world.children()}
@@ -192,6 +198,7 @@ class LogPlay(Stateless):
             if self.world.BaseByName(name) is not None:
                 self.world.RemoveModel(name)
         for text in state.insertions:
+            self._inserted.take_xml(text)
             self._insert(text)
         if state.deletions or state.insertions:
             self._parts.clear()
@@ -211,6 +218,8 @@ class LogPlay(Stateless):
 
     def _part(self, name: str) -> Entity | None:
         if name not in self._parts:
+            if len(self._parts) >= MOST_NAMES:
+                self._parts.clear()
             self._parts[name] = self.world.EntityByName(name)
         return self._parts[name]
 

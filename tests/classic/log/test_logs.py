@@ -14,6 +14,9 @@ from gzserver_process import new_environment, run
 from lxml import etree
 from sdf_worlds import GROUND, collision, inertial, link, model, world
 
+import libgz.classic.log.file as log_file
+import libgz.classic.log.play as log_play
+from libgz.base import budget
 from libgz.base.errors import ParameterError, WorldFileError
 from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import msgs
@@ -289,6 +292,72 @@ def test_a_small_log_that_becomes_large_is_refused(tmp_path, monkeypatch, conten
     said = r":1: <chunk>: it takes more than 1 MiB decompressed; the environment variable LIBGZ_DECOMPRESSED"
     with pytest.raises(WorldFileError, match=said):
         LogPlay(path)
+
+
+@pytest.mark.parametrize(
+    "what", ["<a/>", "<!---->", "<?a?>", "<header><a/></header>", "<chunk/>", "<chunk><a/></chunk>"]
+)
+def test_what_a_log_has_beside_its_states_is_not_held(tmp_path, what):
+    """The elements of the tree are counted, by way of one that stands behind them."""
+    path = tmp_path / "state.log"
+    path.write_text(f"<gazebo_log><header/>{what * 50_000}<chunk>last</chunk></gazebo_log>")
+    (last,) = (text for _, text in LogReader(path).chunks() if text)
+    assert last == "last"
+    (last,) = (element for element in LogReader(path)._elements("chunk") if element.text == "last")
+    assert sum(1 for _ in last.getroottree().iter()) < 20_000
+
+
+def test_a_log_that_begins_with_no_element_is_none(tmp_path, monkeypatch):
+    path = tmp_path / "state.log"
+    monkeypatch.setattr(log_file, "LONGEST_PROLOGUE", 100_000)
+    entities = "".join(f"<!ENTITY e{i} 'x'>" for i in range(10_000))
+    path.write_text(f"<!DOCTYPE gazebo_log [{entities}]><gazebo_log><header/></gazebo_log>")
+    with pytest.raises(WorldFileError, match=":1: is not a log file: it begins with no element"):
+        LogReader(path)
+
+
+def log_of_states(path, states):
+    chunks = "".join(f"<chunk encoding='txt'><![CDATA[{text}]]></chunk>" for text in states)
+    path.write_text(f"<gazebo_log><header/>{chunks}</gazebo_log>")
+    return path
+
+
+WORLD = "<sdf version='1.6'><world name='w'><model name='m'><link name='l'/></model></world></sdf>"
+STATE = "<sdf version='1.6'><state world_name='w'><sim_time>{} 0</sim_time>{}</state></sdf>"
+NAMED = "<model name='{}'><link name='l'><pose>0 0 1 0 0 0</pose></link></model>"
+INSERTED = "<insertions><model name='n{0}{1}'><link name='l'/></model></insertions>"
+
+
+@pytest.mark.parametrize("words", [("-i",), ("-o", "new.log", "-z", "0.0001")])
+@pytest.mark.parametrize("part", [NAMED.format("{0}{1}"), INSERTED, "<deletions><name>{0}{1}</name></deletions>"])
+def test_what_the_states_of_a_log_have_together_is_bounded(tmp_path, monkeypatch, words, part):
+    if words == ("-i",) and part != NAMED.format("{0}{1}"):
+        return  # of which no summary is printed
+    monkeypatch.chdir(tmp_path)
+    states = [STATE.format(number, part.format("x" * 10_000, number)) for number in range(300)]
+    log_of_states(tmp_path / "state.log", [WORLD, *states])
+    assert run_libgz("log", "-f", "state.log", *words).returncode == 0
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    done = run_libgz("log", "-f", "state.log", *words)
+    assert done.returncode == 1
+    assert done.stderr.startswith("libgz: state.log: it takes more than 1 MiB decompressed; the environment variable")
+
+
+def test_a_played_log_inserts_no_more_than_its_budget_and_forgets_names(tmp_path, monkeypatch):
+    names = [STATE.format(number, NAMED.format(f"a{number}")) for number in range(30)]
+    monkeypatch.setattr(log_play, "MOST_NAMES", 10)
+    with LogPlay(log_of_states(tmp_path / "names.log", [WORLD, *names])) as play:
+        while play.Step():
+            assert len(play._parts) <= 10
+    many = [STATE.format(number, INSERTED.format("", number)) for number in range(30)]
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    monkeypatch.setattr(budget, "ELEMENT", 1 << 14)
+    with LogPlay(log_of_states(tmp_path / "many.log", [WORLD, *many])) as play:
+        with pytest.raises(WorldFileError, match=r"many.log: state \d+: it takes more than 1 MiB decompressed"):
+            play.Forward()
+        assert len(play.core.models) < 15
+        with pytest.raises(WorldFileError):
+            play.Forward()
 
 
 def test_bad_arguments_and_worlds_that_cannot_be_recorded(load, tmp_path):

@@ -15,15 +15,18 @@ from sample_files import TEXTURE_FORMATS, sample, with_library, with_texture, wo
 from libgz import GazeboError, GzVector, World
 from libgz.base.errors import UNFORESEEN, StateError
 from libgz.base.files import installed_worlds
+from libgz.classic.log import LogPlay, LogReader, LogRecord, read_states
+from libgz.classic.server import attach
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.models.roadfile import read_road
 from libgz.physics.bone_motion import read_motion
 from libgz.physics.mesh_files import read_mesh
 from libgz.recording.capture import Capture
-from libgz.recording.reader import LogReader
+from libgz.recording.reader import LogReader as McapReader
 from libgz.rendering.image import read_image
 from libgz.rendering.skin import read_skin
+from libgz.sdf.upgrade import NEWEST
 from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
 from libgz.view.protocol import scene_message
@@ -75,10 +78,10 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
     "texture": [read_image, lambda path: with_texture(path)],
 }
 ASSETS = tuple(ASSET_WORLDS)
-SAVED = ("state", "mcap")  # what libgz itself wrote while a world ran
+SAVED = ("state", "mcap", "log")  # what libgz itself wrote while a world ran; log: state.log
 MAGIC, CHUNK, DATA_END = b"\x89MCAP0\r\n", 0x06, 0x0F  # of an MCAP file
 KINDS = ("legacy", "sdf", "xacro", *ASSETS, *SAVED)
-TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl")
+TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl", "log")
 WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
 
 
@@ -90,8 +93,12 @@ def seeds(kind: str) -> list[bytes]:
         robots = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.urdf"))
         files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
         return [path.read_bytes() for path in files]
-    if kind in SAVED:
-        return [_log(), uncompressed(_log())] if kind == "mcap" else [_world(path).get_state() for path in STATE_WORLDS]
+    if kind == "mcap":
+        return [_log(), uncompressed(_log())]
+    if kind == "log":
+        return [_state_log(encoding) for encoding in ("txt", "txt", "txt", "zlib", "bz2")]
+    if kind == "state":
+        return [_world(path).get_state() for path in STATE_WORLDS]
     if kind == "xacro":
         return [(ROOT / "tests" / "data" / "urdf" / "features.xacro").read_bytes()]
     return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
@@ -124,6 +131,8 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
         return _problem_of_state(path)
     if kind == "mcap":
         return _problem(path, _read_log)
+    if kind == "log":
+        return _problem(path, _play_state_log)
     if kind not in ASSETS:
         return _problem(path, load, line=True)
     for reader in READERS[kind]:
@@ -195,10 +204,38 @@ def uncompressed(log: bytes) -> bytes:
 
 
 def _read_log(path: Path) -> None:
-    with LogReader(path) as log:
+    with McapReader(path) as log:
         for message in log.messages():
             _ = message.data
         log.last(log.end)
+
+
+def _state_log(encoding: str) -> bytes:
+    """A state.log of a few steps, in which models come and go."""
+    with tempfile.TemporaryDirectory(prefix="libgz-log-") as folder:
+        path = Path(folder) / "state.log"
+        with World.from_file(STATE_WORLDS[1]) as world, LogRecord(world, path, encoding=encoding):
+            world.step(3)
+            view = attach(world).world
+            view.InsertModelString("<sdf version='1.6'><model name='new'><link name='l'/></model></sdf>")
+            world.step(3)
+            view.RemoveModel("new")
+            world.step(2)
+        return path.read_bytes()
+
+
+def _play_state_log(path: Path) -> None:
+    """Read a state.log as `libgz log` does, and play it forwards and backwards."""
+    reader = LogReader(path)
+    for state in read_states(reader):
+        state.text(NEWEST)
+    with LogPlay(path) as play:
+        play.Span()
+        for _ in range(6):
+            play.Step()
+        play.StepBack(4)
+        play.Forward()
+        play.Rewind()
 
 
 def show(world: World) -> None:

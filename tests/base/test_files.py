@@ -13,8 +13,7 @@ from libgz import WorldFile
 from libgz.base import files
 from libgz.base.errors import LibraryError, WorldFileError
 from libgz.base.files import own_cache, write_whole
-from libgz.classic_cxx.library import cache_folder
-from libgz.clib.library import library_folder
+from libgz.classic_cxx import library as classic_cxx
 from libgz.sdf.reader import SdfFile
 
 
@@ -27,7 +26,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path, monkeypatch, load):
         load(path)
 
 
-@pytest.mark.parametrize("find", [own_cache, cache_folder, library_folder])
+@pytest.mark.parametrize("find", [own_cache, classic_cxx.cache_folder])
 def test_code_is_kept_in_no_folder_of_another_user(tmp_path, monkeypatch, find):
     """As in one of a directory that all may write, or of a home that sudo has kept."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

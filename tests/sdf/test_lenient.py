@@ -59,7 +59,7 @@ def test_a_text_is_read_as_it_stands_whatever_encoding_it_declares(begin, encodi
 
 def test_a_text_without_a_declaration_is_not_guessed_to_be_of_two_bytes_a_character():
     text = "".join(f"\0{letter}" for letter in "<?xml version='1.0'?>" + MODEL.format(""))
-    with pytest.raises(ParameterError, match="<string>:1: '\\x00' is no character of XML"):
+    with pytest.raises(ParameterError, match=r"<string>:1: '\\x00' is no character of XML"):
         SdfFile.from_string(text)
 
 

@@ -107,8 +107,9 @@ class _Writer:
                 self._write_joint(model, link.joint, names)
         for extension in robot.extensions:
             self._write_robot_extension(model, extension)
-        for element in [e for e in model.iter(etree.Element) if local_name(e) in (*NAMING, "sensor")]:
-            if local_name(element.getparent()) != "sensor":
+        holders = [holder for holder in model.iter(etree.Element) if local_name(holder) != "sensor"]
+        for element in [child for holder in holders for child in holder.iterchildren(etree.Element)]:
+            if local_name(element) in (*NAMING, "sensor"):
                 self._rename(element)
         transmissions = list(robot.xml.iterfind("transmission"))
         if transmissions:

@@ -101,7 +101,7 @@ class World(world.World):
         force: take over a server id whose owner may still be alive.
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, ``"quick"``, its iterative one, or ``"tree"``, exact and for robots
-            with many joints; an SDF file names its own.
+            with many joints; SDF files choose between the first two themselves.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
         abi: of the programs that it serves: ``"x86_64"`` for those of this machine, ``"i386"`` for 32-bit ones.
         strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end

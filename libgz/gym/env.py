@@ -83,7 +83,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             sensors are observed, which measure at their rates, else 0.
         time_limit: of an episode [s]; then it is truncated. None for no limit.
         flat: whether the observation is one Box of float64, of all numbers one after the other.
-        solver: of the world: ``"world"``, ``"quick"`` or ``"tree"``.
+        solver: of the world: ``"world"``, ``"quick"`` or ``"tree"``; see `libgz.World`.
         render_mode: ``"rgb_array"`` for images, ``"human"`` for a page in the browser, which needs the extra `view`.
         width, height: of the images [px].
         camera: whose images: the name of one of the world's cameras, or the pose of a free one [m]; None for the

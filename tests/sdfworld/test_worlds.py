@@ -52,6 +52,21 @@ def friction(mu):
     return f"<surface><friction><ode><mu>{mu}</mu><mu2>{mu}</mu2></ode></friction></surface>"
 
 
+@pytest.mark.parametrize(
+    ("asked", "written", "used"),
+    [
+        ("world", "", "quick"),
+        ("world", "world", "world"),
+        ("tree", "", "tree"),
+        ("tree", "quick", "tree"),
+        ("world", "tree", "tree"),
+    ],
+)
+def test_tree_holds_for_files_that_know_two_solvers(load, asked, written, used):
+    physics = f"<ode><solver><type>{written}</type></solver></ode>" if written else ""
+    assert load(world(physics=physics), solver=asked).engine.solver == used
+
+
 def test_settings_of_the_world(load):
     physics = "<max_step_size>0.002</max_step_size><real_time_update_rate>1000</real_time_update_rate>"
     physics += "<ode><solver><type>world</type></solver></ode>"

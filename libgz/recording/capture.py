@@ -3,15 +3,11 @@
 The server only compares and copies bytes: compression, schemas and what other programs read are that process's work. A
 log of a server that is killed is finished by that process; if both are killed, at most the last half second is lost.
 
-- A log takes from the server what changed, and nothing else (`libgz/recording/`). `Capture` compares memory with what
-  it last
-sent, in one native call a step (`changes.c`), and writes patches to a pipe; another process puts them together, makes
-  messages for
-other programs, compresses. A large interface is compared when its server has released its lock since
-  (`LinkRecord.exchanges`), or what
-  clients write in it differs; all of it in every eighth step besides.
-If that one is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that
-  observers can follow when it goes back.
+It takes from the server what changed, and nothing else: memory is compared with what was sent last, in one native call
+a step (`changes.c`), and patches go to a pipe. A large interface is compared when its server has released its lock
+since (`LinkRecord.exchanges`), or what clients write in it differs, and in every 32nd step besides. If the other process
+is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that observers can
+follow when it goes back.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ struct range {
 
 /* To look at all memory in each step would displace what the step itself needs from the processor's caches. So a row has
    a count of its server's writes, and keys, parts of it that others write or that change whenever something else does;
-   all of it is compared in every eighth step besides. */
-enum { TURNS = 8 };
+   all of it is compared in every 32nd step besides. */
+enum { TURNS = 32 };
 
 struct row {
     const uint8_t *memory;

@@ -5,9 +5,9 @@ log of a server that is killed is finished by that process; if both are killed, 
 
 It takes from the server what changed, and nothing else: memory is compared with what was sent last, in one native call
 a step (`changes.c`), and patches go to a pipe. A large interface is compared when its server has released its lock
-since (`LinkRecord.exchanges`), or what clients write in it differs, and in every 32nd step besides. If the other process
-is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that observers can
-follow when it goes back.
+since (`LinkRecord.exchanges`), or what clients write in it differs, and in every 32nd step besides. If the other
+process is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that observers
+can follow when it goes back.
 """
 
 from __future__ import annotations

@@ -285,8 +285,6 @@ class SdfActor(SdfModel):
                 raise ParameterError(f"{waypoint.where}: <time> is {time:g}; it must be 0 s or later")
             points[time] = waypoint.Get(GzPose, "pose")
         rows = sorted(points.items())
-        if rows and rows[0][0] > 0.0:
-            rows.insert(0, (0.0, rows[0][1]))
         tension = element.Get(float, "tension") if "tension" in element.attributes else 0.0
         way = Trajectory(rows, min(max(tension, 0.0), 1.0)) if rows else None
         length = way.duration if way is not None else self.clips[kind].animation.length if kind in self.clips else 0.0
@@ -336,14 +334,15 @@ class SdfActor(SdfModel):
             self._play_custom(self.custom)
             return
         time = now - self.delay - self._played
-        if time < 0.0 or not self.parts:
+        if time < -1e-9 or not self.parts:
             return
+        time = max(time, 0.0)
         if time >= self.length:
             if not self.loop or self.length <= 0.0:
                 self._finish(now)
                 return
             time %= self.length
-            self._played = now - self.delay - time
+            self._played = now - time  # the delay comes before each cycle, as in Gazebo
         part = next((part for part in self.parts if part.start <= time <= part.end), self.parts[-1])
         self._last_pose.time = now
         self.script_time = time - part.start

@@ -19,25 +19,24 @@ Array = NDArray[np.float64]
 class Trajectory:
     """Positions on Hermite curves with the slopes of Catmull and Rom, rotations on Shoemake's squad.
 
-    Before the first waypoint the pose is that of the first, after the last that of the last. If these are equal, the
-    curve is closed; else it begins and ends with half of the mean velocity to the neighbour.
+    After the last waypoint the pose is that of the last. As in Gazebo, the first one is at time 0, whatever it says; a
+    slope is half of the way from the waypoint before to the one after, whatever their times, and at an end half of the
+    way to the neighbour; positions, and rotations, whose first and last are equal make a closed curve.
 
     Args:
         waypoints: (time [s], pose), by growing time.
-        tension: 0 to 1; with 1 the velocity at each waypoint is zero.
+        tension: of positions, 0 to 1; with 1 the velocity at each waypoint is zero.
     """
 
     def __init__(self, waypoints: Sequence[tuple[float, GzPose]], tension: float = 0.0) -> None:
-        self.times = [time for time, _ in waypoints]
+        self.times = [min(0.0, waypoints[0][0]), *(time for time, _ in waypoints[1:])]
         self.positions = [np.array([*pose.pos]) for _, pose in waypoints]
         self.turns = [np.array([*pose.rot]) / np.linalg.norm([*pose.rot]) for _, pose in waypoints]
         self._tension = tension
-        self._pieces: dict[int, tuple[Array, Array, Array, Array]] = {}  # rotations of those that were asked for
-        first, last = 0, len(self.times) - 1
-        self._closed = last > 1 and bool(
-            np.array_equal(self.positions[first], self.positions[last])
-            and abs(float(self.turns[first] @ self.turns[last])) > 1.0 - 1e-12
-        )
+        self._pieces: dict[int, tuple[Array, Array, Array, Array]] = {}  # rotations and inner points
+        last = len(self.times) - 1
+        self._closed = last > 1 and bool(np.array_equal(self.positions[0], self.positions[last]))
+        self._turns_closed = last > 1 and bool(np.allclose(self.turns[0], self.turns[last], rtol=0.0, atol=1e-3))
 
     @property
     def duration(self) -> float:
@@ -54,55 +53,46 @@ class Trajectory:
         u = (time - start) / (end - start)
         return _pose(self._position(index, u), self._turn(index, u))
 
-    def _around(self, index: int) -> tuple[int, int, float]:
-        """The waypoints before and after one, and the time between them [s]; at an end, itself and twice the time."""
+    def _around(self, index: int, closed: bool) -> tuple[int, int]:
+        """The waypoints before and after one; at an end that is not closed, itself."""
         last = len(self.times) - 1
         if 0 < index < last:
-            return index - 1, index + 1, self.times[index + 1] - self.times[index - 1]
-        first_step, last_step = self.times[1] - self.times[0], self.times[last] - self.times[last - 1]
-        if self._closed:
-            return last - 1, 1, first_step + last_step
-        return (0, 1, 2.0 * first_step) if index == 0 else (last - 1, last, 2.0 * last_step)
+            return index - 1, index + 1
+        if closed:
+            return last - 1, 1
+        return (0, 1) if index == 0 else (last - 1, last)
 
-    def _velocity(self, index: int) -> Array:
-        before, after, duration = self._around(index)
-        found: Array = (1.0 - self._tension) * (self.positions[after] - self.positions[before]) / duration
+    def _slope(self, index: int) -> Array:
+        before, after = self._around(index, self._closed)
+        found: Array = 0.5 * (1.0 - self._tension) * (self.positions[after] - self.positions[before])
         return found
 
-    def _rate(self, index: int) -> Array:
-        """The rotation per second at a waypoint, as half of a rotation vector in its own frame."""
-        before, after, duration = self._around(index)
+    def _inner(self, index: int) -> Array:
+        """The inner point of the squad at a waypoint."""
         here = self.turns[index]
-        found: Array = (_log(here, self.turns[after]) - _log(here, self.turns[before])) / duration
-        return (1.0 - self._tension) * found
+        around = (_log(here, self.turns[other]) for other in self._around(index, self._turns_closed))
+        return _times(here, _exp(-0.25 * sum(around, np.zeros(3))))
 
     def _position(self, index: int, u: float) -> Array:
-        duration = self.times[index + 1] - self.times[index]
         rise = u * u * (3.0 - 2.0 * u)
         found: Array = (
             self.positions[index] * (1.0 - rise)
             + self.positions[index + 1] * rise
-            + self._velocity(index) * (duration * u * (1.0 - u) * (1.0 - u))
-            - self._velocity(index + 1) * (duration * u * u * (1.0 - u))
+            + self._slope(index) * (u * (1.0 - u) * (1.0 - u))
+            - self._slope(index + 1) * (u * u * (1.0 - u))
         )
         return found
 
     def _turn(self, index: int, u: float) -> Array:
-        """Squad whose inner points give the rates of `_rate` at both ends."""
         p, q, a, b = self._turns_along(index)
         return _slerp(_slerp(p, q, u), _slerp(a, b, u), 2.0 * u * (1.0 - u))
 
     def _turns_along(self, index: int) -> tuple[Array, Array, Array, Array]:
-        """The rotations at both ends of a piece, and the inner points."""
+        """The rotations at both ends of a piece, the shorter way, and the inner points."""
         if index not in self._pieces:
-            duration = self.times[index + 1] - self.times[index]
             p, q = self.turns[index], self.turns[index + 1]
-            if float(p @ q) < 0.0:
-                q = -q
-            across = _log(p, q)
-            a = _times(p, _exp(0.5 * (self._rate(index) * duration - across)))
-            b = _times(q, _exp(0.5 * (across - self._rate(index + 1) * duration)))
-            self._pieces[index] = p, q, a, b
+            q = -q if float(p @ q) < 0.0 else q
+            self._pieces[index] = p, q, self._inner(index), self._inner(index + 1)
         return self._pieces[index]
 
 
@@ -125,9 +115,8 @@ def _times(a: Array, b: Array) -> Array:
 
 
 def _log(p: Array, q: Array) -> Array:
-    """Half of the rotation vector of the shorter way from p to q, in p's frame."""
+    """Half of the rotation vector from p to q, in p's frame: the way that their signs give."""
     turn = _times(np.array([p[0], *-p[1:]]), q)
-    turn = -turn if turn[0] < 0.0 else turn
     length = float(np.linalg.norm(turn[1:]))
     found: Array = turn[1:] * (math.atan2(length, turn[0]) / length if length > 1e-12 else 1.0)
     return found

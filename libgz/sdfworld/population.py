@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import Diagnostics, GazeboError, ParameterError, nearest
-from libgz.base.geometry import GzCoordPositionAdd, GzPose, GzVector
+from libgz.base.geometry import GzCoordPositionAdd, GzPose, GzVector, GzVectorSub
 from libgz.sdf.element import Element
 
 __all__ = ["MOST_MODELS", "populate"]
@@ -50,7 +50,8 @@ def _models(element: Element, random: Random, most: int, most_elements: int) -> 
     model = _needed(element, "model")
     frame = element.Get(GzPose, "pose")
     clones: list[Element] = []
-    places = _places(element, random, most)
+    places, middle = _places(element, random, most)
+    origin = GzVectorSub(frame.pos, GzVector(*middle.tolist()))
     elements = len(places) * _count(model)
     if elements > most_elements:
         raise ParameterError(
@@ -61,7 +62,7 @@ def _models(element: Element, random: Random, most: int, most_elements: int) -> 
         clone.parent = element.parent
         clone.set_attribute("name", f"{model.Get(str, 'name')}_clone_{number}")
         pose = clone.GetElement("pose")
-        position = GzCoordPositionAdd(GzVector(*place.tolist()), frame.pos, frame.rot)
+        position = GzCoordPositionAdd(GzVector(*place.tolist()), origin, frame.rot)
         pose.value.SetFromString(" ".join(repr(float(value)) for value in (*position, 0.0, 0.0, 0.0)))
         clones.append(clone)
     return clones, elements
@@ -83,8 +84,11 @@ def _needed(element: Element, name: str) -> Element:
     return found
 
 
-def _places(element: Element, random: Random, most: int) -> Array:
-    """Where the models, `most` at most, stand in the population's frame [m], shape (n, 3)."""
+def _places(element: Element, random: Random, most: int) -> tuple[Array, Array]:
+    """Where the models, `most` at most, stand in the region [m], shape (n, 3), and where its middle is, shape (3,).
+
+    As in Gazebo, a box or grid is put with its middle on the population's origin, then turned about its first corner.
+    """
     distribution = _needed(element, "distribution")
     kind = distribution.Get(str, "type")
     if kind not in KINDS:
@@ -102,7 +106,7 @@ def _places(element: Element, random: Random, most: int) -> Array:
         size = np.array(element.child("box").Get(GzVector, "size"))
         if not (np.isfinite(size).all() and size.min() > 0.0):
             raise ParameterError(f"Incorrect box size while populating objects [{' '.join(map(str, size))}]")
-        return KINDS[kind](count, size, random) - 0.5 * size
+        return KINDS[kind](count, size, random), 0.5 * size
     if not element.HasElement("cylinder"):
         raise ParameterError("I have not found a valid region. 'box' or 'cylinder' are the valid region types")
     cylinder = element.child("cylinder")
@@ -112,11 +116,11 @@ def _places(element: Element, random: Random, most: int) -> Array:
             raise ParameterError(f"Incorrect {what} value while populating objects [{value:g}]")
     if kind not in ("random", "uniform"):
         raise ParameterError(f"Unrecognized combination of region [cylinder] and distribution [{kind}]")
-    return _in_cylinder(kind, count, radius, length, random)
+    return _in_cylinder(kind, count, radius, length, random), np.zeros(3)
 
 
-def _grid(distribution: Element, most: int) -> Array:
-    """Rows along y, columns along x, with the frame in the middle."""
+def _grid(distribution: Element, most: int) -> tuple[Array, Array]:
+    """Rows along y, columns along x, and the middle of all."""
     rows, columns = distribution.Get(int, "rows"), distribution.Get(int, "cols")
     for value, what in ((rows, "rows"), (columns, "columns")):
         if value <= 0:
@@ -128,7 +132,8 @@ def _grid(distribution: Element, most: int) -> Array:
         )
     step = distribution.Get(GzVector, "step")
     y, x = np.divmod(np.arange(rows * columns), columns)
-    return np.stack([(x - 0.5 * (columns - 1)) * step.x, (y - 0.5 * (rows - 1)) * step.y, 0.0 * x], axis=1)
+    places = np.stack([x * step.x, y * step.y, 0.0 * x], axis=1)
+    return places, 0.5 * places[-1]
 
 
 def _random(count: int, size: Array, random: Random) -> Array:

@@ -79,10 +79,10 @@ def test_equal_seeds_place_equal_models(places):
     assert not np.array_equal(one, third)
 
 
-def test_a_turned_population_turns_its_places(places):
+def test_a_turned_population_turns_about_its_first_corner(places):
     rule = "<rows>1</rows><cols>2</cols><step>1 1 0</step>"
     found = places(population("grid", more=rule, pose="1 2 3 0 0 1.5707963267948966"))
-    np.testing.assert_allclose(found, [(0.0, -0.5, 0.0), (0.0, 0.5, 0.0)], atol=1e-9)
+    np.testing.assert_allclose(found, [(-0.5, 0.0, 0.0), (-0.5, 1.0, 0.0)], atol=1e-9)
 
 
 def test_models_of_a_population_are_models(places):

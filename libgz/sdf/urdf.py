@@ -138,6 +138,9 @@ class _Writer:
             count = 0
             for shape in shapes:
                 count += self._write_shape(xml, kind, link, shape, count)
+        if link.extensions:  # Gazebo writes these first, so that what <gazebo> says of them in SDF is the second
+            _set(xml, "gravity", "true", link.xml)
+            _add(xml, "velocity_decay", link.xml)
         for extension in link.extensions:
             self._write_link_extension(xml, extension)
 
@@ -281,6 +284,8 @@ class _Writer:
                 _set(xml, f"axis/limit/{key}", "0", joint.xml)
         elif joint.kind != "fixed":
             self._write_axis(xml, joint, links)
+        if joint.extensions:
+            _holder(xml, "physics", joint.xml)  # as in links
         for extension in joint.extensions:
             self._extend_joint(xml, extension)
 

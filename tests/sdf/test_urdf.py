@@ -196,6 +196,29 @@ def test_extensions_of_links():
     assert one.child("visual").child("geometry").child("box").Get(GzVector, "size") == GzVector(1, 2, 3)
 
 
+def test_what_gazebo_writes_itself_is_not_set_in_words_of_sdf():
+    """sdformat writes gravity, decay and a joint's physics first; what <gazebo> says of them is the second."""
+    decay = "<velocity_decay><linear>1</linear></velocity_decay>"
+    spring = "<physics><ode><limit><cfm>1</cfm></limit></ode></physics>"
+    file = read(
+        link("a"), link("b"), joint("j", "revolute", inside="<limit lower='0' upper='1'/>"),
+        f"<gazebo reference='b'><gravity>0</gravity>{decay}<kinematic>1</kinematic></gazebo>",
+        f"<gazebo reference='j'>{spring}</gazebo>",
+    )  # fmt: skip
+    second = "occurs more than once in <{}>; only the first one has an effect"
+    found = [(one.element, one.message) for one in file.diagnostics.found]
+    assert found == [
+        ("gravity", second.format("link")),
+        ("velocity_decay", second.format("link")),
+        ("physics", second.format("joint")),
+    ]
+    robot = file.root.child("model")
+    one = list(robot.named("link"))[1]
+    assert (one.Get(bool, "gravity"), one.Get(bool, "kinematic")) == (True, True)
+    assert one.child("velocity_decay").Get(float, "linear") == 0.0
+    assert not robot.child("joint").child("physics").HasElement("ode")
+
+
 def test_extensions_of_lumped_links_reach_their_own_shapes():
     names = BALL.replace("<collision>", "<collision name='bumper'>")
     robot = model(

@@ -22,6 +22,18 @@ static int deepest(contact *points, int count, int most)
     return count;
 }
 
+/* How many points of a pair act under the classic rule; 0 and less are no bound, as in Gazebo. */
+static int most_points(const context *c, const double *a, const double *b)
+{
+    const double bounds[] = {a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS], (double)c->max_contacts};
+    double most = MOST_CONTACTS;
+    int i;
+    for (i = 0; i < 3; i++)
+        if (bounds[i] >= 1.0)
+            most = smaller(most, bounds[i]);
+    return (int)most;
+}
+
 /* Whether a pair of geoms touches under the classic rule; *ghost: without contact joints, only recorded. */
 static int may_touch(const context *c, const double *a, const double *b, void *body1, void *body2, int *ghost)
 {
@@ -86,8 +98,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0.0, 0, NULL, NULL};
     make_surface(c, a, b, &surface);
     if (classic) {
-        count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
-                                                    (double)c->max_contacts));
+        count = deepest(points, count, most_points(c, a, b));
         set_limits(c, &pair);
         choose_direction(c, &pair);
         make_rigid(c, &pair, &surface);

@@ -356,7 +356,7 @@ class Engine:
 
     @property
     def max_contacts(self) -> int:
-        """Limit of contact points of a pair of geoms, under the classic rule; a geom may have a lower one."""
+        """Limit of contact points of a pair of geoms, under the classic rule (0: none); a geom may have a lower one."""
         return int(self._context.max_contacts)
 
     @max_contacts.setter

@@ -308,7 +308,9 @@ def test_row_22_collide_without_contact(load, mask, told):
 
 def test_contacts_of_a_pair_follow_the_limits_of_world_and_collisions(load):
     many = "<max_contacts>15</max_contacts>"
-    for limit, own, expected in ((20, "", 4), (20, "<max_contacts>2</max_contacts>", 2), (3, many, 3)):
+    none = "<max_contacts>0</max_contacts>"  # no limit, as in Gazebo
+    two = "<max_contacts>2</max_contacts>"
+    for limit, own, expected in ((20, "", 4), (20, two, 2), (3, many, 3), (0, many, 4), (20, none, 4), (2, none, 2)):
         body = link("link", collision("box", more=own))
         made = load(
             world(

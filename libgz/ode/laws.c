@@ -6,11 +6,6 @@
 
 #include "updates.h"
 
-void gz_wake(void *body, int always);
-void gz_note_effort(void *context, void *efforts, int axis, double effort);
-int gz_is_on(void *joint, void *body);
-void gz_disturb(void *context);
-
 /* Operation in libgz/base/law.py: conditions, what is read, arithmetic; then, from STORE on, what has effects. */
 enum {
     REQUIRE, EXPECT, UNMARKED, SWITCH, TEXT, TRUE, FALSE, END, BODY, JOINT,

@@ -8,10 +8,6 @@
 
 #include "updates.h"
 
-void gz_wake(void *body, int always);
-void gz_disturb(context *c);
-void gz_read_body(context *c, int64_t i);
-
 typedef struct {
     double at[3], turn[4];
 } pose;

@@ -13,11 +13,6 @@
 #include "crew.h"
 #include "updates.h"
 
-int gz_step(void *context);
-void gz_scan(void *context, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
-             int64_t *rows);
-void gz_publish(const void *context, void *publication);
-
 #define NAP 1e-3 /* [s] at most between two looks whether another thread wants the world */
 
 /* Kind in records.py. */

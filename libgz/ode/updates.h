@@ -95,6 +95,17 @@ typedef struct {
     int64_t *rows;
 } cast;
 
+/* step.c, motion.c, rays.c: exported; the context of a step is opaque here. */
+int gz_step(void *context);
+void gz_disturb(void *context);
+void gz_wake(void *body, int always);
+void gz_read_body(void *context, int64_t row);
+void gz_note_effort(void *context, void *efforts, int axis, double effort);
+int gz_is_on(void *joint, void *body);
+void gz_scan(void *context, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
+             int64_t *rows);
+void gz_publish(const void *context, void *publication);
+
 #ifdef __GNUC__
 #pragma GCC visibility push(hidden)
 #endif

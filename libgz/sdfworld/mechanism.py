@@ -495,14 +495,17 @@ class ScrewMechanism(Mechanism):
 
 
 class GearboxMechanism(Mechanism):
-    """`gearbox`: the angles of parent and child against a reference body, in a fixed ratio. It has no ODE joint."""
+    """`gearbox`: the angles of parent and child against a reference body, in a fixed ratio. It has no ODE joint.
+
+    As in Gazebo, axis 0 is the child's, and axis 1 the parent's, which is the first of the gears.
+    """
 
     def __init__(self, engine: Engine, plan: JointPlan, links: Links, anchor: GzVector) -> None:
         if len(links.movable) < 2 or links.parent is None or links.child is None:
             raise ParameterError(f"joint {plan.name!r}: a gearbox joins two links that move")
         self.plan, self.links, self.engine = plan, links, engine
         self.joint = None
-        directions = (plan.axes[1].direction, plan.axes[0].direction)  # in Gazebo the first axis is the child's
+        directions = (plan.axes[1].direction, plan.axes[0].direction)
         self.gears = Gears(engine, (links.parent, links.child), directions, plan.ratio, plan.reference)
 
     @classmethod
@@ -520,10 +523,10 @@ class GearboxMechanism(Mechanism):
         self.gears.close()
 
     def position(self, index: int) -> float:
-        return self.gears.angles[index]
+        return self.gears.angles[1 - index]
 
     def velocity(self, index: int) -> float:
-        return self.gears.rates()[index]
+        return self.gears.rates()[1 - index]
 
     def restore(self) -> None:
         self.gears.restore()
@@ -536,7 +539,8 @@ class GearboxMechanism(Mechanism):
         return True
 
     def apply(self, effort: float, index: int, anchor: Callable[[], GzVector]) -> None:
-        self.gears.bodies[index].AddTorque(*GzVectorMul(effort, self.gears.direction(index)))
+        gear = 1 - index
+        self.gears.bodies[gear].AddTorque(*GzVectorMul(effort, self.gears.direction(gear)))
 
 
 MECHANISMS: dict[str, type[Mechanism]] = {

@@ -98,7 +98,6 @@ class StepContext(ctypes.Structure):
         ("overlap_capacity", c_int64),
         ("overlaps", c_void_p),
         ("parted", c_int64),
-        ("surface_layer", c_double),
         ("resting", c_int64),
         ("next_checked", c_int64),
         ("point_count", c_int64),

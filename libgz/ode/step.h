@@ -279,7 +279,6 @@ typedef struct {
     int64_t overlap_count, overlap_capacity;
     overlap_record *overlaps; /* of this step */
     int64_t parted;           /* 1: some bodies are set aside, while others are solved */
-    double surface_layer;     /* [m] of depth that is not corrected under the classic rule */
     int64_t resting;          /* steps in a row, at most 2, after which no body was awake; 0 after any change from outside */
     int64_t next_checked;     /* body that is looked at next while all rest */
     int64_t point_count, point_capacity;

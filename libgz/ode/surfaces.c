@@ -291,7 +291,7 @@ void set_limits(const context *c, touching *t)
     /* Geoms of legacy models have no limit; their contacts are so soft that with one they would sink into the other. */
     int limited = t->a[SURFACE_MAX_VEL] < HUGE_VAL && t->b[SURFACE_MAX_VEL] < HUGE_VAL;
     t->max_vel = t->body1 && t->body2 && !limited ? HUGE_VAL : of_bodies(t, SURFACE_MAX_VEL);
-    t->min_depth = larger(of_bodies(t, SURFACE_MIN_DEPTH), c->surface_layer);
+    t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
 }
 
 /* Find the bodies that a joint connects with the world, for the search of contacts. */

@@ -168,7 +168,7 @@ class Engine:
         self.erp = 0.2
         self.cfm = SMALLEST_CFM
         self.correcting_velocity = math.inf
-        self._surface_layer = DEFAULT_LAYER  # which acts as 0
+        self._surface_layer = DEFAULT_LAYER
         self.step_time = step_time
         self.solver = solver
         not_negative(seed, "seed")
@@ -269,17 +269,13 @@ class Engine:
 
     @property
     def surface_layer(self) -> float:
-        """Depth of contacts up to which bodies are not pushed out [m].
-
-        SDF's default of 1 mm, which every saved world has, stands for the depth that the step keeps by itself.
-        """
+        """The world's `contact_surface_layer` [m], kept without effect, as in Gazebo: surfaces have a `min_depth`."""
         return self._surface_layer
 
     @surface_layer.setter
     @exclusive
     def surface_layer(self, depth: float) -> None:
         self._surface_layer = finite(not_negative(depth, "contact_surface_layer [m]"), "contact_surface_layer [m]")
-        self._context.surface_layer = 0.0 if self._surface_layer == DEFAULT_LAYER else self._surface_layer
 
     @property
     def count_turns(self) -> bool:

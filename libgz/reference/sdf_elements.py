@@ -17,6 +17,7 @@ NO_EFFECT: dict[str, str] = {
     "physics/simbody": "ODE only",
     "physics/dart": "ODE only",
     "physics/ode/solver/min_step_size": "kept",
+    "physics/ode/constraints/contact_surface_layer": "kept: as in Gazebo, surfaces have a min_depth",
     "physics/ode/solver/island_threads": "kept",
     "physics/ode/solver/precon_iters": "kept",
     "physics/ode/solver/thread_position_correction": "kept",

@@ -107,12 +107,12 @@ def with_layer(layer, content, gravity=-9.8):
     )
 
 
-@pytest.mark.parametrize(("layer", "depth"), [(0.0, 0.0), (0.001, 0.0), (0.004, 0.004), (0.01, 0.005), (0.02, 0.005)])
-def test_a_body_is_not_pushed_out_of_the_surface_layer(layer, depth):
-    solid = model(
-        "box", "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>", static=False
-    )
-    with with_layer(layer, solid) as core:
+@pytest.mark.parametrize(("layer", "depth"), [(0.0, 0.0), (0.001, 0.003), (0.01, 0.0), (0.01, 0.003)])
+def test_a_body_is_pushed_out_up_to_its_min_depth_whatever_the_surface_layer(layer, depth):
+    """In Gazebo 11.1, boxes and spheres rest at the same depths with a layer of 1 mm and of 10 mm."""
+    surface = f"<surface><contact><ode><min_depth>{depth}</min_depth></ode></contact></surface>"
+    shape = f"<collision name='c'><geometry><box><size>1 1 1</size></box></geometry>{surface}</collision>"
+    with with_layer(layer, model("box", shape, static=False)) as core:
         box_ = view_of(core).ModelByName("box")
         pose = box_.WorldPose()
         pose.Pos().Z(0.495)  # 5 mm deep

@@ -6,7 +6,7 @@ from commands import run_libgz
 from libgz.reference.sdf_elements import sdf_block, sdf_blocks
 
 
-@pytest.mark.parametrize("path", ["ode/constraints/contact_surface_layer", "contact/poissons_ratio"])
+@pytest.mark.parametrize("path", ["contact/ode/min_depth", "contact/poissons_ratio"])
 def test_an_element_that_acts_is_listed_as_such(path):
     rows = [line for block in sdf_blocks() for line in sdf_block(block).splitlines()]
     row = next(line for line in rows if line.startswith(f"| `{path}` |"))

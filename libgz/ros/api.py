@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError
@@ -12,6 +12,7 @@ from libgz.classic.physics.base import Base, Entity
 from libgz.classic.physics.link import Link
 from libgz.ros.packages import with_paths
 from libgz.ros.plugin import set_pose, set_twist
+from libgz.ros.reconfigure import Knob, Reconfigure
 from libgz.ros.services import INERTIAL, RefusedError, Services, pose_of, vector
 from libgz.ros.session import Later, Session, set_stamp
 from libgz.ros.spawning import prepare_model, root_tag
@@ -66,6 +67,13 @@ class WorldApi(Services):
     def __init__(self, session: Session, world: World, space: str = "", node: OwnNode | None = None) -> None:
         self._world = world
         super().__init__(session, world.core, space, node)
+        self._knobs = None if session.version == 2 else self._offer_physics()
+
+    def end(self) -> None:
+        """Serve and subscribe no longer: the world ends."""
+        super().end()
+        if self._knobs is not None:
+            self._knobs.end()
 
     # Models ------------------------------------------------------------------------------------------------------
 
@@ -337,6 +345,22 @@ class WorldApi(Services):
             engine.SetParam(key, int(value) if field in _WHOLE else value)
         answer.success, answer.status_message = True, "physics engine updated"
 
+    def _offer_physics(self) -> Reconfigure:
+        """Offer the properties of physics to tools of dynamic_reconfigure, as they are now."""
+        present: Any = service_type(SERVICES["get_physics_properties"]).response()
+        self._get_physics_properties(None, present)
+        values = {knob.name: getattr(*_holder(present, knob.name)) for knob in KNOBS}
+        return Reconfigure(self.session, "~", KNOBS, self._reconfigure_physics, values)
+
+    def _reconfigure_physics(self, values: Mapping[str, Any]) -> None:
+        name = "set_physics_properties"
+        request: Any = service_type(SERVICES[name]).request()
+        for key, value in values.items():
+            setattr(*_holder(request, key), value)
+        answer: Any = self.handler(name)(request)
+        if not answer.success:
+            raise RefusedError(answer.status_message)
+
     def _pause_physics(self, _request: Any, _answer: Any) -> None:
         self._world.SetPaused(True)
 
@@ -428,7 +452,36 @@ _PHYSICS = {
     "erp": "erp",
     "max_contacts": "max_contacts",
 }
+GRAVITY = (0.0, 0.0, -9.8)  # [m/s^2], by default
 _WHOLE = ("sor_pgs_precon_iters", "sor_pgs_iters", "max_contacts")
+
+
+# What tools of dynamic_reconfigure can set, with the defaults and limits of the original.
+KNOBS = (
+    Knob("time_step", 0.001, 0.0, 10.0, "Step of the simulation [s]", 1),
+    Knob("max_update_rate", 60.0, 0.0, 1000.0, "Steps in a second of real time [Hz]; 0: as many as possible", 1),
+    *(
+        Knob(f"gravity_{axis}", value, -100.0, 100.0, f"Gravity along {axis} [m/s^2]", 1)
+        for axis, value in zip("xyz", GRAVITY, strict=True)
+    ),
+    Knob("auto_disable_bodies", False, False, True, "Let bodies sleep that do not move", 1),
+    Knob("sor_pgs_precon_iters", 0, 0, 10_000, "Iterations before those of the quick solver", 1),
+    Knob("sor_pgs_iters", 20, 0, 10_000, "Iterations of the quick solver", 1),
+    Knob("sor_pgs_w", 1.3, 0.0, 5.0, "Relaxation of the quick solver", 1),
+    Knob("sor_pgs_rms_error_tol", -1.0, -1.0, 10_000.0, "Not used", 1),
+    Knob("cfm", 0.0, 0.0, 10.0, "Constraint force mixing", 1),
+    Knob("erp", 0.2, 0.0, 10.0, "Error reduction of constraints", 1),
+    Knob("contact_surface_layer", 0.001, 0.0, 10.0, "Depth of contacts that is not corrected [m]", 1),
+    Knob("contact_max_correcting_vel", 100.0, 0.0, 1e7, "Most speed with which contacts are corrected [m/s]", 1),
+    Knob("max_contacts", 100, 0, 10_000_000, "Most contacts of two bodies", 1),
+)
+
+
+def _holder(physics: Any, name: str) -> tuple[Any, str]:
+    """The part of a message about physics that has a value, and its name in that."""
+    if name.startswith("gravity_"):
+        return physics.gravity, name[-1]
+    return (physics if hasattr(physics, name) else physics.ode_config), name
 
 
 def fill_state(target: Any, entity: Any, frame: Any) -> None:

@@ -50,7 +50,7 @@ class Publisher:
         self.codec = codec(kind)
         self.outbox = None if latch else Outbox()
         self._latched: bytes | None = None
-        self._latching = threading.Lock()  # of what is kept, and of who gets it
+        self._joining = threading.Lock()  # of what is kept or gathered, and of who gets it
         self.readers: tuple[Reader, ...] = ()
         self.listened = latch
         self.users = 0
@@ -67,23 +67,31 @@ class Publisher:
         parts = [U32.pack(size), *body]
         readers = self.readers
         if self.latch:
-            with self._latching:
+            with self._joining:
                 self._latched, readers = b"".join(parts), self.readers
         for reader in readers:
             reader.push(parts, size + U32.size)
 
     def flush(self) -> None:
         """Send what native code has published."""
-        if self.outbox is not None and self.outbox.used:
+        if self.outbox is None or not self.outbox.used:
+            return
+        with self._joining:
             frames = self.outbox.take()
-            for reader in self.readers:
-                reader.push([frames], len(frames), several=True)
+            waiting = [(reader, frames[reader.skipped :]) for reader in self.readers]
+            for reader, _ in waiting:
+                reader.skipped = 0
+        for reader, rest in waiting:
+            if rest:
+                reader.push([rest], len(rest), several=True)
 
     def connected(self, reader: Reader) -> None:
         """A subscriber came; what was kept waits for it, before all that is published from now on."""
-        with self._latching:
+        with self._joining:
             if self._latched is not None:
                 reader.connection.queue.append((self._latched,))
+            if self.outbox is not None:
+                reader.skipped = int(self.outbox.used)
             self.readers = (*self.readers, reader)
         self.listened = True
         self.node.note_change(self)
@@ -139,6 +147,9 @@ class Node:
         self.notify: Callable[[], object] = lambda: None
         self.registered = 0
         self.changed: dict[Publisher, None] = {}
+        self._parameters: dict[str, Any] = {
+            f"{self.name}/{name}": _typed(value) for name, value in names.parameters.items()
+        }
         self._publishers: dict[str, Publisher] = {}
         self._subscribers: dict[str, Subscriber] = {}
         self._services: dict[str, ServiceServer] = {}
@@ -350,6 +361,14 @@ class Node:
             return None
         return value if code == 1 else None
 
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Set a parameter by its full name, soon, and again with each master that comes."""
+        self._parameters[name] = value
+        self._soon(self._send_parameter, name)
+
+    def _send_parameter(self, name: str) -> None:
+        self._ask("setParam", name, self._parameters[name])
+
     def search_parameter(self, name: str, space: str) -> Any:
         """A parameter in a namespace, or in the nearest one around it that has it; None if none has."""
         parts = [part for part in space.split("/") if part]
@@ -424,8 +443,8 @@ class Node:
     def _register_all(self) -> None:
         if not self._ask("hasParam", "/use_sim_time"):
             self._ask("setParam", "/use_sim_time", True)
-        for name, value in self.names.parameters.items():
-            self._ask("setParam", f"{self.name}/{name}", _typed(value))
+        for name in list(self._parameters):
+            self._send_parameter(name)
         for publisher in self._all_publishers():
             self._register_publisher(publisher)
         for subscriber in self._all_subscribers():

@@ -13,10 +13,11 @@ from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugins._ros import ros_elements
 from libgz.ros.own_node import OwnNode, remappings
+from libgz.ros.reconfigure import Knob, Reconfigure
 from libgz.ros.session import Publication, Service, Session, Subscription, session
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping, Sequence
 
     from libgz.classic.physics import World
     from libgz.sdf.element import Element
@@ -208,6 +209,12 @@ class RosPlugin:
             full, more = self.own_node.resolve(name, within)
             return self.ros.serve(full, kind, handler, settings=more["settings"])
         return self.ros.serve(self._name(name), kind, handler, self._space(within))
+
+    def offer(
+        self, knobs: Sequence[Knob], changed: Callable[[Mapping[str, Any]], object], within: str = ""
+    ) -> Reconfigure:
+        """Offer values to the tools of dynamic_reconfigure, which ROS 2 does not have."""
+        return Reconfigure(self.ros, self._space(within), knobs, changed)
 
     def frame(self, name: str) -> str:
         """A frame of TF with the robot's prefix."""

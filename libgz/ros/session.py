@@ -95,6 +95,10 @@ class Publication:
         self.gatherer: tuple[Session, Outbox | None] = owner, outbox
         self._end = AtEnd(lambda: node.withdraw(publisher))
 
+    def end(self) -> None:
+        """Publish it no longer; can be called twice."""
+        self._end.disconnect()
+
     @property
     def codec(self) -> Codec:
         """The codec of its messages."""
@@ -278,6 +282,11 @@ class Session(Closing):
         """A parameter of the parameter server: absolute, relative, or private with ``~``."""
         value = self.node.parameter(self.names.resolve(name))
         return default if value is None else value
+
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Set a parameter of ROS 1's parameter server, soon."""
+        if isinstance(self.node, Node):
+            self.node.set_parameter(self.names.resolve(name), value)
 
     def search_parameter(self, name: str, space: str = "") -> Any:
         """A parameter in a namespace, or in the nearest one around it that has it; None if none has."""

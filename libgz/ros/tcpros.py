@@ -209,11 +209,12 @@ class Reader:
 
     Attributes:
         dropped: how many were dropped.
+        skipped: bytes of messages that native code had gathered when it came.
     """
 
     def __init__(self, connection: Caller, sink: Sink) -> None:
         self.connection, self.sink = connection, sink
-        self.dropped = 0
+        self.dropped = self.skipped = 0
         self._most = max(sink.queue, LEAST_QUEUE)
         self._queue = connection.queue
 

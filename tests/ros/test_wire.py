@@ -9,6 +9,7 @@ import threading
 import time
 import xmlrpc.client
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from libgz.base.errors import GazeboError
 from libgz.ros import loop as loop_module, node as node_module, xmlrpc as xmlrpc_module
 from libgz.ros.client import RosClient
 from libgz.ros.names import read_names
+from libgz.ros.node import Publisher
 from libgz.ros.packing import codec
 from libgz.ros.server import Ros1
 from libgz.ros.types import message_type, service_type
@@ -257,6 +259,25 @@ def test_messages_of_native_code_that_wait_for_a_slow_reader_are_bounded(node, m
         publisher.flush()
     assert sum(len(part) for frame in list(reader.connection.queue) for part in frame) < 6_000_000
     assert reader.dropped > 500
+
+
+def test_a_subscriber_gets_nothing_that_was_gathered_before_it_came():
+    got = []
+    reader = SimpleNamespace(skipped=0, push=lambda parts, size, several: got.append(b"".join(parts)))
+    publisher = Publisher(SimpleNamespace(note_change=lambda _: None), "/t", message_type("std_msgs/Empty"), 1, False)
+
+    def gather(frames):
+        begin = int(publisher.outbox.used)
+        publisher.outbox.memory[begin : begin + len(frames)] = list(frames)
+        publisher.outbox.used = begin + len(frames)
+
+    gather(b"old")
+    publisher.connected(reader)
+    publisher.flush()
+    assert got == []
+    gather(b"new")
+    publisher.flush()
+    assert got == [b"new"]
 
 
 def test_messages_of_a_hurried_world_arrive_in_order_and_none_is_lost(node, master):

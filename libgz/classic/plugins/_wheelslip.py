@@ -25,6 +25,8 @@ __all__ = ["Tire", "WheelSlipPlugin"]
 
 log = logging.getLogger("libgz.classic")
 
+MOST_SLIP = 1e10  # [m/(N s)]; such a wheel has no friction
+
 
 @dataclass
 class Tire:
@@ -165,4 +167,9 @@ class WheelSlipPlugin(ModelPlugin):
                 tire.publisher.Publish(msgs.Vector3d(x=slip.X(), y=slip.Y(), z=slip.Z()))
             rate = tire.radius * abs(tire.joint.GetVelocity(tire.joint.DOF() - 1)) / tire.force
             for surface in tire.surfaces:
-                surface.slip1, surface.slip2 = rate * tire.lateral, rate * tire.longitudinal
+                surface.slip1, surface.slip2 = _slip(rate * tire.lateral), _slip(rate * tire.longitudinal)
+
+
+def _slip(value: float) -> float:
+    """A slip that ODE can use: also of a wheel at rest whose compliance is infinite, which is 0 times infinity."""
+    return min(value, MOST_SLIP) if value > 0.0 else 0.0

@@ -13,10 +13,13 @@ from PIL import Image
 
 from libgz.ros.plugin import Endpoint, Parameter, Rate
 from libgz.ros.plugins._sensor import RosSensor, model_of
+from libgz.ros.reconfigure import Knob
 from libgz.ros.session import Publication
 from libgz.ros.types import Message, message_type
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from libgz.sdf.element import Element
 
 __all__ = ["CAMERA", "CAMERA_ENDPOINTS", "DEPTH", "DEPTH_ENDPOINTS", "DepthCloud", "RosCamera"]
@@ -54,6 +57,7 @@ CAMERA_ENDPOINTS = (
     Endpoint("publishes", "<cameraName>/<imageTopicName>", "sensor_msgs/Image"),
     Endpoint("publishes", "<cameraName>/<cameraInfoTopicName>", "sensor_msgs/CameraInfo"),
     Endpoint("publishes", "<cameraName>/<imageTopicName>/compressed", "sensor_msgs/CompressedImage"),
+    Endpoint("serves", "<cameraName>/set_parameters", "dynamic_reconfigure/Reconfigure"),
 )
 DEPTH = (
     Parameter("depthImageTopicName", "depth/image_raw", "depths"),
@@ -89,6 +93,7 @@ ENCODINGS = {
 }
 # Encodings -> modes of Pillow, of the image and of its bytes; what the JPEG has.
 JPEGS = {"rgb8": ("RGB", "RGB", "bgr8"), "bgr8": ("RGB", "BGR", "bgr8"), "mono8": ("L", "L", "mono8")}
+KNOBS = (Knob("imager_rate", 2.0, 1.0, 50.0, "Rate of the camera [Hz]", 3),)
 JPEG_QUALITY = 80  # as that of image_transport
 POINT_STEP = 32  # bytes: x, y, z and a pad, the colour and a pad
 
@@ -121,6 +126,12 @@ class RosCamera(RosSensor):
         topic = f"{given.imageTopicName}/compressed"
         self.compressed = self.advertise(topic, "sensor_msgs/CompressedImage", 2, self.camera_space)
         self.infos = self.advertise(given.cameraInfoTopicName, "sensor_msgs/CameraInfo", 2, self.camera_space)
+        if given.cameraName and not self.two:
+            self.knobs = self.offer(KNOBS, self.OnReconfigure, self.camera_space)
+
+    def OnReconfigure(self, values: Mapping[str, Any]) -> None:
+        """A tool has set the rate; until then it is that of the sensor, whatever the parameter says, as in Gazebo."""
+        self.sensor.SetUpdateRate(values["imager_rate"])
 
     def open_trigger(self, topic: str) -> None:
         """Publish one image for each message of a topic only."""

@@ -22,6 +22,7 @@ from libgz.classic.math import Pose3d
 from libgz.classic.transport import TopicManager, connect
 from libgz.rendering.choice import CHOICES
 from libgz.rendering.image import write_image
+from libgz.ros.packages import add_exported_folders
 from libgz.simulation.event import everywhere
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.observer import Observer
@@ -74,6 +75,7 @@ class Run:
         if options.gui_plugin:
             log.warning("%s", DEPRECATED)
         with Watchdog(self._interrupted), SystemPlugins(options.gui_plugin) as plugins:
+            add_exported_folders()  # of ROS, if there is any: the world's meshes may lie in its packages
             try:
                 plugins.load(self.words)
                 log.info("Waiting for master.")

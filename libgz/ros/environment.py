@@ -37,6 +37,8 @@ def find_python() -> Path:
     found = _python_of_system() if prefixes else None
     if found is not None:
         return found
+    if made.exists():
+        return made
     raise LibraryError(
         "there is no ROS 2: source one, such as /opt/ros/jazzy/setup.bash; or run `libgz ros venv`, which makes an "
         f"environment with rclpy; or set {VARIABLE} to a Python that has it"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import shlex
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from libgz._version import __version__
 from libgz.base.errors import LibraryError, NotFoundError
-from libgz.base.files import write_whole
+from libgz.base.files import read_limited, write_whole
 from libgz.base.python import run_module
 from libgz.ros.cxx_headers import message_header, service_headers
 from libgz.ros.install2 import ament_contents
@@ -94,7 +96,7 @@ SCRIPTS = {
     "controller_manager/scripts/spawner": ("spawn_controllers",),
 }
 # Found only where ROS has no package of this name itself, as in Debian.
-SPARE_SCRIPTS = dict.fromkeys(("xacro/xacro", "xacro/xacro.py"), ("libgz", "xacro"))
+SPARE_SCRIPTS = dict.fromkeys(("bin/xacro", "xacro/xacro", "xacro/xacro.py"), ("libgz", "xacro"))
 PACKAGES = {
     "control_toolbox": "The PID controller of C++ plugins.",
     "controller_manager": "Starts controllers of robots in libgz.",
@@ -160,6 +162,7 @@ export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}:
 export PYTHONPATH={prefix}/python${{PYTHONPATH:+:$PYTHONPATH}}
 export CMAKE_PREFIX_PATH={prefix}${{CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}}
 export CPATH={prefix}/include${{CPATH:+:$CPATH}}
+export PATH=$PATH:{prefix}/spare/bin
 """
 
 # What find_package(catkin COMPONENTS ...) reads; messages are headers alone.
@@ -245,7 +248,7 @@ def install(prefix: Path) -> list[Path]:
         LibraryError: the folder cannot be written.
     """
     prefix = prefix.expanduser().absolute()
-    contents = _contents(prefix)
+    contents, old = _contents(prefix), _listed(prefix)
     try:
         for path, (text, program) in contents.items():
             target = prefix / path
@@ -253,36 +256,78 @@ def install(prefix: Path) -> list[Path]:
             write_whole(target, text.encode())
             if program:
                 target.chmod(0o755)
-        write_whole(prefix / MANIFEST, "".join(f"{path}\n" for path in contents).encode())
+        _remove(prefix, [path for path in _unchanged(prefix, old) if path not in contents])
+        lines = [f"{path} {_sum(text.encode())}\n" for path, (text, _) in contents.items()]
+        write_whole(prefix / MANIFEST, "".join(lines).encode())
     except OSError as error:
         raise LibraryError(f"the packages for ROS cannot be installed in {prefix}: {error.strerror}") from None
     return [prefix / path for path in contents]
 
 
 def uninstall(prefix: Path) -> int:
-    """Remove what `install` wrote, by its manifest, and the folders that are empty then; how many files.
+    """Remove what `install` wrote, by its manifest, of this version or another; how many files.
+
+    Files of other versions stay if they are not as they were written. Folders that are empty then are removed.
 
     Raises:
         NotFoundError: there is no manifest.
         LibraryError: a file cannot be removed.
     """
     prefix = prefix.expanduser().absolute()
+    if not (prefix / MANIFEST).is_file():
+        raise NotFoundError(f"{prefix} has no {MANIFEST}: libgz installed nothing there")
+    listed = _listed(prefix)
+    found = sorted({*(set(_contents(prefix)) & set(listed)), *_unchanged(prefix, listed)})
     try:
-        listed = (prefix / MANIFEST).read_text(errors="replace").splitlines()
-    except OSError:
-        raise NotFoundError(f"{prefix} has no {MANIFEST}: libgz installed nothing there") from None
-    known = set(_contents(prefix)) & set(listed)  # a changed manifest removes nothing else
-    try:
-        for path in known:
-            (prefix / path).unlink(missing_ok=True)
+        _remove(prefix, found)
         (prefix / MANIFEST).unlink()
-        folders = {folder for path in known for folder in (prefix / path).parents if folder.is_relative_to(prefix)}
-        for source in (prefix / path for path in known if path.endswith(".py")):
-            for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
-                compiled.unlink()
-        for folder in sorted({*folders, *(folder / "__pycache__" for folder in folders)}, reverse=True):
-            if folder.is_dir() and not any(folder.iterdir()):
-                folder.rmdir()
+        if prefix.is_dir() and not any(prefix.iterdir()):
+            prefix.rmdir()
     except OSError as error:
         raise LibraryError(f"the packages for ROS cannot be removed from {prefix}: {error.strerror}") from None
-    return len(known)
+    return len(found)
+
+
+def _sum(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _listed(prefix: Path) -> dict[str, str]:
+    """The manifest: paths -> sums of what was written there; empty ones in manifests of older versions."""
+    try:
+        lines = read_limited(prefix / MANIFEST).decode(errors="replace").splitlines()
+    except OSError:
+        return {}
+    rows = (line.partition(" ") for line in lines)
+    return {path: sum_ for path, _, sum_ in rows}
+
+
+def _unchanged(prefix: Path, listed: Mapping[str, str]) -> list[str]:
+    """The listed files that are as they were written, by any version: a changed manifest names no others."""
+    found = []
+    for path, sum_ in listed.items():
+        file = prefix / path
+        inside = ".." not in file.parts and file.is_relative_to(prefix) and file.resolve() == prefix.resolve() / path
+        try:
+            if inside and sum_ and _sum(read_limited(file)) == sum_:
+                found.append(path)
+        except OSError:
+            continue
+    return found
+
+
+def _remove(prefix: Path, paths: Sequence[str]) -> None:
+    """Remove files, what Python compiled of them, and the folders that are empty then.
+
+    Raises:
+        OSError: one cannot be removed.
+    """
+    for path in paths:
+        (prefix / path).unlink(missing_ok=True)
+    folders = {folder for path in paths for folder in (prefix / path).parents if folder.is_relative_to(prefix)}
+    for source in (prefix / path for path in paths if path.endswith(".py")):
+        for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
+            compiled.unlink()
+    for folder in sorted({*folders, *(folder / "__pycache__" for folder in folders)} - {prefix}, reverse=True):
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()

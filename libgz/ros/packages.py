@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from libgz.base.errors import NotFoundError
+from libgz.classic.common import SystemPaths
 
-__all__ = ["exported_folders", "find_package", "with_paths"]
+__all__ = ["add_exported_folders", "exported_folders", "find_package", "with_paths"]
 
 DEEPEST = 6  # folders below an entry of the path
 MOST_FOLDERS = 20_000
@@ -63,6 +64,17 @@ def exported_folders() -> dict[str, list[Path]]:
                 parts = value.replace("${prefix}", str(package)).split(":")
                 found[name] += [Path(part) for part in parts if Path(part).is_absolute()]
     return found
+
+
+def add_exported_folders() -> None:
+    """Search what packages export for Gazebo from now on, as its paths plugin does in servers and clients.
+
+    It is no use to wait for a look-up: these folders come before those of the models that nearly all worlds include.
+    """
+    paths, exported = SystemPaths.Instance(), exported_folders()
+    for name, add in (("gazebo_model_path", paths.AddModelPaths), ("gazebo_media_path", paths.AddGazeboPaths)):
+        for folder in exported[name]:
+            add(str(folder))
 
 
 def find_package(name: str) -> Path:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from libgz.classic.common import SystemPaths
 from libgz.classic.ros_names import Provider, providers
 from libgz.front import World
 from libgz.ros.bridged import BridgedNode
 from libgz.ros.environment import find_python
 from libgz.ros.names import NodeNames, read_names, read_names_of_ros2
 from libgz.ros.node import Node
-from libgz.ros.packages import exported_folders
+from libgz.ros.packages import add_exported_folders
 from libgz.ros.session import Session
 from libgz.ros.world import RosWorld
 
@@ -43,10 +42,7 @@ class _Ros(Session):
 
     def __init__(self, names: NodeNames, node: Node | BridgedNode, notice: str) -> None:
         super().__init__(names, node)
-        paths, exported = SystemPaths.Instance(), exported_folders()
-        for name, add in (("gazebo_model_path", paths.AddModelPaths), ("gazebo_media_path", paths.AddGazeboPaths)):
-            for folder in exported[name]:
-                add(str(folder))
+        add_exported_folders()
         self._provider = Provider(PLUGINS, STAND_INS, f"they speak {notice}: see docs/ros.md")
         providers.append(self._provider)
 

@@ -1,6 +1,7 @@
 """The packages for launch files, and spawn_model, which they start."""
 
 import ast
+import hashlib
 import os
 import py_compile
 import re
@@ -16,6 +17,7 @@ from unittest.mock import MagicMock
 import pytest
 from ros_peers import wait_for
 
+from libgz.apps import gzclient
 from libgz.apps.gzserver import make_parser
 from libgz.apps.libgz import main
 from libgz.apps.ros_option import ros_wanted, without_ros_words
@@ -26,6 +28,8 @@ from libgz.ros.install import install, uninstall
 from libgz.ros.packages import exported_folders
 from libgz.ros.types import message_type, service_type
 from libgz.ros.venv import definitions, make_environment
+from libgz.sdf import paths
+from libgz.sdf.paths import find_uri
 
 ARGUMENTS = {
     "debug", "enable_ros_network", "extra_gazebo_args", "gui", "gui_required", "headless", "output", "paused",
@@ -196,13 +200,14 @@ def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
     assert "_action_goal_type" in (prefix / "include" / f"{action.name}.h").read_text()
     assert ast.parse((prefix / "python" / "gazebo_msgs" / "__init__.py").read_text())
     found = subprocess.run(
-        ["sh", "-c", f". '{prefix}/setup.sh' && echo $PYTHONPATH && echo $ROS_PACKAGE_PATH"],
+        ["sh", "-c", f". '{prefix}/setup.sh' && echo $PYTHONPATH && echo $ROS_PACKAGE_PATH && command -v xacro"],
         capture_output=True,
         text=True,
         check=True,
         env={**os.environ, "ROS_PACKAGE_PATH": "/mine"},
     )
-    python, packages = found.stdout.splitlines()
+    python, packages, xacro = found.stdout.splitlines()
+    assert xacro.endswith("/xacro")  # which launch files also call by its plain name
     assert python.startswith(f"{prefix}/python")
     assert packages == f"{prefix}/share:/mine:{prefix}/spare"  # a xacro of ROS's own comes first
     (package / "mine.launch").touch()
@@ -210,6 +215,28 @@ def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
     assert [path for path in prefix.rglob("*") if path.is_file()] == [package / "mine.launch"]
     assert main(["ros", "install", "--uninstall", str(prefix)]) == 1
     assert "installed nothing there" in capsys.readouterr().err
+
+
+def test_files_of_another_version_are_removed_if_they_are_as_they_were_written(tmp_path, monkeypatch):
+    prefix, mine = tmp_path / "ros", tmp_path / "mine.txt"
+    older = {"share/gone/package.xml": ("<a/>", False), "share/changed.launch": ("<launch/>", False)}
+    monkeypatch.setattr("libgz.ros.install._contents", lambda _prefix: older)
+    install(prefix)
+    monkeypatch.undo()
+    mine.write_text("<a/>")
+    (prefix / "share/changed.launch").write_text("<launch>mine</launch>")
+    (prefix / "share/link").symlink_to(tmp_path)
+    with (prefix / "libgz-ros.manifest").open("a") as manifest:  # as nobody should trust it
+        for path in ("../mine.txt", str(mine), "share/link/mine.txt"):
+            manifest.write(f"{path} {hashlib.sha256(b'<a/>').hexdigest()}\n")
+    install(prefix)
+    assert not (prefix / "share/gone").exists()
+    older["share/later.xml"] = "<b/>", False
+    monkeypatch.setattr("libgz.ros.install._contents", lambda _prefix: older)
+    assert uninstall(prefix) > 200  # those of this version, which that one does not know
+    assert (prefix / "share/changed.launch").read_text() == "<launch>mine</launch>"
+    assert {path.name for path in prefix.rglob("*") if path.is_file()} <= {"changed.launch", "mine.txt"}
+    assert mine.exists()
 
 
 @pytest.mark.parametrize("source", ["file", "param"])
@@ -349,6 +376,11 @@ def test_folders_that_packages_export_are_searched(tmp_path, monkeypatch):
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     assert exported_folders() == {"gazebo_model_path": [package / "models"], "gazebo_media_path": []}
+    monkeypatch.setattr(paths, "added_models", [])
+    with pytest.raises(NotFoundError):
+        find_uri("model://crate")
+    gzclient.main(["--no-view", "--timeout", "0.1"])  # also a client, whose world may have meshes there
+    assert find_uri("model://crate") == package / "models" / "crate"
 
 
 @pytest.mark.parametrize(
@@ -386,3 +418,5 @@ def test_the_environment_of_libgz_is_found_beside_its_launch_files(monkeypatch, 
     ros.mkdir(parents=True)
     (ros / "rclpy").touch()
     assert find_python() != made
+    monkeypatch.setenv("PATH", str(tmp_path))  # without any python3
+    assert find_python() == made

@@ -205,29 +205,39 @@ def _opened(server: LanguageServer, uri: str) -> TextDocument | None:
 
 
 def _whole_file(message: str) -> dict[str, Any]:
-    return {"file": "", "line": 0, "element": "", "message": message, "severity": "error"}
+    return {"file": "", "line": 0, "element": "", "message": message, "severity": "error", "included": 0}
 
 
 def _shown(one: dict[str, Any], lines: list[str], path: str, codec: PositionCodec) -> types.Diagnostic:
-    """A diagnostic of `libgz check`, for an editor; one of another file is at the beginning, with its place."""
+    """A diagnostic of `libgz check`, for an editor; one of an included file is at the include, with its place."""
     from lsprotocol import types
 
     here = one["file"] in ("", path) or Path(one["file"]) == Path(path)
-    number = max(int(one["line"]) - 1, 0) if here else 0
+    number = max(int(one["line"] if here else one["included"]) - 1, 0)
     line = lines[number] if number < len(lines) else ""
     place = "" if here else f"{one['file']}:{one['line']}: "
     element = f"<{one['element']}>: " if one["element"] else ""
     severity = types.DiagnosticSeverity.Error if one["severity"] == "error" else types.DiagnosticSeverity.Warning
     if UNTRUSTED in one["message"]:
         severity = types.DiagnosticSeverity.Information
-    start, end = _marked(line, one["element"] if here else "")
+    start, end = _marked(line, one["element"] if here else "include")
     marked = types.Range(types.Position(number, start), types.Position(number, end))
     return types.Diagnostic(
         codec.range_to_client_units(lines, marked),
         f"{place}{element}{one['message']}",
         severity=severity,
         source=SOURCE,
+        related_information=None if here else [_elsewhere(one, Path(path).parent)],
     )
+
+
+def _elsewhere(one: dict[str, Any], folder: Path) -> types.DiagnosticRelatedInformation:
+    """The place of a diagnostic in another file, which editors offer to open."""
+    from lsprotocol import types
+
+    place = types.Position(max(int(one["line"]) - 1, 0), 0)
+    address = (folder / one["file"]).resolve().as_uri()
+    return types.DiagnosticRelatedInformation(types.Location(address, types.Range(place, place)), one["message"])
 
 
 def _marked(line: str, element: str) -> tuple[int, int]:

@@ -275,9 +275,14 @@ class Remark:
 
 @dataclass(frozen=True)
 class Diagnostic(Remark):
-    """One error or warning about a worldfile or an SDF file."""
+    """One error or warning about a worldfile or an SDF file.
+
+    Attributes:
+        included: if it is about a file that the checked one includes, the line of that include, from 1; else 0.
+    """
 
     severity: Severity
+    included: int = 0
 
     @classmethod
     def at(cls, where: Located, message: str, severity: Severity) -> Diagnostic:
@@ -301,6 +306,7 @@ class Diagnostics:
     """
 
     found: dict[Diagnostic, None] = field(default_factory=dict)
+    includes: dict[str, int] = field(default_factory=dict)  # included files, and the lines of their first includes
     listed: int = 0  # elements without effect among them
     unlisted: int = 0  # further ones, which are only counted
     most_alike: int = MOST_ALIKE  # warnings of a kind in the summary
@@ -331,8 +337,9 @@ class Diagnostics:
             self._first_unlisted = self._first_unlisted or where
             self.unlisted += 1
 
-    def include(self, other: Diagnostics) -> None:
-        """Add those of an included file."""
+    def include(self, other: Diagnostics, file: str, line: int) -> None:
+        """Add those of a file that is included in a line."""
+        self.includes = dict.fromkeys([file, *other.includes], line) | self.includes
         self.add(*other.found)
         self._beyond += other._beyond
         self._first_beyond = other._first_beyond | self._first_beyond

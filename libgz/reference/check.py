@@ -7,6 +7,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from libgz.base.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
@@ -92,7 +93,9 @@ def _collected(diagnostics: Diagnostics, name: str) -> Iterator[list[Diagnostic]
         if text not in known:
             known.add(text)
             diagnostics.remark(name, text)
-    found += sorted([*diagnostics.errors, *diagnostics.warnings], key=lambda diagnostic: diagnostic.line)
+    every = [*diagnostics.errors, *diagnostics.warnings]
+    placed = [replace(one, included=diagnostics.includes.get(one.file, 0)) for one in every]
+    found += sorted(placed, key=lambda diagnostic: diagnostic.included or diagnostic.line)
 
 
 def check_sdf(

@@ -466,7 +466,7 @@ class SdfFile:
             self._warn(xml, f"{error}; it is left out")
             parent.InsertElement(self._element(xml, describe(NEWEST)["world"].children["include"]))
             return
-        self.diagnostics.include(included.diagnostics)
+        self.diagnostics.include(included.diagnostics, included.label, self._place(xml).line)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
             self._warn(xml, f"{path} has no model, light or actor; the include is left out")

@@ -145,6 +145,24 @@ def test_an_element_is_marked_in_its_line(tmp_path, before, marked, after):
     assert line[2 * place.start.character : 2 * place.end.character].decode("utf-16-le") == marked
 
 
+def test_what_is_wrong_in_an_included_file_is_shown_at_the_include(tmp_path):
+    inner, outer = tmp_path / "inner", tmp_path / "outer"
+    for folder, text in (
+        (inner, "<link name='l'>\n<inertial><mass>heavy</mass></inertial></link>"),
+        (outer, "\n\n\n\n<include><uri>../inner</uri></include>"),
+    ):
+        folder.mkdir()
+        folder.joinpath("model.config").write_text("<model><name>m</name><sdf version='1.6'>model.sdf</sdf></model>")
+        folder.joinpath("model.sdf").write_text(f"<sdf version='1.6'><model name='m'>{text}</model></sdf>")
+    text = "<sdf version='1.6'>\n<world name='w'>\n  <include>\n<uri>outer</uri></include></world></sdf>"
+    [error] = asyncio.run(diagnostics_of(tmp_path / "my.world", text))
+    assert error.range == types.Range(types.Position(2, 2), types.Position(2, len("  <include>")))
+    assert error.message.startswith(f"{outer / '../inner/model.sdf'}:2: <mass>: ")
+    [related] = error.related_information
+    assert related.location.uri == (inner / "model.sdf").as_uri()
+    assert related.location.range.start == types.Position(1, 0)
+
+
 def test_what_is_no_xml_is_an_error_of_its_line(tmp_path):
     found = asyncio.run(diagnostics_of(tmp_path / "my.world", "<gz:world xmlns:gz='x'>\n<model"))
     assert found

@@ -299,6 +299,23 @@ def test_the_camera_begins_where_the_world_says(shown, page):
     assert eye(page) == pytest.approx([4.0, 1.0, 3.0], abs=1e-3)
 
 
+@pytest.mark.parametrize(("wall", "back"), [("", 1.0), (box("wall", "5 1 3 0 0 0", size="0.1 9 9", static=1), 0.0)])
+def test_a_narrow_window_shows_as_much_as_the_worlds_view(shown, page, wall, back):
+    camera = "<gui><camera name='c'><pose>4 1 3 0 0.5 3.14159265</pose></camera></gui>"
+    page.set_viewport_size({"width": HEIGHT // 2, "height": HEIGHT})
+    try:
+        shown(sdf(camera + box(pose="-2 1 0.5 0 0 0") + wall))
+        found = eye(page)
+    finally:
+        page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+    away = found - [4.0, 1.0, 3.0]
+    if not back:
+        assert away == pytest.approx([0.0, 0.0, 0.0], abs=1e-3)  # the camera stays before the wall
+        return
+    assert away[2] / away[0] == pytest.approx(np.tan(0.5), rel=1e-3)
+    assert np.linalg.norm(away) / near(page) == pytest.approx(1.0 - (1 / 2) / (4 / 3), rel=0.01)
+
+
 def test_switches_change_what_is_seen(shown, page):
     shown("pioneer2at.world")
     robot, laser = entity(page, "robot1"), entity(page, "laser1")

@@ -11,6 +11,7 @@ const LEAST = 0.005; // [m] radius of what is framed
 const MARGIN = 1.5; // around robots at the start
 const FLAT = 1.15; // around what is wide and low: the ball around it is higher than it
 const CLOSE = 1.2; // around what is focused
+const ASPECT = 4 / 3; // of the windows that views of worlds were chosen in
 const LIFT = 0.07; // of the view's height that they are above its middle, as the stick is below
 const FARTHEST = 1e6; // [m] from the origin of what is framed
 const GLIDE = 350; // [ms] of a change of view
@@ -86,6 +87,7 @@ export class Cameras {
       const down = ahead.z < -0.02 ? -this.camera.position.z / ahead.z : Infinity;
       const reach = Math.min(middle > 0.2 ? middle : down > 0 && down < 200 ? down : 5, 1000);
       this.controls.target.copy(this.camera.position).addScaledVector(ahead, Math.max(reach, 0.2));
+      this._stepBack(sees);
       this.controls.update();
       this.changed();
       return;
@@ -97,6 +99,21 @@ export class Cameras {
     this._frame(box, free ?? sides[0], false, margin);
     this.controls.target.z -= LIFT * 2 * Math.tan(MathUtils.degToRad(this.camera.fov) / 2) * this.distance;
     this.controls.update();
+  }
+
+  /**
+   * In a narrow window, see as wide as the world's view did, if nothing is behind the camera.
+   * @param {(eye: Vector3, place: Vector3, radius: number) => boolean} sees
+   */
+  _stepBack(sees) {
+    const { position } = this.camera, { target } = this.controls;
+    for (const share of [1, 0.5]) {
+      const factor = 1 + share * Math.max(ASPECT / this.camera.aspect - 1, 0);
+      const eye = position.clone().sub(target).multiplyScalar(factor).add(target);
+      if (factor === 1 || !sees(position, eye, 0)) continue;
+      position.copy(eye);
+      return;
+    }
   }
 
   /** The box of what a user wants to see first: robots, else what moves, else everything. */

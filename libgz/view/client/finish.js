@@ -18,6 +18,7 @@ const RUBBER = { color: [0.17, 0.17, 0.18], roughness: 0.92, metalness: 0 };
 const METAL = { color: [0.74, 0.76, 0.79], roughness: 0.34, metalness: 0.85 };
 const DARK = 0.35; // brightness below which a wheel's own colour is rubber
 const SPOKES = 5;
+const HAIR = 0.995; // of a cylinder's radius: else it would show through the sides of boxes that it touches
 const DARKEST = 0.13, SOFT = 0.25; // of lacquer: its black, and how gray colours are
 
 /** Whether an entity is a device of old, which may have a fine skin. @param {any} scene @param {any} entity */
@@ -52,8 +53,9 @@ function roundBox(size) {
   return made(`round box ${size}`, () => boxWithRoundEdges(size, edge));
 }
 
-/** @param {number} radius @param {number} length [m] */
-function roundCylinder(radius, length) {
+/** @param {number} nominal radius @param {number} length [m] */
+function roundCylinder(nominal, length) {
+  const radius = HAIR * nominal;
   const edge = Math.min(EDGE * Math.min(radius, length), ROUNDEST), half = length / 2;
   const side = [new Vector2(0, -half)];
   for (const [x, y, begin] of [[radius - edge, edge - half, -Math.PI / 2], [radius - edge, half - edge, 0]]) {

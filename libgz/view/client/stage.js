@@ -488,7 +488,7 @@ export class Stage {
     this._refined = true;
     if (!this._built || this.quality.fixed || this.renderer.getContext().getContextAttributes()?.antialias) return;
     this.renderer.setPixelRatio(this.quality.still(this._ratio()));
-    this.lights.resize(1024, true);
+    this.lights.resize(2048, true);
     this.renderer.shadowMap.needsUpdate = true;
     this._render(true);
   }

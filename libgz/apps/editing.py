@@ -22,7 +22,7 @@ __all__ = ["Editing", "in_parent", "pose_of"]
 
 log = logging.getLogger("libgz.gazebo")
 
-HOLD = 2.0  # [s] of real time after its last request, that something is held
+HOLD = 6.0  # [s] of real time after its last request, that something is held: a page may be slow
 TOGETHER = 1.0  # [s] of real time between two moves of one model that are undone as one
 MOST_HELD = 16
 LONGEST_DIFF = 1 << 20  # characters

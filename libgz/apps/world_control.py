@@ -243,8 +243,9 @@ class WorldControl:
         if self.world.sdf is not None:
             self._insert_sdf(content, pose)
         else:
-            text = str(content.get("text") or self._stock.text(str(content.get("model", ""))))
-            added = self.world.InsertModel(text, "<inserted>")
+            name = str(content.get("model", ""))
+            text = str(content.get("text") or self._stock.text(name))
+            added = self.world.InsertModel(text, name[:LONGEST_LABEL] or "<inserted>")
             top = [model for model in added if model.parentBody is None]
             if pose is not None:
                 for model in top:
@@ -270,7 +271,7 @@ class WorldControl:
 
         world, text, uri = self.world, str(content.get("text", "")), str(content.get("model", ""))
         if text:
-            file = SdfFile.from_string(text, "<inserted>")
+            file = SdfFile.from_string(text, uri[:LONGEST_LABEL] or "<inserted>")
             if content.get("of_page"):
                 _check_plugins(file)
         elif uri in SHAPES:

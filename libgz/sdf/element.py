@@ -85,11 +85,13 @@ class Element:
         include: where the `<include>` is that it took the place of; None if the document itself has it.
         placed: whether its pose was that of a frame in it, its placement frame.
         comments: in front of it; not read from files, where they are kept without this.
+        implied: whether it was only created to be read: with its defaults, which no document gave.
     """
 
     include: Place | None = None
     placed: bool = False
     comments: tuple[str, ...] = ()
+    implied: bool = False
 
     def __init__(
         self, name: str = "", description: Description | None = None, *, file: str = "", line: int = 0
@@ -195,8 +197,19 @@ class Element:
         """The first child of this name. If SDF knows it here, a missing one is created with its defaults; else None."""
         found = self._first(name)
         if found is None and self.description is not None and name in self.description.children:
-            return self.AddElement(name)
+            found = self.AddElement(name)
+            found.implied = True
         return found
+
+    def prune(self) -> None:
+        """Remove all in it that was only created to be read, with its defaults."""
+        self.children = [child for child in self.children if not child.implied or child._is_given()]
+        for child in self.children:
+            child.prune()
+
+    def _is_given(self) -> bool:
+        values = (self.value, *self.attributes.values())
+        return any(value.given for value in values) or any(child._is_given() for child in self.children)
 
     def child(self, name: str) -> Element:
         """The same, for a child that must exist.
@@ -343,6 +356,7 @@ class Element:
     def Clone(self) -> Element:
         """A copy of this element and all in it, without a parent."""
         copy = Element(self.name, self.description, file=self.file, line=self.line)
+        copy.implied = self.implied
         copy.value = self.value.Clone()
         copy.attributes = {k: p.Clone() for k, p in self.attributes.items()}
         for child in self.children:

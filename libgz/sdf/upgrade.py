@@ -22,11 +22,14 @@ NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <
 def upgraded(element: Element, folder: Path | None = None) -> Element:
     """A copy of an element and all in it, with the meaning in SDF 1.6 that the original has in its own version.
 
+    What was only created to be read, with its defaults, is left out.
+
     Args:
         element: the original.
         folder: of the file that will hold the copy: names of files in it stay relative.
     """
     copy = element.Clone()
+    copy.prune()
     _make_absolute(copy, folder)
     for world in [copy] if copy.name == "world" else copy.find("world"):
         _move_up(world)

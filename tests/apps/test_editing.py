@@ -464,6 +464,21 @@ def test_inserted_models_are_moved_in_as_those_around_them(ask, tmp_path):
     assert margins == (["    ", "      ", "    "] if sdf else ["  ", "    ", "  "])
 
 
+def test_what_was_inserted_is_written_as_it_was_given(including, tmp_path):
+    """Reading a model makes elements with their defaults, which no file is to be filled with."""
+    shape = "<geometry><box><size>1 1 1</size></box></geometry>"
+    link = f"<link name='l'><collision name='c'>{shape}</collision><visual name='v'>{shape}</visual></link>"
+    with including() as ask:
+        [name] = ask("insert", text=f"<sdf version='1.6'><model name='plain'>{link}</model></sdf>")
+        ask("duplicate", name=name)
+        ask("write")
+    text = (tmp_path / "my.world").read_text()
+    inserted = text[text.index('<model name="plain">') :]
+    assert inserted.count("<model ") == 2
+    assert inserted.count("<size>") == 4
+    assert [tag for tag in ("<inertial", "<surface", "<ode", "<friction") if tag in inserted] == []
+
+
 def test_no_world_is_written_that_could_not_be_loaded(ask, tmp_path, monkeypatch, caplog):
     ask("duplicate", name="arm" if ask.world.sdf is not None else "box1")
     before = (tmp_path / "my.world").read_text()

@@ -792,7 +792,8 @@ def test_files_are_dropped_on_the_view(opened):
     }"""
     page.evaluate(drop, ["a.sdf", "<sdf/>"])
     until(page, "asked.some(one => one[0] === 'insert')")
-    assert asked(page, "insert")[0][1]["text"] == "<sdf/>"
+    [[_, content]] = asked(page, "insert")
+    assert (content["model"], content["text"]) == ("a.sdf", "<sdf/>")  # errors name the file
     page.evaluate(drop, ["a.exe", "x"])
     page.get_by_text("a.exe cannot be inserted; allowed are sdf").wait_for()
     assert asked(page, "insert", wait=False) == []

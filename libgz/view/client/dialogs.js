@@ -263,7 +263,7 @@ export class Dialogs {
     const ending = file.name.split('.').at(-1)?.toLowerCase() ?? '';
     const pose = [place[0] ?? 0, place[1] ?? 0, place[2] ?? 0, 1, 0, 0, 0];
     if (file.size > LARGEST) toasts.add(`${file.name} is larger than ${LARGEST >> 20} MiB.`);
-    else if (DESCRIPTIONS.includes(ending)) this.workplace.selectNamed(await ask('insert', '-', { text: await file.text(), pose }));
+    else if (DESCRIPTIONS.includes(ending)) this.workplace.selectNamed(await ask('insert', '-', { model: file.name, text: await file.text(), pose }));
     else if (MESHES.includes(ending) && store.abilities.has('mesh')) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       let text = '';

@@ -245,6 +245,16 @@ def test_views_and_focus_move_the_camera(shown, page):
     assert np.abs(center(page) - (HEIGHT / 2, WIDTH / 2)).max() < 0.2 * WIDTH
 
 
+def test_what_falls_for_ever_is_not_framed(shown, page):
+    world = shown(sdf(box("kept") + box("lost")))
+    move(world, "lost", 0.0, 0.0, -3000.0)
+    page.evaluate("state()")
+    page.evaluate("libgz.store.view('fit')")
+    glided(page)
+    assert page.evaluate("libgz.stage.cameras.controls.target.z") == pytest.approx(0.4, abs=0.3)
+    assert near(page) < 4.0
+
+
 def test_the_camera_follows_and_walks(shown, page):
     world = shown("pioneer2at.world")
     former, start = center(page), eye(page)

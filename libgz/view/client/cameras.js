@@ -14,6 +14,7 @@ const CLOSE = 1.2; // around what is focused
 const ASPECT = 4 / 3; // of the windows that views of worlds were chosen in
 const LIFT = 0.07; // of the view's height that they are above its middle, as the stick is below
 const FARTHEST = 1e6; // [m] from the origin of what is framed
+const DEEP = -100; // [m] below which is what has no ground under it, and falls
 const GLIDE = 350; // [ms] of a change of view
 const OBLIQUE = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
 const RISE = Math.atan(0.3); // elevation at the start [rad], with the horizon in view
@@ -139,10 +140,16 @@ export class Cameras {
     return this._movers().length > 0;
   }
 
+  /** The models that are not fixed, without those that have fallen off the world, unless all have. */
   _movers() {
-    return this.store.scene.entities
+    const all = this.store.scene.entities
       .filter((/** @type {any} */ entity) => !entity.static && entity.kind !== "light")
       .map((/** @type {any} */ entity) => entity.number);
+    const here = all.filter((/** @type {number} */ number) => {
+      const box = this.bodies.bounds([number]);
+      return box.isEmpty() || box.max.z > DEEP;
+    });
+    return here.length ? here : all;
   }
 
   /**

@@ -26,6 +26,7 @@ KINDS = {
     ".svg": "image/svg+xml",
 }
 SAFE_HEADERS = {"Server": "libgz", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+HOST = re.compile(r"(?:[\w.-]+|\[[\da-fA-F:.]+\])(?::\d+)?", re.ASCII)
 FOREVER = "public, max-age=31536000, immutable"
 WORTH_PACKING = 1024  # [byte]
 PORTRAITS = "/portraits/"  # before the name of a model
@@ -100,6 +101,8 @@ class Gate:
 
     def _is_ours(self, host: str) -> bool:
         """Whether a request names this machine: a name that others made point here is not served."""
+        if not HOST.fullmatch(host):  # it stands in the policy
+            return False
         try:
             name = urlsplit(f"//{host}").hostname or ""
         except ValueError:

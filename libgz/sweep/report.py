@@ -18,6 +18,9 @@ __all__ = ["plot_measures"]
 
 Row = Mapping[str, Any]
 MOST_LINES, MOST_PANELS = 8, 4  # in one figure
+MOST_BINS = 50
+MOST_TEXTS, LONGEST = 50, 200  # different texts along an axis, and characters of one, beyond which they are numbered
+LARGEST = 1e100  # of a number that is plotted
 MANY = 12  # different numbers, beyond which they are plotted as single points
 _UNSAFE = re.compile(r"[^\w.-]+")
 
@@ -37,7 +40,7 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
         ParameterError: no run succeeded.
         GazeboError: a figure cannot be written.
     """
-    good = [row for row in rows if row["state"] == "ok"]
+    good = [{name: _plain(value) for name, value in row.items()} for row in rows if row["state"] == "ok"]
     if not good:
         raise ParameterError(f"none of the {len(rows)} recorded runs succeeded, so there is nothing to plot")
     names = [*about["parameters"], "controller"]
@@ -59,6 +62,13 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
         yield path
 
 
+def _plain(value: Any) -> Any:
+    """A value that can be plotted: a number beyond all that is measured is none."""
+    if isinstance(value, int | float) and not -LARGEST <= value <= LARGEST:
+        return math.nan
+    return value
+
+
 def _figure(rows: Sequence[Row], measure: str, varied: Sequence[str], failed: int) -> Figure:
     """The figure of a measure of runs that succeeded, besides `failed` others."""
     panels = _panels(rows, varied[2] if len(varied) > 2 else None)
@@ -77,7 +87,7 @@ def _panels(rows: Sequence[Row], name: str | None) -> list[tuple[str, list[Row]]
         groups.setdefault(_key(row[name]) if name is not None else "", []).append(row)
     if not 1 < len(groups) <= MOST_PANELS:
         return [("", list(rows))]
-    return [(f"{name} = {value}", group) for value, group in sorted(groups.items(), key=_order)]
+    return [(f"{name} = {value}"[:LONGEST], group) for value, group in sorted(groups.items(), key=_order)]
 
 
 def _order(item: tuple[Any, Any]) -> tuple[str, Any]:
@@ -100,17 +110,23 @@ def _plot(axes: Any, rows: Sequence[Row], measure: str, varied: Sequence[str]) -
     axes.grid(alpha=0.3)
     if not varied:
         values = [row[measure] for row in rows if math.isfinite(row[measure])]
-        axes.hist(values, bins="auto" if len(values) > 3 else 5)
+        axes.hist(values, bins=min(max(math.isqrt(len(values)), 5), MOST_BINS))
         axes.set(xlabel=measure, ylabel="runs")
         return
     along, *others = varied
+    label = along
+    texts = [] if _numeric(rows, along) else sorted({str(_key(row[along])) for row in rows})
+    if len(texts) > MOST_TEXTS or any(len(text) > LONGEST for text in texts):
+        numbers = {text: number for number, text in enumerate(texts)}
+        rows = [{**row, along: numbers[str(_key(row[along]))]} for row in rows]
+        label = f"{along}, the number of its value"
     groups: dict[Any, list[Row]] = {}
     by = others[0] if others and len({_key(row[others[0]]) for row in rows}) <= MOST_LINES else None
     for row in rows:
         groups.setdefault(_key(row[by]) if by is not None else None, []).append(row)
     for value, group in sorted(groups.items(), key=_order):
-        _line(axes, group, along, measure, None if by is None else f"{by} = {value}")
-    axes.set(xlabel=along, ylabel=measure)
+        _line(axes, group, along, measure, None if by is None else f"{by} = {value}"[:LONGEST])
+    axes.set(xlabel=label, ylabel=measure)
     if by is not None:
         axes.legend()
 

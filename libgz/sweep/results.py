@@ -17,7 +17,7 @@ from typing import Any
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.base.files import read_limited, write_whole
-from libgz.sweep.study import Study
+from libgz.sweep.study import MOST_RUNS, Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
 
@@ -240,6 +240,17 @@ def _text(value: Any) -> str:
     return value.replace("\n", " | ") if isinstance(value, str) else json.dumps(value)
 
 
+def _check_links(folder: Path) -> None:
+    """Check that results are written to a folder's own files: one of somebody else may have links to a user's files.
+
+    Raises:
+        GazeboError: one is a link.
+    """
+    for path in (folder / ABOUT, folder / LOCK, folder / TABLE, folder / JOURNAL, *folder.glob("part-*.parquet")):
+        if path.is_symlink():
+            raise GazeboError(f"{path} is a symbolic link, which results are not written to; name another folder")
+
+
 def _cut(path: Path) -> None:
     """Cut off the start of a line that was being written when its process ended."""
     with path.open("r+b") as file:
@@ -271,6 +282,8 @@ def _about(folder: Path) -> dict[str, Any]:
         for name, kind in names.items():
             if not isinstance(known[name], kind):
                 raise TypeError(f"{name} is {known[name]!r}")
+        if not 0 <= known["runs"] <= MOST_RUNS:
+            raise ValueError(f"it has {known['runs']} runs")
         if not all(isinstance(name, str) for key in ("parameters", "random", "measures") for name in known[key]):
             raise TypeError("a name is no text")
         if known["format"] not in FORMATS:
@@ -312,8 +325,9 @@ def open_results(folder: Path, study: Study, digest: str, wanted: str | None) ->
     Raises:
         ParameterError: the folder has other results.
         LibraryError: pyarrow is not installed.
-        GazeboError: another process writes to it, or it cannot be written.
+        GazeboError: another process writes to it, it cannot be written, or has links in place of its files.
     """
+    _check_links(folder)
     if wanted is None:
         wanted = _about(folder)["format"] if (folder / ABOUT).is_file() else "csv"
     if wanted == "csv":
@@ -350,9 +364,15 @@ def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         rows += [row for row in (_journal_rows(journal) if journal.is_file() else ()) if row["run"] not in known_runs]
     needed = {*known["parameters"], *known["measures"], "controller"}
     for row in rows:
+        row.update({name: float(str(value)) for name, value in row.items() if _is_long(value)})
         if missing := needed - row.keys():
             raise ParameterError(f"{folder} is damaged: run {row['run']} has no {min(missing)!r}")
     return known, sorted(rows, key=lambda row: row["run"])
+
+
+def _is_long(value: Any) -> bool:
+    """Whether it is a whole number beyond 64 bits, which nothing computes with."""
+    return isinstance(value, int) and not -(1 << 63) <= value < 1 << 63
 
 
 def _parsed(text: str, number: bool) -> Any:

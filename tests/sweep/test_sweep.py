@@ -11,9 +11,11 @@ import time
 from pathlib import Path
 
 import pytest
+from commands import run_libgz
 
-from libgz.base.errors import GazeboError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.sweep import driver
+from libgz.sweep.report import plot_measures
 from libgz.sweep.results import read_results
 
 LIBGZ = [sys.executable, "-m", "libgz", "sweep"]
@@ -280,6 +282,54 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(folder, format):
 
 
 @pytest.mark.trial
+@pytest.mark.parametrize("name", ["study.json", ".lock", "results.csv", "journal.jsonl", "part-000000.parquet"])
+@pytest.mark.parametrize("there", [True, False])
+def test_results_are_written_to_no_link(folder, name, there):
+    """A folder of somebody else, or in one that all may write, would lead to a user's files."""
+    own = folder / "own"
+    if there:
+        own.write_text("precious")
+    (folder / "push.results").mkdir()
+    (folder / "push.results" / name).symlink_to(own)
+    done = run_libgz("sweep", "push.toml", cwd=folder)
+    assert done.returncode == 1
+    assert f"{name} is a symbolic link, which results are not written to" in done.stderr
+    assert own.exists() == there
+    assert not there or own.read_text() == "precious"
+
+
+ABOUT = {"digest": "x", "format": "csv", "runs": 200, "parameters": ["p"], "random": [], "measures": ["m"]}
+
+
+@pytest.mark.parametrize(
+    ("p", "m"),
+    [
+        (lambda i: i, lambda i: "9" * 4000),
+        (lambda i: "9" * (4000 + i), lambda i: i),
+        (lambda i: i, lambda i: (-1) ** i * 1.7e308),
+        (lambda i: "same", lambda i: 1e90 if i == 7 else 1e-9 * i),
+        (lambda i: "x" * 10_000 + str(i), lambda i: i),
+        (lambda i: f"text{i}", lambda i: i),
+        (lambda i: "nan", lambda i: "inf"),
+    ],
+)
+def test_odd_results_are_plotted_without_what_cannot_be(tmp_path, p, m):
+    (tmp_path / "study.json").write_text(json.dumps(ABOUT))
+    rows = [f"{i},{p(i)},c,1,ok,{m(i)},0,0,1,,h,l,3.11" for i in range(ABOUT["runs"])]
+    head = "run,p,controller,seed,state,m,sim_time,wall_time,attempts,message,host,libgz,python"
+    (tmp_path / "results.csv").write_text("\n".join([head, *rows, ""]))
+    about, found = read_results(tmp_path)
+    assert len(found) == ABOUT["runs"]
+    assert [path.name for path in plot_measures(about, found, tmp_path)] == ["m.png"]
+
+
+@pytest.mark.parametrize("runs", [-1, 10**9 + 1, 10**400])
+def test_results_of_more_runs_than_a_study_has_are_damaged(tmp_path, runs):
+    (tmp_path / "study.json").write_text(json.dumps(ABOUT | {"runs": runs}))
+    with pytest.raises(ParameterError, match=r"study.json is damaged: ValueError: it has -?\d+ runs"):
+        read_results(tmp_path)
+
+
 def test_two_commands_do_not_write_the_same_results(folder):
     change(
         folder,

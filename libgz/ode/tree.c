@@ -564,6 +564,7 @@ void free_trees(struct trees *w)
     free(w->joints);
     free(w->rows);
     free(w->order);
+    free(w->roots);
     free(w->dense);
     free(w->places);
     free(w->panels);

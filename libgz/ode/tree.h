@@ -69,13 +69,14 @@ struct trees {
     tree_joint *joints;
     tree_row *rows;
     int64_t *order;      /* bodies from the root on */
+    int64_t *roots;      /* bodies as they come in question as roots, then room to sort them */
     int64_t *dense;      /* rows of the dense problem */
     int64_t *places;     /* where its unknowns are, and as many for its solver */
     panel *panels;
     station *stations;   /* panel by panel */
     double *numbers;     /* of the dense problem */
     int64_t body_capacity, joint_capacity, row_capacity, order_capacity, dense_capacity, place_capacity, panel_capacity;
-    int64_t station_capacity, number_capacity;
+    int64_t root_capacity, station_capacity, number_capacity;
     int64_t body_count, joint_count, row_count, order_count, dense_count, panel_count, station_count;
     int guesses;         /* rows with bounds that are part of the tree */
     void **disabled;

@@ -263,13 +263,33 @@ static void list_joints(island *w)
         }
 }
 
+/* List the bodies by how many joints they have, those with most first, and those with as many in their order. */
+static int list_roots(island *w)
+{
+    int64_t i, most = 2 * w->joint_count, *ends, end = 0;
+    GROW(roots, root_capacity, w->body_count + most + 1);
+    ends = w->roots + w->body_count; /* by how many joints there are less than the most */
+    memset(ends, 0, (size_t)(most + 1) * sizeof *ends);
+    for (i = 0; i < w->body_count; i++)
+        ends[most - w->bodies[i].degree]++;
+    for (i = 0; i <= most; i++) {
+        end += ends[i];
+        ends[i] = end - ends[i];
+    }
+    for (i = 0; i < w->body_count; i++)
+        w->roots[ends[most - w->bodies[i].degree]++] = i;
+    return 1;
+}
+
 /* Order the bodies from the root on: first what joints hold to the world; then a tree from the body with most joints. */
 int grow_tree(island *w)
 {
-    int64_t i, at = 0, best;
+    int64_t i, at = 0, next_root = 0;
     GROW(order, order_capacity, w->body_count);
     w->order_count = 0;
     list_joints(w);
+    if (!list_roots(w))
+        return 0;
     for (i = 0; i < w->joint_count; i++) {
         const tree_joint *j = w->joints + i;
         int side = j->body[0] < 0;
@@ -286,11 +306,10 @@ int grow_tree(island *w)
                     hang(w, i, side);
                 i = next;
             }
-        for (best = -1, i = 0; i < w->body_count; i++)
-            if (w->bodies[i].degree >= 0 && (best < 0 || w->bodies[i].degree > w->bodies[best].degree))
-                best = i;
-        if (best < 0)
+        while (next_root < w->body_count && w->bodies[w->roots[next_root]].degree < 0)
+            next_root++;
+        if (next_root == w->body_count)
             return 1;
-        take_place(w, best);
+        take_place(w, w->roots[next_root]);
     }
 }

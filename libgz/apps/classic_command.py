@@ -102,7 +102,7 @@ def _parse(parser: Parser, words: Sequence[str], plugins: str) -> argparse.Names
     options: argparse.Namespace
     options, unknown = parser.parse_known_args(list(words))
     options.rest, others = _split(unknown)
-    if ros_wanted(options):  # whose session reads names and remappings
+    if plugins == "gui_plugin" or ros_wanted(options):  # names and remappings, which roslaunch gives all nodes
         others = [word for word in others if ":=" not in word]
     if others and not getattr(options, plugins):
         log.warning("%s; there is no System plugin to use them", parser.unknown(others))

@@ -13,6 +13,7 @@ from PIL import Image
 
 import libgz
 from libgz.apps import gzclient
+from libgz.apps.classic_command import read_command_line
 from libgz.apps.libgz import main
 from libgz.base.errors import NotFoundError
 from libgz.classic import gui
@@ -269,6 +270,13 @@ def test_wrong_options(words, capsys):
         gzclient.main(words)
     assert ended.value.code == 255
     assert "Error. Invalid arguments" in capsys.readouterr().err
+
+
+def test_words_that_roslaunch_gives_all_nodes_are_no_options(capsys):
+    words = ["__name:=gazebo_gui", "__log:=/tmp/x.log", "--size", "64x48"]
+    _, options = read_command_line(gzclient.make_parser(), words, plugins="gui_plugin")
+    assert (options.rest, options.size) == ([], (64, 48))
+    assert "unrecognized" not in capsys.readouterr().err
 
 
 def test_help_and_version(capsys):

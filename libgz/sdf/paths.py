@@ -11,9 +11,19 @@ from lxml import etree
 from libgz.base.errors import Diagnostics, NotFoundError, WorldFileError
 from libgz.base.files import exists, expand, is_file, read_limited
 from libgz.base.numbers import whole_number
+from libgz.sdf.packages import find_package
 from libgz.sdf.xml import parse_document
 
-__all__ = ["find_model", "find_uri", "find_world", "folders_of", "listed", "model_directories", "resource_directories"]
+__all__ = [
+    "find_model",
+    "find_uri",
+    "find_world",
+    "folders_of",
+    "listed",
+    "model_directories",
+    "package_directories",
+    "resource_directories",
+]
 
 log = logging.getLogger("libgz.sdf")
 
@@ -41,8 +51,13 @@ def listed(variable: str) -> list[Path]:
 
 def model_directories() -> list[Path]:
     """Folders of `model://` URIs, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those of libgz, of ROS."""
-    ros = [*listed("ROS_PACKAGE_PATH"), *(prefix / "share" for prefix in listed("AMENT_PREFIX_PATH"))]
-    return [expand("~/.gazebo/models"), *listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN, *ros]
+    listed_first = [expand("~/.gazebo/models"), *listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
+    return [*listed_first, *package_directories()]
+
+
+def package_directories() -> list[Path]:
+    """Folders in which packages of ROS lie, or below which they do."""
+    return [*listed("ROS_PACKAGE_PATH"), *(prefix / "share" for prefix in listed("AMENT_PREFIX_PATH"))]
 
 
 def resource_directories() -> list[Path]:
@@ -55,7 +70,8 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     """The file or folder of a URI: `model://name/...`, `package://name/...`, `file://path`, or a plain path.
 
     Args:
-        uri: as written.
+        uri: as written. A package may lie anywhere below the folders of ROS_PACKAGE_PATH, and is found by the name in
+            its manifest, as rospack finds it.
         beside: folder of the file that contains the URI; plain paths are tried there first. A model or package that is
             nowhere else may be one of the folders around it, or stand beside one of them or in its folder `models`.
 
@@ -83,6 +99,11 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
             for place in (folder / rest, folder / "models" / rest):
                 if exists(place):
                     return place
+    if scheme in MODEL_SCHEMES:
+        name, _, inside = rest.partition("/")
+        package = find_package(name, package_directories())
+        if package is not None and exists(package / inside):
+            return package / inside
     tried = ", ".join(dict.fromkeys(map(str, places)))
     advice = "; set GAZEBO_MODEL_PATH" if scheme in MODEL_SCHEMES else "; set GAZEBO_RESOURCE_PATH"
     raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")

@@ -71,7 +71,8 @@ def _changed(place: Path) -> int:
 
 @lru_cache(maxsize=4)
 def _named(places: tuple[Path, ...], _changed: tuple[int, ...]) -> Mapping[str, Path]:
-    folders, manifests = {}, {}
+    folders: dict[str, Path] = {}
+    manifests: dict[str, Path] = {}
     for folder in all_packages(places):
         folders.setdefault(folder.name, folder)
         if match := NAME.search(manifest_of(folder)):

@@ -100,7 +100,7 @@ def _types() -> str:
                 continue
             if matches is _SHARED and match[2] not in names[match[1] or space]:
                 continue
-            if matches is _LIST and (space, match[1]) not in known:
+            if matches is _LIST and (space, match[1]) not in known and match[1] not in names[space]:
                 continue
             known.add((space, row.name))
             lines.append(f"namespace gazebo {{ namespace {space} {{ typedef {row.type} {row.name}; }} }}")
@@ -211,14 +211,19 @@ ANY_CAST = """\
     return boost::any_cast<T>(value);
   }"""
 FROM_ENVIRONMENT = '  libgz::Field<bool> {kind}PathsFromEnv{{this, "{kind}PathsFromEnv"}};'
+FILL_ARRAYS = "  void FillArrays(float **vertices, int **indices) const;"
 EXTRA = {
     "common::Image": (
         "  void GetData(unsigned char **data, unsigned int &count) const;",
         "  void GetRGBData(unsigned char **data, unsigned int &count) const;",
     ),
+    "common::Mesh": (FILL_ARRAYS,),
+    "common::SubMesh": (FILL_ARRAYS,),
     "common::Battery": ("  typedef std::map<uint32_t, double> PowerLoad_M;",),
     "common::SystemPaths": tuple(FROM_ENVIRONMENT.format(kind=kind) for kind in ("gazebo", "model", "plugin")),
     "physics::Actor": ("  std::map<std::string, common::SkeletonAnimation *> SkeletonAnimations() const;",),
+    "physics::HeightmapShape": ("  typedef float HeightType;",),
+    "physics::Link": ("  typedef std::map<uint32_t, msgs::Visual> Visuals_M;",),
     "physics::Joint": (CONNECT.format(name="JointUpdate"),),
     "physics::PhysicsEngine": (ANY_CAST,),
     "sensors::Noise": ("  void Print(std::ostream &out) const;",),
@@ -283,7 +288,7 @@ def _bodies(one: Class) -> Iterator[str]:
         if "static" in row.flags:
             start = f'libgz::Call call("{one.space}", "{name}", "{row.name}");'
         else:
-            start = f'libgz::Call call(this, "{IN_PYTHON.get(f"{one.space}::{name}::{row.name}", row.name)}");'
+            start = f'libgz::Call call(this, "{_in_python(f"{one.space}::{name}", row.name)}");'
         if results:
             end = f"{'libgz::give' if result == 'void' else 'return libgz::try_give'}(call, {', '.join(results)});"
         elif result == "void":
@@ -301,11 +306,20 @@ def _bodies(one: Class) -> Iterator[str]:
         yield f"{name} *{name}::Instance() {{ {call} return call.result<{name} *>(); }}"
 
 
-# Python's names of methods that a class below hides by one of another meaning.
+# Python's names of methods that a class below hides by one of another meaning, and of operators.
 IN_PYTHON = {"physics::Base::GetParent": "container"}
+OPERATORS = {"operator+": "__add__", "operator-": "__sub__"}
+
+
+def _in_python(holder: str, name: str) -> str:
+    """Python's name of a method."""
+    return IN_PYTHON.get(f"{holder}::{name}") or OPERATORS.get(name, name)
+
+
 # Bodies that native/*.cc have, by the number of parameters: results in parameters, and calls of every step.
 BY_HAND = frozenset(
     {
+        "physics::Base::URI/0",
         "physics::ContactManager::GetContact/1",
         "physics::ContactManager::GetContacts/0",
         "physics::Entity::WorldAngularVel/0",
@@ -331,5 +345,6 @@ BY_HAND = frozenset(
         "physics::PhysicsEngine::GetPhysicsUpdateMutex/0",
         "physics::World::InsertModelSDF/1",
         "physics::World::SimTime/0",
+        "physics::World::URI/0",
     }
 )

@@ -67,7 +67,7 @@ HEADERS = {
 }
 MANIFEST = Path("share", "libgz", "classic_cxx.txt")
 # Files by their parts, which are compiled as one, and how. Forwards spend their time in Python, and compile faster so.
-PARTS_OF = {"native": ("bridge", "library", "hot", "roscpp")}
+PARTS_OF = {"native": ("bridge", "library", "hot", "roscpp", "uri")}
 QUALITY = {"native": "-O1"}
 
 

@@ -374,6 +374,25 @@ class Checks : public ModelPlugin
     EXPECT(animation->GetKeyFrameCount() == 1);
     physics::ModelState state(this->model);
     EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
+    physics::JointState turned(joint);
+    common::URI uri(this->model->GetLink("arm")->GetCollision("shape")->URI());
+    EXPECT(uri.Str() == "data://world/default/model/robot/link/arm/collision/shape" && joint->URI().Valid());
+    EXPECT(this->world->URI() == common::URI("data://world/default") && !common::URI::Valid("data:/world"));
+    uri.Query().Insert("p", "double/depth");
+    EXPECT(uri.Query().Str() == "?p=double/depth" && uri.Path().Contains(this->model->URI().Path()));
+    util::IntrospectionManager *offered = util::IntrospectionManager::Instance();
+    EXPECT(offered->Register<double>(uri.Str(), [] { return 0.5; }) && offered->Items().count(uri.Str()) == 1);
+    EXPECT(offered->Unregister(uri.Str()) && offered->Items().empty());
+    const auto seen = this->model->GetLink("base")->Visuals();
+    EXPECT(seen.size() == 1 && seen.begin()->second.name() == "robot::base::seen");
+    float *corners = nullptr;
+    int *order = nullptr;
+    const common::Mesh *cube = common::MeshManager::Instance()->GetMesh("unit_box");
+    cube->FillArrays(&corners, &order);
+    EXPECT(std::abs(corners[3 * cube->GetVertexCount() - 1]) == 0.5f && order[0] >= 0);
+    delete[] corners;
+    delete[] order;
+    EXPECT(state.HasJointState("hinge") && (turned - turned).IsZero() && (turned + turned).GetName() == "hinge");
   }
   void Lines()
   {

@@ -26,6 +26,7 @@ WORLD = """\
     {model}
   </model></world></sdf>
 """
+VISUAL = '<visual name="seen"><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>'
 CHECKS = '<plugin name="checks" filename="libmodel.so"><check>{}</check><vector unit="m">1 2 3</vector></plugin>'
 
 
@@ -47,7 +48,7 @@ def problems(caplog):
 
 @pytest.mark.parametrize("check", ["identity", "values", "results", "events"])
 def test_checks_that_the_plugin_makes_itself(place, said, caplog, check):
-    with world_of(check) as world:
+    with world_of(check, visual=VISUAL) as world:
         world.step(3)
         assert not problems(caplog)
         assert said()[1:] == [f"{check} loaded", "initialized"]

@@ -277,12 +277,22 @@ class Mesh:
 
 @takes_names
 class MeshManager:
-    """All meshes by name: those of files, by the names that were loaded, and made ones."""
+    """All meshes by name: those of files, by the names that were loaded, made ones, and Gazebo's basic shapes."""
 
     _instance: MeshManager | None = None
 
     def __init__(self) -> None:
         self._meshes: dict[str, Mesh] = {}
+        self.CreatePlane("unit_plane", (0.0, 0.0, 1.0), 0.0, (1.0, 1.0), (1, 1), (1, 1))
+        self.CreateSphere("unit_sphere", 0.5, 32, 32)
+        self.CreateSphere("joint_anchor", 0.01, 32, 32)
+        self.CreateBox("body_cg", (0.014, 0.014, 0.014))
+        self.CreateBox("unit_box", (1.0, 1.0, 1.0))
+        self.CreateBox("axis_box", (1.0, 1.0, 1.0))
+        self.CreateCylinder("unit_cylinder", 0.5, 1.0, 1, 32)
+        self.CreateCone("unit_cone", 0.5, 1.0, 5, 32)
+        self.CreateCylinder("axis_shaft", 0.01, 0.2, 1, 16)
+        self.CreateCone("axis_head", 0.02, 0.08, 1, 16)
 
     @classmethod
     def Instance(cls) -> MeshManager:

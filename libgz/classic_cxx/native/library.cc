@@ -304,6 +304,21 @@ void Image::GetRGBData(unsigned char **data, unsigned int &count) const
   give_pixels(this, "image_colors", data, count);
 }
 
+/* Arrays that the caller deletes. */
+template <class T>
+static T *give_array(const std::vector<T> &from)
+{
+  return std::copy(from.begin(), from.end(), new T[from.size()]) - from.size();
+}
+static void give_arrays(const libgz::Object *mesh, float **vertices, int **indices)
+{
+  auto found = libgz::Call(mesh, "FillArrays").result<std::tuple<std::vector<float>, std::vector<int>>>();
+  *vertices = give_array(std::get<0>(found));
+  *indices = give_array(std::get<1>(found));
+}
+void Mesh::FillArrays(float **vertices, int **indices) const { give_arrays(this, vertices, indices); }
+void SubMesh::FillArrays(float **vertices, int **indices) const { give_arrays(this, vertices, indices); }
+
 void load() {}
 void add_search_path_suffix(const std::string &suffix) { SystemPaths::Instance()->AddSearchPathSuffix(suffix); }
 std::string find_file(const std::string &file) { return find_file(file, true); }

@@ -65,6 +65,8 @@ def test_made_meshes_have_their_volumes(meshes):
     assert meshes.GetMesh("tube").Volume() == pytest.approx(np.pi * 0.5, rel=0.01)
     assert meshes.GetMesh("box").Max() == Vector3d(0.5, 1.0, 1.5)
     assert meshes.GetMesh("none") is None
+    assert meshes.GetMesh("unit_box").Volume() == pytest.approx(1.0)
+    assert meshes.GetMesh("unit_plane").Max() == Vector3d(0.5, 0.5, 0.0)
     part = meshes.GetMesh("box").GetSubMesh(0)
     outwards = all(part.Normal(i).Dot(part.Vertex(i)) > 0 for i in range(part.GetVertexCount()))
     assert outwards

@@ -134,6 +134,13 @@ class GAZEBO_VISIBLE GUIPlugin : public PluginT<GUIPlugin>
   void LibgzInit() override { this->Init(); }
   void LibgzReset() override { this->Reset(); }
 };
+
+typedef boost::shared_ptr<WorldPlugin> WorldPluginPtr;
+typedef boost::shared_ptr<ModelPlugin> ModelPluginPtr;
+typedef boost::shared_ptr<SensorPlugin> SensorPluginPtr;
+typedef boost::shared_ptr<SystemPlugin> SystemPluginPtr;
+typedef boost::shared_ptr<VisualPlugin> VisualPluginPtr;
+typedef boost::shared_ptr<GUIPlugin> GUIPluginPtr;
 }  // namespace gazebo
 
 // The text is read before the file is loaded: its kind, the library that it needs, and where that is.

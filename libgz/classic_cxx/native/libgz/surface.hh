@@ -14,6 +14,9 @@ class GAZEBO_VISIBLE SurfaceParams : public libgz::Object
   explicit SurfaceParams(libgz::Adopt view) : Object(view) {}
   virtual ~SurfaceParams() {}
   virtual FrictionPyramidPtr FrictionPyramid() const;
+#if GAZEBO_MAJOR_VERSION < 8
+  FrictionPyramidPtr GetFrictionPyramid() const { return this->FrictionPyramid(); }
+#endif
   Field<bool> collideWithoutContact{this, "collideWithoutContact"};
   Field<unsigned int> collideWithoutContactBitmask{this, "collideWithoutContactBitmask"};
   Field<unsigned int> collideBitmask{this, "collideBitmask"};

@@ -18,22 +18,21 @@ from libgz.classic.server import attach
 MEDIA = Path(libgz.__file__).parent / "sdf" / "media" / "models"
 RECORDED = Path(__file__).parents[1] / "data" / "beside.tsv"
 PLUGIN = Path(__file__).parents[1] / "data" / "beside" / "follow.cc"
-CONFIG = "<model><name>robot</name><version>1.0</version><sdf>robot.urdf</sdf></model>"
 OURS = "<plugin name='follow' filename='libfollow.so'/></world>"
 
 
-def write_description(beside, folder):
-    """Write the model folder of the robot that a world includes."""
-    place = folder / "robot"
-    place.mkdir(parents=True, exist_ok=True)
-    (place / "model.config").write_text(CONFIG)
-    (place / "robot.urdf").write_text(beside.description)
+def write_files(beside, folder):
+    """Write the model folders that a world names, into GAZEBO_MODEL_PATH."""
+    for name, content in beside.files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 def followed(beside):
     """{link: position and rotation} after all iterations, in this process.
 
-    A world with a robot description includes it from GAZEBO_MODEL_PATH.
+    Files of the world are in GAZEBO_MODEL_PATH.
     """
     with libgz.World.from_string(beside.text) as world:
         kept, done = [], 0
@@ -50,6 +49,8 @@ def followed(beside):
             for model in _models(view.Models())
             for link in model.GetLinks()
         }
+        if beside.links:
+            return {name: poses[name] for name in beside.links}
         return poses | dict(filter(None, map(_measured, SensorManager.Instance().GetSensors())))
 
 
@@ -84,10 +85,11 @@ def environment(beside, file, **more):
     return {"FOLLOW_STEPS": str(STEPS), "FOLLOW_FILE": str(file), "FOLLOW_COMMANDS": commands, **more}
 
 
-def read(file):
-    """What the plugin in C++ has written."""
+def read(beside, file):
+    """What the plugin in C++ has written of the links that are compared."""
     lines = [line.split("\t") for line in file.read_text().splitlines()]
-    return {link: [float(number) for number in numbers] for link, *numbers in lines}
+    found = {link: [float(number) for number in numbers] for link, *numbers in lines}
+    return {link: found[link] for link in beside.links or found}
 
 
 class RealGazebo:
@@ -116,7 +118,7 @@ class RealGazebo:
     def poses(self, beside):
         """{link: position and rotation} after all iterations."""
         (self.folder / "own.world").write_text(beside.text.replace("</world>", OURS))
-        write_description(beside, self.folder / "models")
+        write_files(beside, self.folder / "models")
         file = self.folder / "poses.tsv"
         file.unlink(missing_ok=True)
         # Sensors are measured in other threads there, with images; in lockstep at the right iterations. In it MudPlugin
@@ -133,7 +135,7 @@ class RealGazebo:
         self._run(
             f"cd /beside && timeout 40 {command} own.world", environment(beside, "/beside/poses.tsv", **variables)
         )
-        return read(file)
+        return read(beside, file)
 
 
 def run_server(beside, folder, plugins):
@@ -143,4 +145,4 @@ def run_server(beside, folder, plugins):
     variables = environment(beside, file, GAZEBO_PLUGIN_PATH=str(plugins), GAZEBO_MASTER_URI="http://localhost:0")
     command = [sys.executable, "-P", "-m", "libgz.apps.gzserver", str(folder / "own.world")]
     subprocess.run(command, env={**os.environ, **variables}, check=True, capture_output=True, timeout=100)
-    return read(file)
+    return read(beside, file)

@@ -262,10 +262,15 @@ def urdf_rover(wheels):
     return urdf("rover", links, joints)
 
 
+CONFIG = "<model><name>robot</name><version>1.0</version><sdf>robot.urdf</sdf></model>"
+
+
 def described(text, *parts, pose="0 0 0 0 0 0", tolerance=NEAR):
     """A world that includes a robot description."""
     include = f"<include><name>robot</name><uri>model://robot</uri><pose>{pose}</pose></include>"
-    return replace(world(*parts, include, tolerance=tolerance), description=text)
+    return replace(
+        world(*parts, include, tolerance=tolerance), files={"robot/model.config": CONFIG, "robot/robot.urdf": text}
+    )
 
 
 THROWN = "<velocity_decay><linear>.01</linear><angular>.02</angular></velocity_decay>"

@@ -4,7 +4,7 @@ A command is (iteration, topic, speed [m/s], turn [rad/s]), as a Pose. What cont
 the rest in docs/classic_cxx.md. All else is within 1e-6 m.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 STEPS = 2000
 EXACT, TOUCHING, TURNING = 1e-6, 2e-3, 0.02  # [m]
@@ -23,14 +23,16 @@ class Beside:
         text: SDF.
         commands: while it runs.
         tolerance: [m].
-        description: of a robot (URDF), which the world includes as model://robot.
+        files: in the folder of models, by their paths.
+        links: those that are compared; all without them.
         compiled: whether only the plugin in C++ moves as in Gazebo, and the ready one differs.
     """
 
     text: str
     commands: tuple = ()
     tolerance: float = EXACT
-    description: str = ""
+    files: dict[str, str | bytes] = field(default_factory=dict)
+    links: tuple[str, ...] = ()
     compiled: bool = False
 
 

@@ -4,7 +4,9 @@ import math
 from collections import defaultdict
 
 import pytest
-from beside.runs import RECORDED, followed, write_description
+from beside.kinds import KINDS
+from beside.machines import MACHINES
+from beside.runs import RECORDED, followed, write_files
 from beside.scenes import ROBOTS, SCENES
 from beside.worlds import WORLDS
 from plugin_worlds import keep_to
@@ -19,7 +21,7 @@ def recorded():
 
 
 POSES = recorded()
-ALL = {**WORLDS, **SCENES, **ROBOTS}
+ALL = {**WORLDS, **SCENES, **ROBOTS, **KINDS, **MACHINES}
 
 
 def test_all_worlds_are_recorded():
@@ -30,7 +32,7 @@ def test_all_worlds_are_recorded():
 def test_links_are_where_they_are_in_gazebo(name, monkeypatch, tmp_path):
     keep_to(tmp_path, monkeypatch)
     world = ALL[name]
-    write_description(world, tmp_path)
+    write_files(world, tmp_path)
     monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))
     links = followed(world)
     assert {link for link in links if "sensor" not in link} == {link for link in POSES[name] if "sensor" not in link}

@@ -12,7 +12,9 @@ import subprocess
 import sys
 
 import pytest
-from beside.runs import PLUGIN, RECORDED, RealGazebo, followed, run_server, write_description
+from beside.kinds import KINDS
+from beside.machines import MACHINES
+from beside.runs import PLUGIN, RECORDED, RealGazebo, followed, run_server, write_files
 from beside.scenes import ROBOTS, SCENES
 from beside.worlds import WORLDS
 
@@ -35,8 +37,8 @@ def test_worlds_beside_the_real_gazebo(tmp_path, monkeypatch):
         [sys.executable, "-m", "libgz", "cxx", "build", str(PLUGIN), "-o", str(tmp_path / "libfollow.so")], check=True
     )
     gazebo, lines, far = RealGazebo(ROOT, os.environ.get("LIBGZ_BENCH_GAZEBO_PLUGINS", "")), [], {}
-    for name, world in {**WORLDS, **SCENES, **ROBOTS}.items():
-        write_description(world, tmp_path)
+    for name, world in {**WORLDS, **SCENES, **ROBOTS, **KINDS, **MACHINES}.items():
+        write_files(world, tmp_path)
         served = run_server(world, tmp_path, f"{tmp_path}:{COMPILED}")
         ours = served if world.compiled else followed(world)
         there = gazebo.poses(world)

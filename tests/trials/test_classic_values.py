@@ -1,7 +1,7 @@
 """Gazebo itself beside the recorded values: the plugin of `classic_values` runs in the real Gazebo 11.1.
 
-LIBGZ_BENCH_GAZEBO names a root directory in which Gazebo 11.1, its headers and g++ are installed; as root, for chroot. With
-LIBGZ_RECORD=1 what Gazebo returns is written to tests/data/classic_values.
+LIBGZ_BENCH_GAZEBO names a root directory in which Gazebo 11.1, its headers and g++ are installed; as root, for chroot.
+With LIBGZ_RECORD=1 what Gazebo returns is written to tests/data/classic_values.
 """
 
 import gzip
@@ -24,10 +24,9 @@ SECONDS = 600
 
 def run(command, **variables):
     """A command in the root's folder."""
-    path = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/tmp"}
-    subprocess.run(
-        ["chroot", ROOT, "sh", "-c", f"cd {FOLDER} && {command}"], env={**path, **variables}, check=True, timeout=SECONDS
-    )
+    variables = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/tmp", **variables}
+    inside = ["chroot", ROOT, "sh", "-c", f"cd {FOLDER} && {command}"]
+    subprocess.run(inside, env=variables, check=True, timeout=SECONDS)
 
 
 @pytest.fixture(scope="module")

@@ -93,6 +93,7 @@ SCRIPTS = {
     "gazebo_ros/scripts/gazebo": ("gzserver", "--ros1", "--view"),
     "gazebo_ros/scripts/gzclient": ("gzclient",),
     "gazebo_ros/scripts/spawn_model": ("spawn_model",),
+    "controller_manager/scripts/controller_manager": ("manage_controllers",),
     "controller_manager/scripts/spawner": ("spawn_controllers",),
 }
 # Found only where ROS has no package of this name itself, as in Debian.

@@ -10,6 +10,7 @@ import pytest
 from ros2_robots import wagon
 from ros_peers import Service, Talker, open_topic, read_block, wait_for
 
+from libgz.apps.manage_controllers import main as manager
 from libgz.apps.spawn_controllers import main as spawner
 from libgz.base.errors import ParameterError
 from libgz.ros.control.drive import Limiter
@@ -140,6 +141,32 @@ def test_the_spawner_loads_starts_and_at_its_end_unloads_them(arm, monkeypatch):
     thread.join()
     assert codes == [0]
     assert not manager.controllers
+
+
+def test_the_script_of_the_manager_lists_loads_starts_stops_and_unloads(arm, monkeypatch, capsys):
+    monkeypatch.setenv("ROS_NAMESPACE", "/arm")
+
+    def manage(*words):
+        codes = []
+        thread = threading.Thread(target=lambda: codes.append(manager([*words, "__name:=m"])))
+        thread.start()
+        wait_for(lambda: codes, arm.core.Step)
+        thread.join()
+        return codes[0], capsys.readouterr().out.splitlines()
+
+    assert manage("lc") == (0, ["No controllers are loaded in mechanism control"])
+    assert manage("load", "shoulder") == (0, ["Loaded 'shoulder'"])
+    assert manage("start", "shoulder") == (0, ["Started 'shoulder' successfully"])
+    states = ["Loaded 'states'", "Started 'states' successfully"]
+    assert manage("spawn", "states") == (0, states)
+    kinds = {"shoulder": "EffortJointInterface", "states": "JointStateInterface"}
+    rows = [f"'{name}' - 'hardware_interface::{kind}' ( running )" for name, kind in kinds.items()]
+    assert manage("list") == (0, rows)
+    assert manage("unload", "shoulder") == (1, ["Error when unloading 'shoulder'"])  # it runs
+    assert manage("kill", "shoulder") == (0, ["Stopped 'shoulder' successfully", "Unloaded 'shoulder' successfully"])
+    assert "effort_controllers/JointPositionController" in manage("list-types")[1]
+    assert manage("reload-libraries") == (0, ["Successfully reloaded libraries"])
+    assert manage("lc")[1] == ["No controllers are loaded in mechanism control"]
 
 
 def test_commands_move_joints_and_states_are_published(arm):

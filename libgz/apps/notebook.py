@@ -62,12 +62,9 @@ class _Controls:
                 self._world.paused = False
             return None
         with self._world.lock:
-            before = self._world.GetSimTime()
             answer = self._requests.obey(Request(verb, argument, json.dumps(content).encode() if content else b""))
             if verb == "speed":
                 self._pacer = Pacer(self._requests.speed or 0.0)
-            elif self._world.GetSimTime() != before:
-                self._pacer = Pacer(self._pacer.speed)
         return json.loads(answer) if answer else None
 
     def interface(self, kind: str, id: str) -> Any:
@@ -81,12 +78,18 @@ class _Controls:
     def reconnect(self) -> None:
         """Nothing to do: the world does not come back."""
 
+    def _passed(self) -> float:
+        """The time that steps have simulated, paused ones included [s]."""
+        return self._world.GetSimTime() + self._world.GetPauseTime()
+
     def _loop(self) -> None:
-        world = self._world
+        world, after = self._world, self._passed()
         while world.running:
             if not self._runs and not self._steps:
                 time.sleep(IDLE)
                 continue
+            if self._passed() != after:  # cells, a reset or an undo have moved it, and nothing is to catch up
+                self._pacer = Pacer(self._pacer.speed)
             try:
                 world.Step()
                 with world.lock:
@@ -97,7 +100,8 @@ class _Controls:
                     log.error("the world does not run on: %s", error)
                 self._runs, self._steps = False, 0
                 continue
-            while self._runs and not self._pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
+            after = self._passed()
+            while self._runs and self._passed() == after and not self._pacer.sleep(after):
                 pass
 
 

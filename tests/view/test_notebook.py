@@ -161,6 +161,16 @@ def test_the_page_in_a_frame_shows_and_steps_the_world(view, monkeypatch):
         assert errors == []
 
 
+def test_what_cells_step_does_not_stop_a_running_world(view):
+    world, controls = view.world, view.viewer.controls
+    controls.ask("pause", "off")
+    wait_for(lambda: world.GetSimTime() > 0.1, "the world runs")
+    world.run(2.0 * PATIENCE)
+    ahead = world.GetSimTime()
+    wait_for(lambda: world.GetSimTime() > ahead + 0.1, "the world runs on")
+    controls.ask("pause", "on")
+
+
 def test_a_page_that_comes_after_the_end_says_so(view, monkeypatch):
     kernel = Kernel(view, monkeypatch)
     view.close()

@@ -92,6 +92,7 @@ class Shown:
 
     def step(self, count: int) -> None:
         """Make steps, and wait until their end is shown."""
+        self.until("libgz.store.control")  # a page that renders for long may have lost its connection
         before = self.page.evaluate("libgz.store.state.steps")
         self.page.evaluate("(count) => libgz.store.ask('step', String(count), {})", count)
         self.until(f"libgz.store.state.steps >= {before + count}")

@@ -72,10 +72,9 @@ def find_worldfile(name: str | os.PathLike[str]) -> Path:
     ready = next(_among_ready(given), None)
     for why, place in _places(given):
         if is_file(place):
-            if ready is not None and not ready.samefile(place):
-                log.info("world %s is %s, %s; libgz has a world of this name, too", text, place, why)
-            elif place != given:
-                log.info("world %s is %s, %s", text, place, why)
+            if place != given:
+                too = "" if ready is None or ready.samefile(place) else "; libgz has a world of this name, too"
+                log.info("world %s is %s, %s%s", text, place, why, too)
             return place
     if ready is not None and not (exists(given) and not given.is_dir()):
         log.info("world %s is %s, of libgz", text, ready)

@@ -46,7 +46,10 @@ def test_the_current_directory_comes_first_then_gazebopath(tmp_path, monkeypatch
     assert "in GAZEBOPATH; libgz has a world of this name, too" in caplog.text
     shutil.copy(READY / "truth.world", here)
     assert find_worldfile("roomba").resolve() == here
-    assert "world roomba is roomba.world, here" in caplog.text
+    assert "world roomba is roomba.world, here; libgz has a world of this name, too" in caplog.text
+    caplog.clear()
+    assert find_worldfile("roomba.world").resolve() == here
+    assert caplog.text == ""  # it is the file that was named
 
 
 def test_a_folder_of_that_name_is_no_world(tmp_path):

@@ -11,6 +11,7 @@ import os
 import signal
 import subprocess
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -96,7 +97,8 @@ def said(scene, world):
             addresses[topic] = tuple(ask(uri, "requestTopic", "/tap", topic, [["TCPROS"]])[2][1:])
         tap = Tap(addresses)
         stack.callback(tap.close)
-        master = SimpleNamespace(registerPublisher=lambda *values: ask(URI, "registerPublisher", *values), sockets=[])
+        calls = {name: partial(ask, URI, name) for name in ("registerPublisher", "unregisterPublisher")}
+        master = SimpleNamespace(**calls, sockets=[])
         for topic, type_, values in scene.commands:
             kind = message_type(type_)
             wait_until(lambda topic=topic: topic in known(1))

@@ -439,11 +439,6 @@ class SdfFile:
             given["pose"] = etree.SubElement(xml, "pose")
             given["pose"].text = xml.get("model_pose")
             copy_place(given["pose"], xml)
-        known = (*describe(VERSIONS[-1])[parent.name].children["include"].children, "plugin")
-        for key, child in given.items():
-            if key not in known and child.prefix is None and ":" not in str(child.tag):
-                message = f"is not part of SDF in <include> and has no effect{nearest(key, known)}"
-                self.diagnostics.no_effect(self._place(child), functools.partial(str, message))
         if len(self._around) >= DEEPEST_INCLUDE:
             self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}")
             return
@@ -466,6 +461,11 @@ class SdfFile:
             self._warn(xml, f"{error}; it is left out")
             parent.InsertElement(self._element(xml, describe(NEWEST)["world"].children["include"]))
             return
+        known = (*describe(VERSIONS[-1])[parent.name].children["include"].children, "plugin")
+        for key, child in given.items():
+            if key not in known and child.prefix is None and ":" not in str(child.tag):
+                message = f"is not part of SDF in <include> and has no effect{nearest(key, known)}"
+                self.diagnostics.no_effect(self._place(child), functools.partial(str, message))
         self.diagnostics.include(included.diagnostics, included.label, self._place(xml).line)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:

@@ -229,6 +229,12 @@ def test_misspelt_children_of_an_include_are_warnings():
     assert ":3: <nam>: is not part of SDF in <include> and has no effect; did you mean 'name'?" in found
 
 
+def test_misspelt_children_of_an_include_without_a_model_are_reported_once():
+    text = "<sdf version='1.6'><world name='w'><include><uri>model://nothing</uri><nam>x</nam></include></world></sdf>"
+    found = list(map(str, SdfFile.from_string(text, "w.sdf").diagnostics.found))
+    assert ["<nam>" in message for message in found] == [False, True], found
+
+
 @pytest.mark.parametrize(("version", "in_model"), [("1.6", True), ("1.7", False), ("1.9", False)])
 def test_axes_of_later_versions_are_in_the_frames_that_they_name(version, in_model):
     axis = "<axis><xyz>1 0 0</xyz>\n<use_parent_model_frame>1</use_parent_model_frame></axis>"

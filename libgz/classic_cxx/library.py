@@ -441,9 +441,9 @@ Cflags: -std={standard} {exact} -I${{includedir}}/gazebo-11 -I${{includedir}}/ga
 """
 
 
-def _registry() -> Path:
-    """Where cmake looks for packages of the user, in whatever directory they are."""
-    return Path.home() / ".cmake" / "packages" / "gazebo" / "libgz"
+def _registry() -> list[Path]:
+    """Where cmake looks for packages of the user, in whatever directory they are: by the name that a project writes."""
+    return [Path.home() / ".cmake" / "packages" / name / "libgz" for name in ("gazebo", "GAZEBO", "Gazebo")]
 
 
 def install(prefix: Path | None = None, progress: Progress = lambda _line: None) -> tuple[Path, list[Path]]:
@@ -507,8 +507,9 @@ def install(prefix: Path | None = None, progress: Progress = lambda _line: None)
             (place / name).parent.mkdir(parents=True, exist_ok=True)
             write_whole(place / name, text.encode())
             written.append(place / name)
-        _registry().parent.mkdir(parents=True, exist_ok=True)
-        _registry().write_text(f"{place / 'lib' / 'cmake' / 'gazebo'}\n")
+        for entry in _registry():
+            entry.parent.mkdir(parents=True, exist_ok=True)
+            entry.write_text(f"{place / 'lib' / 'cmake' / 'gazebo'}\n")
         manifest = place / MANIFEST
         manifest.parent.mkdir(parents=True, exist_ok=True)
         manifest.write_text("".join(f"{path.relative_to(place)}\n" for path in written))
@@ -530,8 +531,9 @@ def uninstall(prefix: Path | None = None) -> list[Path]:
     for folder in sorted({parent for path in (*removed, manifest) for parent in _below(path, place)}, reverse=True):
         with contextlib.suppress(OSError):
             folder.rmdir()
-    if _registry().is_file() and _registry().read_text().strip() == str(place / "lib" / "cmake" / "gazebo"):
-        _registry().unlink()
+    for entry in _registry():
+        if entry.is_file() and entry.read_text().strip() == str(place / "lib" / "cmake" / "gazebo"):
+            entry.unlink()
     return [*removed, manifest]
 
 

@@ -320,7 +320,8 @@ def test_installation(library, tmp_path, monkeypatch, capsys):
     prefix = tmp_path / "prefix"
     assert main(["config", "--install-classic", str(prefix)]) == 0
     assert "export PKG_CONFIG_PATH=" in capsys.readouterr().err
-    assert (tmp_path / ".cmake/packages/gazebo/libgz").read_text() == f"{prefix}/lib/cmake/gazebo\n"
+    for spelling in ("gazebo", "GAZEBO", "Gazebo"):
+        assert (tmp_path / f".cmake/packages/{spelling}/libgz").read_text() == f"{prefix}/lib/cmake/gazebo\n"
     assert f'LIBGZ_FOLDER "{prefix}/lib"' in (prefix / "include/gazebo-11/gazebo/libgz/config.hh").read_text()
     if shutil.which("pkg-config"):
         env = {**os.environ, "PKG_CONFIG_PATH": str(prefix / "lib/pkgconfig")}
@@ -333,7 +334,7 @@ def test_installation(library, tmp_path, monkeypatch, capsys):
     assert 'set(GAZEBO_CXX_FLAGS "-std=c++17 -ffp-contract=off")' in cmake
     assert main(["config", "--install-classic", str(prefix), "--uninstall"]) == 0
     assert not prefix.exists()
-    assert not (tmp_path / ".cmake/packages/gazebo/libgz").exists()
+    assert not list((tmp_path / ".cmake").rglob("libgz"))
 
 
 def test_a_manifest_removes_nothing_outside_its_directory(tmp_path):

@@ -8,6 +8,8 @@ import time
 import rclpy
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from trajectory_msgs.msg import JointTrajectoryPoint
 
@@ -99,6 +101,18 @@ class Tester:
         future = client.call_async(fill(find(kind).Request(), values))
         self.spin(future.done)
         return plain(future.result()) if future.done() else None
+
+    def set_parameter(self, owner, name, value):
+        """Set a parameter of a node: why it refuses, or nothing; and the value that it has then."""
+        client = AsyncParameterClient(self.node, owner)
+        if not client.wait_for_services(timeout_sec=PATIENCE):
+            return None
+        asked = client.set_parameters([Parameter(name, value=value)])
+        self.spin(asked.done)
+        got = client.get_parameters([name])
+        self.spin(got.done)
+        found = [parameter_value_to_python(one) for one in got.result().values]
+        return [asked.result().results[0].reason, found]
 
     def follow(self, action, joints, positions, seconds, cancel=False):
         """Send a trajectory of one point to an action: whether it was accepted, its status, code, and feedback."""

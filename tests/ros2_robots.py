@@ -24,6 +24,20 @@ follower: {ros__parameters: {joints: [elbow], command_interfaces: [position], st
 ROUND = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
 WHEEL = f"<collision name='c'><geometry>{ROUND}</geometry></collision>"
 
+INERTIA = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
+
+
+def wheeled(name, places, inside):
+    """A base with wheels at places, x and y, by their names."""
+    wheels = "".join(
+        f"<link name='{one}_wheel'><pose>{place} 0.1 -1.5708 0 0</pose>{INERTIA}{WHEEL}</link>"
+        f"<joint name='{one}' type='revolute'><parent>base</parent><child>{one}_wheel</child>"
+        "<axis><xyz>0 0 1</xyz></axis></joint>"
+        for one, place in places.items()
+    )
+    base = "<link name='base'><pose>0 0 0.1 0 0 0</pose><inertial><mass>5</mass></inertial></link>"
+    return f"<model name='{name}'>{base}{wheels}{inside}</model>"
+
 
 def wagon(file):
     parts = "".join(

@@ -33,6 +33,8 @@ class NodeNames(NamedTuple):
         master: the address of the master.
         host: what other nodes call this computer.
         address: where it listens: loopback unless ROS_IP or ROS_HOSTNAME ask for more.
+        rules: in ROS 2, (node, or nothing for all; name; its new name) of what is remapped in all nodes of the process.
+        values: in ROS 2, parameters of all nodes of the process.
     """
 
     name: str
@@ -42,6 +44,8 @@ class NodeNames(NamedTuple):
     master: str
     host: str
     address: str
+    rules: Sequence[tuple[str, str, str]] = ()
+    values: Parameters | None = None
 
     def resolve(self, name: str, within: str = "") -> str:
         """The full name of a topic, service or parameter.
@@ -177,11 +181,10 @@ def read_names_of_ros2(words: Sequence[str], name: str = "gazebo") -> NodeNames:
     plain = NodeNames(f"{space.rstrip('/')}/{own.strip('/')}", space, {}, {}, "", "", "")
     remappings = {}
     for node, before, after in given.rules:
-        if node not in ("", own):
-            log.warning("ROS 2: the remapping of %s is for node %s; only those for %s are obeyed", before, node, own)
-        elif not before.startswith("_"):
+        if node in ("", own) and not before.startswith("_"):
             remappings[plain._full(before)] = plain._full(after)
-    return plain._replace(remappings=remappings, parameters=given.values.of(plain.name))
+    values = given.values
+    return plain._replace(remappings=remappings, parameters=values.of(plain.name), rules=given.rules, values=values)
 
 
 def _master(special: Mapping[str, str]) -> str:

@@ -1,15 +1,16 @@
-"""OwnNode: the node that a plugin is in ROS 2: its namespace, name, remappings and qualities of service."""
+"""OwnNode: a node of ROS 2 that the server is, beside others: its names, remappings, parameters and qualities."""
 
 from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from libgz.ros.bridged import NodeSettings
 
 if TYPE_CHECKING:
+    from libgz.ros.names import NodeNames
     from libgz.sdf.element import Element
 
 __all__ = ["OwnNode", "remappings"]
@@ -28,17 +29,50 @@ MOST_DEPTH = 100_000
 
 
 class OwnNode:
-    """The node of a plugin, from its element.
+    """A node of ROS 2. What the server's command line says about all nodes holds for it, too.
 
     Args:
-        sdf: of the plugin.
+        names: of the server.
         space: the namespace, absolute.
+        name: its name.
+        rules: (name, its new name) of topics and services; they come before those of the command line.
+        given: values of parameters, instead of those of the command line.
+        qualities: (topic, publisher or subscription, policies).
 
     Attributes:
+        full_name: with the namespace.
+        given: values of parameters by their names; those whose names have points are in tables.
         settings: for the bridge.
     """
 
-    def __init__(self, sdf: Element, space: str) -> None:
+    def __init__(
+        self,
+        names: NodeNames,
+        space: str,
+        name: str,
+        rules: Iterable[tuple[str, str]] = (),
+        given: Mapping[str, Any] | None = None,
+        qualities: Iterable[tuple[str, str, Mapping[str, Any]]] = (),
+    ) -> None:
+        name = INVALID.sub("_", name) or "plugin"
+        self._space, self._name = _path(space), f"n{name}" if name[0].isdigit() else name
+        self.full_name = _path(f"{self._space}/{self._name}")
+        shared = [(before, after) for node, before, after in names.rules if node in ("", self._name)]
+        ordered = reversed([*rules, *(one for one in shared if not one[0].startswith("__"))])
+        self._rules = {self.full(before): self.full(after) for before, after in ordered}  # the first of some counts
+        self.given = {**(names.values.of(self.full_name) if names.values is not None else {}), **(given or {})}
+        qos = {(self.full(topic), side): policies for topic, side, policies in qualities}
+        self.settings = NodeSettings(self._space, self._name, qos)
+
+    @classmethod
+    def of_plugin(cls, names: NodeNames, sdf: Element, space: str) -> OwnNode:
+        """The node of a plugin, from its element.
+
+        Args:
+            names: of the server.
+            sdf: of the plugin.
+            space: the namespace, absolute, unless the element says otherwise.
+        """
         name, rules = sdf.Get(str, "name"), []
         for before, after in remappings(sdf):
             if before == "__ns":
@@ -47,22 +81,18 @@ class OwnNode:
                 name = after
             else:
                 rules.append((before, after))
-        name = INVALID.sub("_", name) or "plugin"
-        self._space, self._name = _path(space), f"n{name}" if name[0].isdigit() else name
-        self._rules = {self.full(before): self.full(after) for before, after in rules}
-        qos = {(self.full(topic), side): given for topic, side, given in _qualities(sdf)}
-        self.settings = NodeSettings(self._space, self._name, qos)
+        return cls(names, space, name, rules, dict(_parameters(sdf)), _qualities(sdf))
 
     def full(self, name: str, within: str = "") -> str:
         """The full name of a topic or service, before remapping."""
         if name.startswith("~"):
-            return _path(f"{self._space}/{self._name}/{name[1:]}")
+            return _path(f"{self.full_name}/{name[1:]}")
         return _path(name if name.startswith("/") else f"{self._space}/{within}/{name}")
 
-    def resolve(self, name: str, within: str = "") -> tuple[str, dict[str, Any]]:
-        """(the full name of a topic, remapped; what the bridge gets)."""
+    def resolve(self, name: str, within: str = "") -> str:
+        """The full name of a topic or service, remapped."""
         plain = self.full(name, within)
-        return self._rules.get(plain, plain), {"settings": self.settings, "plain": plain}
+        return self._rules.get(plain, plain)
 
 
 def _path(name: str) -> str:
@@ -77,6 +107,17 @@ def remappings(sdf: Element) -> Iterator[tuple[str, str]]:
             before, colon, after = one.Get(str).strip().partition(":=")
             if colon:
                 yield before.strip(), after.strip()
+
+
+def _parameters(sdf: Element) -> Iterator[tuple[str, Any]]:
+    """(name, value) of the `<parameter>` elements of `<ros>`."""
+    kinds: dict[str, type] = {"int": int, "double": float, "float": float, "bool": bool, "string": str}
+    for one in (one for ros in sdf.named("ros") for one in ros.named("parameter")):
+        name, kind = (one.Get(str, key) if one.HasAttribute(key) else "" for key in ("name", "type"))
+        if name and kind in kinds:
+            yield name, one.Get(kinds[kind])
+        else:
+            log.warning("%s: <parameter> needs a name and a type, one of %s", one.where, ", ".join(kinds))
 
 
 def _qualities(sdf: Element) -> Iterator[tuple[str, str, dict[str, Any]]]:

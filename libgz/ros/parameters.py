@@ -9,7 +9,7 @@ from typing import Any
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.base.files import open_file
 
-__all__ = ["Parameters"]
+__all__ = ["Parameters", "tables"]
 
 OWN = "ros__parameters"  # what is below it in a file are values, what is above it names of nodes
 LARGEST_FILE = 1 << 20  # bytes
@@ -75,6 +75,14 @@ class Parameters:
             if _matches(names, own if len(names) > 1 else own[-1:]):
                 _put(found, values)
         return found
+
+
+def tables(*given: Mapping[str, Any]) -> dict[str, Any]:
+    """Values in tables, by the points of their names; later ones replace earlier ones."""
+    found: dict[str, Any] = {}
+    for values in given:
+        _put(found, values)
+    return found
 
 
 def _matches(names: Sequence[str], own: Sequence[str]) -> bool:

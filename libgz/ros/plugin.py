@@ -12,6 +12,7 @@ from libgz.base.law import Number, constant, ends, floor, law, rarely, unrecorde
 from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugins._ros import ros_elements
+from libgz.ros.node_parameters import NodeParameters
 from libgz.ros.own_node import OwnNode, remappings
 from libgz.ros.reconfigure import Knob, Reconfigure
 from libgz.ros.session import Publication, Service, Session, Subscription, session
@@ -136,7 +137,7 @@ class RosPlugin:
         ros: the session.
         space: the namespace.
         two: whether it is ROS 2.
-        own_node: in ROS 2, the plugin's node.
+        own_node, node_parameters: in ROS 2, the plugin's node and its parameters.
     """
 
     parameters: ClassVar[tuple[Parameter, ...]] = ()
@@ -147,7 +148,8 @@ class RosPlugin:
     given: Any
     space: str
     two: bool
-    own_node: OwnNode
+    own_node: OwnNode | None = None
+    node_parameters: NodeParameters
     _prefix: str | None
 
     def open(self, sdf: Element, model: str) -> None:
@@ -168,7 +170,8 @@ class RosPlugin:
         self.given = SimpleNamespace(**{one.name: _value(sdf, one, self.ros.version) for one in self.parameters})
         if self.two:
             space = sdf.Get(str, "robotNamespace", "")[0].strip() or self.ros.names.namespace
-            self.own_node = OwnNode(plugin, space)
+            self.own_node = OwnNode.of_plugin(self.ros.names, plugin, space)
+            self.node_parameters = NodeParameters(self.ros, self.own_node)
             self.space, self._prefix = self.own_node.settings.space, None
             return
         space = sdf.Get(str, "robotNamespace", "")[0].strip()
@@ -189,32 +192,32 @@ class RosPlugin:
         changed: Callable[[], object] | None = None,
     ) -> Publication:
         """Publish a topic; `within` is a namespace inside that of the robot."""
-        if self.two:
-            full, more = self.own_node.resolve(topic, within)
-            return self.ros.publish(full, kind, queue, latch, "", changed, **more)
-        return self.ros.publish(self._name(topic), kind, queue, latch, self._space(within), changed)
+        name, space, node = self._place(topic, within)
+        return self.ros.publish(name, kind, queue, latch, space, changed, node)
 
     def subscribe(
-        self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, within: str = ""
+        self,
+        topic: str,
+        kind: str,
+        callback: Callable[[Any], object],
+        queue: int = 1,
+        within: str = "",
+        **qos: Any,
     ) -> Subscription:
-        """Subscribe to a topic."""
-        if self.two:
-            full, more = self.own_node.resolve(topic, within)
-            return self.ros.subscribe(full, kind, callback, queue, **more)
-        return self.ros.subscribe(self._name(topic), kind, callback, queue, self._space(within))
+        """Subscribe to a topic; `qos` are policies of ROS 2."""
+        name, space, node = self._place(topic, within)
+        return self.ros.subscribe(name, kind, callback, queue, space, node, **qos)
 
     def serve(self, name: str, kind: str, handler: Callable[[Any], Any], within: str = "") -> Service:
         """Serve a service."""
-        if self.two:
-            full, more = self.own_node.resolve(name, within)
-            return self.ros.serve(full, kind, handler, settings=more["settings"])
-        return self.ros.serve(self._name(name), kind, handler, self._space(within))
+        name, space, node = self._place(name, within)
+        return self.ros.serve(name, kind, handler, space, node)
 
     def offer(
         self, knobs: Sequence[Knob], changed: Callable[[Mapping[str, Any]], object], within: str = ""
     ) -> Reconfigure:
         """Offer values to the tools of dynamic_reconfigure, which ROS 2 does not have."""
-        return Reconfigure(self.ros, self._space(within), knobs, changed)
+        return Reconfigure(self.ros, self._place("", within)[1], knobs, changed)
 
     def frame(self, name: str) -> str:
         """A frame of TF with the robot's prefix."""
@@ -222,12 +225,12 @@ class RosPlugin:
             self._prefix = self.ros.frame("x", self.space).removesuffix("x")
         return name.lstrip("/") if name.startswith("/") else f"{self._prefix}{name}"
 
-    def _name(self, name: str) -> str:
+    def _place(self, name: str, within: str) -> tuple[str, str, OwnNode | None]:
+        """(name of a topic or service, namespace, node)."""
+        if self.own_node is not None:
+            return name, within, self.own_node
         plain = name.removeprefix("~/")
-        return self._remapped.get(plain, plain)
-
-    def _space(self, within: str) -> str:
-        return f"{self.space}/{within}" if within else self.space
+        return self._remapped.get(plain, plain), f"{self.space}/{within}" if within else self.space, None
 
 
 def bounded_rate(rate: float, what: str) -> float:

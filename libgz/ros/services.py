@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.base.errors import GazeboError
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
-from libgz.ros.bridged import BridgedNode
 from libgz.ros.session import Later, Service, Session, Subscription, finite
 from libgz.ros.types import Message, service_type
 from libgz.transport.tally import Tally
@@ -55,7 +54,7 @@ class Services:
         session: serves them.
         core: the world.
         space: of ROS 2: another namespace.
-        more: of ROS 2: the node's settings.
+        node: of ROS 2, whose services they are; None: that of the server.
 
     Attributes:
         services: their names -> their types.
@@ -72,17 +71,14 @@ class Services:
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
         self._refusals = Tally(100)
         self._kept: list[Service | Subscription] = []
-        bridged = session.node if isinstance(session.node, BridgedNode) else None
         for name, kind in self.services.items():
-            if bridged is None:
+            if session.version == 1:
                 self._kept.append(session.serve(f"~{name}", kind, self.handler(name)))
                 continue
-            full, settings = session.resolve(name, space), None
-            if node is not None:
-                full, settings = node.resolve(name)[0], node.settings
-            if not bridged.served(full):
-                self._kept.append(session.serve(full, kind, self.handler(name), settings=settings))
-        if bridged is None:
+            full = f"{space}/{name}" if space else name
+            if not session.served(full, node):
+                self._kept.append(session.serve(full, kind, self.handler(name), node=node))
+        if session.version == 1:
             for name, kind in self.topics.items():
                 self._kept.append(session.subscribe(f"~{name}", kind, partial(self.set_by_topic, name), 10))
 

@@ -7,6 +7,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
 
@@ -18,13 +19,24 @@ from libgz.base.law import Number, constant
 from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
+from libgz.ros.own_node import OwnNode
 from libgz.ros.packed import LATEST, MOST_NUMBER, Outbox, PackedMessage
 from libgz.ros.packing import Codec
 from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
 from libgz.simulation.event import AtEnd, Callback, unowned
 from libgz.transport.tally import Tally
 
-__all__ = ["Later", "Publication", "Service", "Session", "Subscription", "finite", "session", "set_stamp"]
+__all__ = [
+    "Later",
+    "NodeSession",
+    "Publication",
+    "Service",
+    "Session",
+    "Subscription",
+    "finite",
+    "session",
+    "set_stamp",
+]
 
 log = logging.getLogger("libgz.ros")
 
@@ -258,7 +270,8 @@ class Session(Closing):
         self.requests: deque[tuple[Service, bytes, Callable[[bool, bytes], None]]] = deque()
         self.later: list[tuple[Service, Later, Callable[[bool, bytes], None]]] = []
         self.watchers: WeakKeyDictionary[Publisher | Channel, WeakSet[Publication]] = WeakKeyDictionary()
-        self._transforms: Publication | None = None
+        self._transforms: dict[str, Publication] = {}  # by their topics
+        self._events: Publication | None = None
         one = message_type("geometry_msgs/TransformStamped", self.version)()
         self._transform: Any = message_type("tf2_msgs/TFMessage", self.version)(transforms=[one])
         self._refusals = Tally(100)
@@ -269,7 +282,7 @@ class Session(Closing):
         """Unregister all that is left, and close the wires."""
         if self in _sessions:
             _sessions.remove(self)
-            self._transforms = None
+            self._transforms, self._events = {}, None
             self.node.close()
 
     # Names -------------------------------------------------------------------------------------------------------
@@ -315,6 +328,7 @@ class Session(Closing):
         latch: bool = False,
         space: str = "",
         changed: Callable[[], object] | None = None,
+        node: OwnNode | None = None,
         **more: Any,
     ) -> Publication:
         """Publish a topic.
@@ -326,34 +340,74 @@ class Session(Closing):
             latch: keep the last message for subscribers that come.
             space: a namespace.
             changed: called between steps when subscribers have come or gone.
-            more: of ROS 2: the node's settings and policies, as `BridgedNode.advertise` takes them.
+            node: of ROS 2, whose topic it is; None: that of the server.
+            more: policies of ROS 2, as `BridgedNode.advertise` takes them.
         """
-        found = self.resolve(topic, space)
+        found, more = self._of(node, topic, space, more)
         return Publication(self, found, message_type(kind, self.version), queue, latch, changed, **more)
 
     def subscribe(
-        self, topic: str, kind: str, callback: Callable[[Any], object], queue: int = 1, space: str = "", **more: Any
+        self,
+        topic: str,
+        kind: str,
+        callback: Callable[[Any], object],
+        queue: int = 1,
+        space: str = "",
+        node: OwnNode | None = None,
+        **more: Any,
     ) -> Subscription:
         """Subscribe to a topic; `callback` gets the messages between steps."""
-        found = self.resolve(topic, space)
+        found, more = self._of(node, topic, space, more)
         return Subscription(self, found, message_type(kind, self.version), callback, queue, **more)
 
     def serve(
-        self, name: str, kind: str, handler: Callable[[Any], Message | Later], space: str = "", **more: Any
+        self,
+        name: str,
+        kind: str,
+        handler: Callable[[Any], Message | Later],
+        space: str = "",
+        node: OwnNode | None = None,
     ) -> Service:
         """Serve a service; `handler` gets the requests between steps, and returns responses."""
-        return Service(self, self.resolve(name, space), service_type(kind, self.version), handler, **more)
+        found, more = self._of(node, name, space, {})
+        more.pop("plain", None)
+        return Service(self, found, service_type(kind, self.version), handler, **more)
+
+    def served(self, name: str, node: OwnNode | None = None) -> bool:
+        """Whether a service is served already."""
+        wire: Any = self.node
+        return bool(wire.served(self._of(node, name, "", {})[0]))
+
+    def _of(self, node: OwnNode | None, name: str, space: str, more: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+        """(full name of a topic or service, what else the wire gets)."""
+        if node is None:
+            return self.resolve(name, space), more
+        return node.resolve(name, space), {**more, "settings": node.settings, "plain": node.full(name, space)}
 
     @property
-    def transforms(self) -> Publication:
-        """The topic /tf."""
-        if self._transforms is None:
+    def parameter_events(self) -> Publication:
+        """The topic /parameter_events of ROS 2."""
+        if self._events is None:
             with unowned():
-                self._transforms = self.publish("/tf", "tf2_msgs/TFMessage", 100)
-        return self._transforms
+                self._events = self.publish("/parameter_events", "rcl_interfaces/ParameterEvent", 1000)
+        return self._events
+
+    def transforms(self, node: OwnNode | None = None) -> Publication:
+        """The topic /tf, or what a node of ROS 2 has in its place."""
+        topic = self._of(node, "/tf", "", {})[0]
+        if topic not in self._transforms:
+            with unowned():
+                self._transforms[topic] = self.publish(topic, "tf2_msgs/TFMessage", 100)
+        return self._transforms[topic]
 
     def send_transform(
-        self, now: Stamp, parent: str, child: str, place: Iterable[float], turn: Iterable[float]
+        self,
+        now: Stamp,
+        parent: str,
+        child: str,
+        place: Iterable[float],
+        turn: Iterable[float],
+        node: OwnNode | None = None,
     ) -> None:
         """Publish one transform on /tf.
 
@@ -362,8 +416,9 @@ class Session(Closing):
             parent, child: names of the frames.
             place: the child's origin in the parent [m].
             turn: the child's rotation, x, y, z, w.
+            node: of ROS 2, which publishes it.
         """
-        transforms = self.transforms
+        transforms = self.transforms(node)
         if not transforms.listened:
             return
         (one,) = self._transform.transforms
@@ -373,16 +428,23 @@ class Session(Closing):
         rotation.x, rotation.y, rotation.z, rotation.w = turn
         transforms.publish(self._transform)
 
-    def pack_transform(self, parent: str, child: str, changed: Callable[[], object] | None = None) -> PackedMessage:
+    def pack_transform(
+        self,
+        parent: str,
+        child: str,
+        changed: Callable[[], object] | None = None,
+        node: OwnNode | None = None,
+    ) -> PackedMessage:
         """A message with one transform, for the topic /tf.
 
         Args:
             parent, child: names of the frames.
             changed: called between steps when subscribers have come or gone.
+            node: of ROS 2, which publishes it.
         """
         one = message_type("geometry_msgs/TransformStamped", self.version)(child_frame_id=child)
         one.header.frame_id, one.transform.rotation.w = parent, 1.0
-        publication = self.publish("/tf", "tf2_msgs/TFMessage", 100, changed=changed)
+        publication = self.publish("/tf", "tf2_msgs/TFMessage", 100, changed=changed, node=node)
         return PackedMessage(publication, publication.kind(transforms=[one]))
 
     # Between steps -----------------------------------------------------------------------------------------------
@@ -431,6 +493,22 @@ class Session(Closing):
                 self.later.append((service, later, answer))
             else:
                 service.answer(response, answer)
+
+
+class NodeSession:
+    """A session whose topics and services are those of one node of ROS 2.
+
+    Args:
+        session: the session.
+        node: the node.
+    """
+
+    def __init__(self, session: Session, node: OwnNode) -> None:
+        self.version, self.log_refusal = session.version, session.log_refusal
+        self.publish: Callable[..., Publication] = partial(session.publish, node=node)
+        self.subscribe: Callable[..., Subscription] = partial(session.subscribe, node=node)
+        self.serve: Callable[..., Service] = partial(session.serve, node=node)
+        self.send_transform: Callable[..., None] = partial(session.send_transform, node=node)
 
 
 def set_stamp(stamp: Stamp, seconds: float) -> None:

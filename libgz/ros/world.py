@@ -16,6 +16,8 @@ from libgz.ros.legacy.api import LegacyApi, list_links, list_models
 from libgz.ros.legacy.api2 import LegacyApi2
 from libgz.ros.legacy.device import Devices
 from libgz.ros.metrics import Metrics
+from libgz.ros.node_parameters import NodeParameters
+from libgz.ros.own_node import OwnNode
 from libgz.ros.packed import PackedMessage
 from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.services import Services
@@ -35,6 +37,7 @@ __all__ = ["RosWorld", "classic_links", "classic_models"]
 log = logging.getLogger("libgz.ros")
 
 CLOCK1, CLOCK2 = ("~pub_clock_frequency", 0.0), ("~publish_rate", 10.0)  # parameter, default [Hz]; 0: each iteration
+METRICS = "enable_performance_metrics"
 STATES_RATE = 100.0  # [Hz] in ROS 2
 
 
@@ -62,6 +65,7 @@ class RosWorld(Stateless):
         self._states: list[States] = []
         self._states_ticks = Ticks(0.0)
         self._metrics: Metrics | None = None
+        self._parameters: NodeParameters | None = None
         self._services: Services | None = None
         self._devices = Devices(session, core)
         core.companions.append(self)
@@ -73,6 +77,7 @@ class RosWorld(Stateless):
     def start(self) -> None:
         """Advertise topics and services; all models are loaded."""
         session, two = self._session, self._session.version == 2
+        self._parameters = _own_parameters(session) if two else None
         self._ticks = Ticks(_rate(session, *(CLOCK2 if two else CLOCK1)))
         self._states_ticks = Ticks(STATES_RATE if two else 0.0)
         if session.parameter("~enable_ros_network", True) is False:
@@ -83,7 +88,7 @@ class RosWorld(Stateless):
             models = session.publish(f"{prefix}model_states", "gazebo_msgs/ModelStates", depth)
             links = session.publish(f"{prefix}link_states", "gazebo_msgs/LinkStates", depth)
             self._states = [States(self._core, models, era.models), States(self._core, links, era.links)]
-            if session.parameter("~enable_performance_metrics", True) is not False:
+            if two or session.parameter("~enable_performance_metrics", True) is not False:
                 self._metrics = Metrics(session, f"{prefix}performance_metrics", era.sensors)
             self._services = era.serve(session)
 
@@ -144,7 +149,8 @@ class RosWorld(Stateless):
         if wanted and self._states_ticks.due(now):
             for states in wanted:
                 states.send()
-        if self._metrics is not None and self._metrics.listened:
+        measured = self._parameters is None or self._parameters.value(METRICS)
+        if self._metrics is not None and self._metrics.listened and measured:
             self._metrics.update(now)
         if self._services is not None and self._services.jobs:
             self._services.apply(now)
@@ -166,10 +172,11 @@ class RosWorld(Stateless):
         if self._core.lock.interrupt in self._session.interrupts:
             self._session.interrupts.remove(self._core.lock.interrupt)
             self._session.node.follow_pace(lambda: False)
-        if self._services is not None:
-            self._services.end()
+        for one in (self._services, self._parameters):
+            if one is not None:
+                one.end()
         self._devices.end()
-        self._states, self._metrics, self._services = [], None, None
+        self._states, self._metrics, self._services, self._parameters = [], None, None, None
 
 
 class _Classic:
@@ -234,6 +241,16 @@ def classic_links(world: Any) -> Listed:
     """The links of a world of SDF."""
     found = [link for model in world.Models() for link in model.GetLinks()]
     return Listed([link.GetScopedName() for link in found], [link.body for link in found], [])
+
+
+def _own_parameters(session: Session) -> NodeParameters:
+    """Those of the server's node in ROS 2."""
+    space, _, name = session.names.name.rpartition("/")
+    with unowned():
+        found = NodeParameters(session, OwnNode(session.names, space, name), open=True)
+    found.declare(CLOCK2[0].lstrip("~"), CLOCK2[1], "of /clock [Hz]; read at the start")
+    found.declare(METRICS, True, "publish /performance_metrics")
+    return found
 
 
 def _rate(session: Session, name: str, default: float) -> float:

@@ -6,13 +6,12 @@ import struct
 import numpy as np
 import pytest
 from plugin_worlds import plugin
-from ros2_robots import WHEEL
+from ros2_robots import INERTIA, wheeled
 from ros_peers import wait_for
 
 from libgz.classic.server import attach
 from libgz.ros.types import message_type
 
-INERTIA = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
 GROUND = (
     "<model name='ground'><static>true</static><link name='l'><collision name='c'><geometry><plane/></geometry>"
     "</collision></link></model>"
@@ -21,18 +20,6 @@ GROUND = (
 
 def world(*models):
     return f"<sdf version='1.6'><world name='default'>{GROUND}{''.join(models)}</world></sdf>"
-
-
-def wheeled(name, places, inside):
-    """A base with wheels at places, x and y, by their names."""
-    wheels = "".join(
-        f"<link name='{one}_wheel'><pose>{place} 0.1 -1.5708 0 0</pose>{INERTIA}{WHEEL}</link>"
-        f"<joint name='{one}' type='revolute'><parent>base</parent><child>{one}_wheel</child>"
-        "<axis><xyz>0 0 1</xyz></axis></joint>"
-        for one, place in places.items()
-    )
-    base = "<link name='base'><pose>0 0 0.1 0 0 0</pose><inertial><mass>5</mass></inertial></link>"
-    return f"<model name='{name}'>{base}{wheels}{inside}</model>"
 
 
 def several(**elements):

@@ -142,6 +142,12 @@ def test_every_topic_service_and_node(serve):
     assert node.call(service="/delete_entity", kind="gazebo_msgs/srv/DeleteEntity", values={"name": "box"})["success"]
     for service in ("/pause_physics", "/unpause_physics", "/reset_world", "/reset_simulation"):
         assert node.call(service=service, kind="std_srvs/srv/Empty", values={}) == {}
+    assert node.set_parameter(owner="/gazebo", name="publish_rate", value=5.0) == ["", [5.0]]
+    assert node.set_parameter(owner="/gazebo", name="mine", value=["a", "b"]) == ["", [["a", "b"]]]
+    refused = "parameter 'none' cannot be set because it was not declared"
+    assert node.set_parameter(owner="/bot/laser", name="none", value=1) == [refused, []]
+    listed = node.call(service="/bot/laser/list_parameters", kind="rcl_interfaces/srv/ListParameters", values={})
+    assert listed["result"]["names"] == ["use_sim_time"]
     nodes, topics, services = node.graph()
     assert {"/gazebo", "/bot/laser", "/bot/drive", "/joints", "/demo/state"} <= set(nodes)
     assert set(TOPICS) <= set(topics)

@@ -8,6 +8,7 @@ import struct
 import threading
 import time
 import xmlrpc.client
+from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -634,11 +635,12 @@ def test_names_and_addresses(monkeypatch):
     )
     resolved = [names.resolve(*one) for one in (("scan",), ("/tf",), ("~x",), ("odom", "r1"), ("odom", "/r1"), ("/a",))]
     assert resolved == ["/robots/laser", "/other", "/robots/gazebo/x", "/robots/r1/odom", "/r1/odom", "/a"]
+    where = attrgetter("host", "address")
     monkeypatch.setenv("ROS_HOSTNAME", "localhost")
-    assert read_names([])[-2:] == ("localhost", "127.0.0.1")
+    assert where(read_names([])) == ("localhost", "127.0.0.1")
     monkeypatch.setenv("ROS_HOSTNAME", "robot.lan")
-    assert read_names([])[-2:] == ("robot.lan", "")
-    assert read_names([], "10.0.0.1")[-2:] == ("10.0.0.1", "10.0.0.1")
+    assert where(read_names([])) == ("robot.lan", "")
+    assert where(read_names([], "10.0.0.1")) == ("10.0.0.1", "10.0.0.1")
 
 
 def test_what_has_just_ended_is_unregistered_before_the_node_is(master):

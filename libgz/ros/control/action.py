@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.ros.plugin import Ticks
-from libgz.ros.session import Later, Service, Session, Subscription, finite, set_stamp
+from libgz.ros.session import Later, NodeSession, Service, Session, Subscription, finite, set_stamp
 from libgz.ros.types import Message, message_type, service_type
 
 __all__ = ["ActionServer", "Goal", "serve_action"]
@@ -41,7 +41,7 @@ class Goal:
 
 
 def serve_action(
-    session: Session,
+    session: Session | NodeSession,
     name: str,
     kind: str,
     now: Callable[[], float],
@@ -74,7 +74,7 @@ class ActionServer(ABC):
 
     def __init__(
         self,
-        session: Session,
+        session: Session | NodeSession,
         name: str,
         kind: str,
         now: Callable[[], float],
@@ -100,7 +100,7 @@ class ActionServer(ABC):
         """Publish what is due."""
 
     @abstractmethod
-    def _open(self, session: Session, name: str, kind: str) -> Sequence[Subscription | Service]:
+    def _open(self, session: Session | NodeSession, name: str, kind: str) -> Sequence[Subscription | Service]:
         """Publish, subscribe, serve; what is to be ended."""
 
     @abstractmethod
@@ -132,7 +132,7 @@ class ActionServer(ABC):
 class _Topics(ActionServer):
     """An action of ROS 1, as actionlib has it."""
 
-    def _open(self, session: Session, name: str, kind: str) -> Sequence[Subscription]:
+    def _open(self, session: Session | NodeSession, name: str, kind: str) -> Sequence[Subscription]:
         self.feedback_type = message_type(f"{kind}Feedback")
         self._status = message_type("actionlib_msgs/GoalStatus")
         self._over: list[Goal] = []
@@ -201,7 +201,7 @@ class _Topics(ActionServer):
 class _Services(ActionServer):
     """An action of ROS 2: its goals come, and are asked for, by services."""
 
-    def _open(self, session: Session, name: str, kind: str) -> Sequence[Service]:
+    def _open(self, session: Session | NodeSession, name: str, kind: str) -> Sequence[Service]:
         self.feedback_type = message_type(f"{kind}_Feedback", 2)
         self._over: dict[bytes, tuple[int, Any]] = {}  # statuses and results of goals that are over
         self._made = message_type(f"{kind}_Result", 2)

@@ -13,7 +13,7 @@ from libgz.ros.control.hardware import EFFORT, POSITION, RobotHardware, SimJoint
 from libgz.ros.control.pid import RosPid, number_of
 from libgz.ros.control.trajectory import Trajectory
 from libgz.ros.plugin import Ticks, bounded_rate
-from libgz.ros.session import Service, Session, Subscription, finite, set_stamp
+from libgz.ros.session import NodeSession, Service, Session, Subscription, finite, set_stamp
 
 __all__ = [
     "Commands",
@@ -41,7 +41,7 @@ class Controller:
         name: full, such as ``/robot/arm_controller``.
         values: its parameters.
         hardware: the robot.
-        session: for its topics.
+        session: for its topics; in ROS 2, of its node.
         now: gives the sim time [s].
         interface: what it commands its joints by; empty for nothing.
 
@@ -57,7 +57,7 @@ class Controller:
         name: str,
         values: Mapping[str, Any],
         hardware: RobotHardware,
-        session: Session,
+        session: Session | NodeSession,
         now: Callable[[], float],
         interface: str = "",
     ) -> None:

@@ -20,7 +20,7 @@ from libgz.ros.control.controllers import (
 )
 from libgz.ros.control.drive import DiffDrive
 from libgz.ros.control.hardware import EFFORT, POSITION, SHORT_NAMES, VELOCITY, RobotHardware
-from libgz.ros.session import Session
+from libgz.ros.session import NodeSession, Session
 from libgz.ros.types import message_type, service_type
 
 __all__ = ["ControllerManager"]
@@ -78,9 +78,16 @@ class ControllerManager:
         self.controllers: dict[str, Controller] = {}
         self._kinds: dict[str, str] = {}
         self._services = [
-            session.serve(f"{space}/controller_manager/{name}", f"controller_manager_msgs/{kind}", self._handler(name))
+            self.own_session.serve(
+                f"{space}/controller_manager/{name}", f"controller_manager_msgs/{kind}", self._handler(name)
+            )
             for name, kind in self.services.items()
         ]
+
+    @property
+    def own_session(self) -> Session | NodeSession:
+        """What its services belong to."""
+        return self._session
 
     def _handler(self, name: str) -> Callable[[Any], Any]:
         method = getattr(self, f"_{name}")

@@ -144,7 +144,7 @@ class Devices:
         if self.stale:
             return True
         return any(one.busy for one in self._devices.values()) or (
-            bool(self._devices) and self._session.transforms.listened
+            bool(self._devices) and self._session.transforms().listened
         )
 
     def step(self) -> None:
@@ -154,7 +154,7 @@ class Devices:
             self._refresh()
         for device in self._devices.values():
             stamp = device.update()
-            if stamp is not None and self._session.transforms.listened:
+            if stamp is not None and self._session.transforms().listened:
                 self._send_frames(device, stamp)
 
     def end(self) -> None:

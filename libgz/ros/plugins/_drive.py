@@ -156,9 +156,11 @@ class Drive(RosPlugin):
         if publish:
             self.publication = self.publish(self.given.odometryTopic, "nav_msgs/Odometry", changed=changed)
             self._packed = PackedMessage(self.publication, message)
-        self.transforms = self.ros.transforms
+        self.transforms = self.ros.transforms(self.own_node)
         if transform:
-            self._moved = self.ros.pack_transform(message.header.frame_id, message.child_frame_id, changed)
+            self._moved = self.ros.pack_transform(
+                message.header.frame_id, message.child_frame_id, changed, self.own_node
+            )
         self._wheels = [
             (
                 joint.GetChild(),
@@ -166,6 +168,7 @@ class Drive(RosPlugin):
                     self.frame(joint.GetParent().GetName()),
                     self.frame((joint if of_joints else joint.GetChild()).GetName()),
                     changed,
+                    self.own_node,
                 ),
             )
             for joint in wheels

@@ -61,7 +61,9 @@ class GazeboRosAckermannDrive(Drive, Periodic, ModelPlugin):
         self.advertise_odometry(publish=given.publishTf, transform=given.publishOdomTF)
         links = [joint.GetChild() for joint in self.wheels.joints] if given.publishWheelTF else []
         base = self.odometry.child_frame_id
-        self.frames = [(link, self.ros.pack_transform(base, self.frame(link.GetName()))) for link in links]
+        self.frames = [
+            (link, self.ros.pack_transform(base, self.frame(link.GetName()), node=self.own_node)) for link in links
+        ]
         self.distances = self.publish("distance", "std_msgs/Float32") if given.publishDistance else None
         self.turns = self.publish("steerangle", "std_msgs/Float32") if given.publishSteerangle else None
         self.Reset()
@@ -94,7 +96,7 @@ class GazeboRosAckermannDrive(Drive, Periodic, ModelPlugin):
             motion = self.motion_in_world()
             self.publish_odometry(now, motion)
             self.publish_transforms(now, motion)
-        if self.ros.transforms.listened:
+        if self.transforms.listened:
             self._send_wheel_transforms(now)
         if self.turns is not None and self.turns.listened:
             self.turns.publish(number(data=self.wheels.angle()))

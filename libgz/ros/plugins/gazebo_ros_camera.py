@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
+from libgz.base.errors import ParameterError
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
 from libgz.ros.plugin import Endpoint, Parameter
 from libgz.ros.plugins._camera import CAMERA, CAMERA_ENDPOINTS, DEPTH, DEPTH_ENDPOINTS, DepthCloud, RosCamera, open_each
@@ -42,7 +44,20 @@ class GazeboRosCamera(DepthCloud, SensorPlugin):
             self.open_depths()
         if self.two and self.given.triggered:
             self.open_trigger("image_trigger")
+        if self.two:
+            rate = float(sensor.UpdateRate())
+            given = self.node_parameters.declare(
+                "update_rate", rate, "of the camera [Hz]; 0: each iteration", self._check_rate, sensor.SetUpdateRate
+            )
+            if given != rate:
+                sensor.SetUpdateRate(given)
         self.begin()
+
+    def _check_rate(self, rate: float) -> None:
+        if self.wanted is not None:
+            raise ParameterError("Cannot set update rate for triggered camera")
+        if not math.isfinite(rate):
+            raise ParameterError(f"update_rate is {rate}; it must be finite")
 
     def send(self) -> None:
         """Publish all that has subscribers."""

@@ -64,11 +64,11 @@ class GazeboRosHandOfGod(Periodic, ModelPlugin):
         self.damping = 2.0 * math.sqrt(given.kl * inertial.GetMass()), 2.0 * math.sqrt(given.ka * inertial.IXX())
         self.frames: dict[str, tuple[str, tuple[float, ...], tuple[float, ...]]] = {}  # parent, place, turn
         self.stamp = message_type("std_msgs/Header")().stamp
-        self.actual = self.ros.transforms  # advertised at once, as the original does
-        static = {"durability": "transient_local"} if self.two else {}
+        self.actual = self.ros.transforms(self.own_node)  # advertised at once, as the original does
+        static: dict[str, Any] = {"durability": "transient_local"} if self.two else {}
         self.transforms = [
             self.subscribe("/tf", "tf2_msgs/TFMessage", self.OnTransforms, 100),
-            self.ros.subscribe("/tf_static", "tf2_msgs/TFMessage", self.OnTransforms, 100, **static),
+            self.subscribe("/tf_static", "tf2_msgs/TFMessage", self.OnTransforms, 100, **static),
         ]
         self.ticks = Ticks(0.0)
         self.run()
@@ -120,7 +120,8 @@ class GazeboRosHandOfGod(Periodic, ModelPlugin):
         self.link.AddRelativeTorque(Vector3d(turn.X(), turn.Y(), turn.Z()) * given.ka - rate * angular)
         set_stamp(self.stamp, now)
         w, x, y, z = pose.Rot()
-        self.ros.send_transform(self.stamp, WORLD, f"{self.given.frameId}_actual", tuple(pose.Pos()), (x, y, z, w))
+        frame = f"{self.given.frameId}_actual"
+        self.ros.send_transform(self.stamp, WORLD, frame, tuple(pose.Pos()), (x, y, z, w), self.own_node)
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosHandOfGod)

@@ -207,10 +207,7 @@ def terrain() -> Image.Image:
     with shown(ready("terrain"), DESKTOP) as view:
         view.button("Close the drive panel").click()
         view.step(40)
-        view.select("robot1")
-        view.page.keyboard.press("6")
-        view.image()
-        view.page.evaluate("libgz.store.select(null)")
+        view.look((-1.8, -2.0, 0.95), (0.3, 0.4, 0.5))
         return view.image()
 
 

@@ -359,6 +359,16 @@ def test_switches_change_what_is_seen(shown, page):
         assert (np.abs(image(page) - former).max(axis=2) > 25).sum() < 30, name
 
 
+@pytest.mark.parametrize("world", ["terrain.world", "heightmap.world"])
+def test_hills_have_a_grid(shown, page, world):
+    shown(world)
+    with_grid = image(page)
+    switch(page, "grid", False)
+    changed = np.abs(image(page) - with_grid).max(axis=2) > 8
+    assert changed[HEIGHT // 2 :].mean() > 0.02  # below the horizon
+    switch(page, "grid")
+
+
 def test_lasers_end_where_they_measure(shown, page):
     shown("pioneer2at.world")
     switch(page, "lasers")

@@ -1,19 +1,23 @@
-// Ground: a grid of 0.1 m to 100 m on the level of the ground, which fades with distance, and the world's axes.
+// Ground: a grid of 0.1 m to 100 m on the level of the ground and on hills, which fades with distance, and the world's axes.
 
-import { Color, DoubleSide, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from "three";
+import { Color, DoubleSide, Group, InstancedMesh, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from "three";
 
 const VERTEX = `
-varying vec2 at;
+varying vec3 place;
 uniform vec3 eye;
 uniform float level, reach;
 void main() {
-  at = eye.xy + reach * position.xy;
-  gl_Position = projectionMatrix * viewMatrix * vec4(at, level, 1.0);
+#ifdef USE_INSTANCING
+  place = (modelMatrix * instanceMatrix * vec4(position, 1.0)).xyz;
+#else
+  place = vec3(eye.xy + reach * position.xy, level);
+#endif
+  gl_Position = projectionMatrix * viewMatrix * vec4(place, 1.0);
 }`;
 const FRAGMENT = `
-varying vec2 at;
+varying vec3 place;
 uniform vec3 eye, ink;
-uniform float level, reach, ratio;
+uniform float reach, ratio;
 float lines(vec2 where, float cell, float width) {
   vec2 scaled = where / cell, slope = fwidth(scaled);
   vec2 apart = abs(fract(scaled - 0.5) - 0.5) / max(slope, 1e-6);
@@ -21,7 +25,8 @@ float lines(vec2 where, float cell, float width) {
   return max(strength.x, strength.y);
 }
 void main() {
-  float away = distance(vec3(at, level), eye);
+  vec2 at = place.xy;
+  float away = distance(place, eye);
   float fade = 1.0 - smoothstep(0.15 * reach, 0.95 * reach, away);
   if (fade <= 0.0) discard;
   float alpha = 0.36 * lines(at, 10.0, 0.9);
@@ -64,6 +69,20 @@ export class Ground {
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = 1; // before what can be seen through
     this.mesh.raycast = () => {};
+    /** The grid on hills. */
+    this.relief = new Group();
+  }
+
+  /** Cover hills, too. @param {InstancedMesh[]} hills */
+  cover(hills) {
+    this.relief.clear();
+    for (const { geometry, count, instanceMatrix } of hills) {
+      const over = new InstancedMesh(geometry, /** @type {ShaderMaterial} */ (this.mesh.material), count);
+      over.instanceMatrix = instanceMatrix;
+      over.frustumCulled = false;
+      over.renderOrder = 1;
+      this.relief.add(over);
+    }
   }
 
   /** @param {"light" | "dark"} theme @param {number} level [m] */

@@ -81,7 +81,8 @@ export class Stage {
     this.handles = new Handles(this.cameras, this.canvas, store, () => this.invalidate());
     this.scene = new Scene();
     this.scene.add(
-      this.bodies.group, this.skins.group, this.lights.group, this.sky.mesh, this.ground.mesh, this.marks.group, this.handles.group,
+      this.bodies.group, this.skins.group, this.lights.group, this.sky.mesh, this.ground.mesh, this.ground.relief,
+      this.marks.group, this.handles.group,
     );
 
     /** Whether a complete frame of the world has been shown. */
@@ -274,6 +275,8 @@ export class Stage {
       for (const { point } of ray.intersectObjects(hills, false)) height = Math.max(height, point.z);
       return height;
     };
+    this.ground.cover([...hills, ...this.bodies.batches.filter(isField).map(({ mesh }) => mesh)]);
+    this.ground.relief.visible = this.store.isOn("grid");
     this.ground.mesh.visible = this.store.isOn("grid") && (levels.length > 0 || !(fields.length || hills.length));
     this.ground.show(this.store.theme === "dark" ? "dark" : "light", this._level);
   }
@@ -533,6 +536,9 @@ export class Stage {
     });
   }
 }
+
+/** @param {any} batch */
+const isField = ({ instances: [{ shape }] }) => shape.kind === "heightfield";
 
 /** Whether a batch is ground that is no plane: a large mesh, small enough to look for the place below the camera. @param {any} batch */
 function isHilly(batch) {

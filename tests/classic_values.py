@@ -887,6 +887,8 @@ def same(a: Any, b: Any, tolerance: float = TOLERANCE) -> bool:
     """Whether two plain values are equal; rotations `q` and `-q` are the same."""
     if isinstance(a, float) and abs(a) > 1e38:  # a bound of an empty box
         a = "inf" if a > 0 else "-inf"
+    if isinstance(b, float) and abs(b) > 1e38:
+        b = "inf" if b > 0 else "-inf"
     if isinstance(a, list) and isinstance(b, list):
         if len(a) != len(b):
             return False

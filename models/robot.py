@@ -40,6 +40,7 @@ class MobileRobot(Model):
     STATE: ClassVar[tuple[str, ...]] = ("rate", "position", "_kept_devices", "_driven")
 
     _driven: Any  # the command that the motors were last set to
+    devices: Any  # parts with Init, Update(now) and Fini, such as a `Device`: a list, after Init a tuple
 
     behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
@@ -81,7 +82,7 @@ class MobileRobot(Model):
         self.values = read(self.attributes, node)
         self.rate = UpdateRate(self.values.updateRate)
         self.position = PositionServer(self, self.commands)
-        self.devices: list[Any] = []  # parts with Init, Update(now) and Fini, such as a `Device`
+        self.devices = []
         self._driven = numbers(len(self.commands))(*(math.nan for _ in self.commands))
         self.build()
 
@@ -94,6 +95,10 @@ class MobileRobot(Model):
         self.position.Init()
         for device in self.devices:
             device.Init()
+
+    def _entity_init(self, file: WorldFile, node: WorldFileNode) -> None:
+        super()._entity_init(file, node)
+        self.devices = (*self.devices,)  # native code has them: they are replaced as a whole, which it notices
 
     def Fini(self) -> None:  # noqa: D102
         self.position.Fini()

@@ -712,6 +712,28 @@ def test_parts_of_models_that_are_replaced_are_called(part):
         assert world.interface("power", "people").data.time > 0.0
 
 
+def test_devices_that_come_later_are_updated():
+    class Part:
+        def __init__(self):
+            self.times = []
+
+        def Update(self, now):
+            self.times.append(now)
+
+        def Fini(self):
+            pass
+
+    part = Part()
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[2]}</gz:world>") as world:
+        robot = world.model("people")
+        world.step(10)
+        with pytest.raises(AttributeError):
+            robot.devices.append(part)  # native code would not have it
+        robot.devices = (*robot.devices, part)
+        world.step(10)
+        assert len(part.times) == 2
+
+
 def test_a_plan_that_cannot_be_stops_its_model_only():
     class Wrong(Model):
         STATE = ()

@@ -12,7 +12,7 @@ import ctypes
 import sys
 import types
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -411,12 +411,9 @@ class Recorder:
 
     def _view(self, record: ctypes.Structure, name: str) -> NDArray[Any]:
         """A field of a struct as an array."""
-        kind = next(
-            dict(vars(k)["_fields_"])[name] for k in type(record).__mro__ if name in dict(vars(k).get("_fields_", ()))
-        )
-        place = getattr(type(record), name)
         try:
-            return np.ndarray(*_shape(kind), buffer=memoryview(record).cast("B")[place.offset :])
+            offset, shape, kind = _layout(type(record), name)
+            return np.ndarray(shape, kind, buffer=memoryview(record).cast("B")[offset:])
         except (TypeError, ValueError) as error:
             raise wrong(f"uses {name}, which is no number or array of numbers") from error
 
@@ -564,12 +561,14 @@ def _is_as(before: Any, now: Any) -> bool:
     return isinstance(now, (types.MethodType, bool, int, float, str)) and type(now) is type(before) and now == before
 
 
-def _shape(kind: Any) -> tuple[tuple[int, ...], Any]:
-    """The shape of an array of ctypes, and numpy's type of its numbers."""
+@lru_cache(1024)
+def _layout(struct: type[ctypes.Structure], name: str) -> tuple[int, tuple[int, ...], Any]:
+    """Where a field of a struct is, its shape, and numpy's type of its numbers."""
     shape: tuple[int, ...] = ()
+    kind = next(fields[name] for base in struct.__mro__ if name in (fields := dict(vars(base).get("_fields_", ()))))
     while hasattr(kind, "_length_"):
         shape, kind = (*shape, kind._length_), kind._type_
-    return shape, np.dtype(kind)
+    return getattr(struct, name).offset, shape, np.dtype(kind)
 
 
 def recorded_as(recording: Callable[..., Any]) -> Callable[[F], F]:

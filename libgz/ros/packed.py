@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from collections.abc import Iterable
 from typing import Any, NamedTuple, Protocol
@@ -16,6 +17,8 @@ from libgz.ros.types import MessageType
 from libgz.simulation.recorder import Recorder, recorded_as
 
 __all__ = ["LATEST", "MOST_NUMBER", "Outbox", "PackedMessage"]
+
+log = logging.getLogger("libgz.ros")
 
 FRAME = struct.Struct("<I")
 LATEST = 2.0**31 - 1.0  # [s] of a stamp
@@ -78,8 +81,24 @@ class _Slot(NamedTuple):
     places: list[tuple[int, str]]
 
 
+NOTHING = _Slot(0, struct.Struct(""), False, [])  # of numbers that the other side does not have
+
+
+def _has(value: Any, path: str) -> bool:
+    """Whether a message has a field, in a message or list of its own."""
+    for part in path.split("."):
+        if part.isdigit():
+            value = value[int(part)] if int(part) < len(value) else None
+        else:
+            value = getattr(value, part, None)
+    return value is not None
+
+
 def _put(recorder: Recorder, message: PackedMessage, path: str, values: Iterable[Any]) -> None:
-    places, numbers = message.slot(path).places, tuple(values)
+    slot, numbers = message.slot(path), tuple(values)
+    if slot is NOTHING:
+        return
+    places = slot.places
     if len(places) != len(numbers):
         raise wrong(f"sets {path}, which has {len(places)} numbers, to {len(numbers)}")
     memory = recorder.get(message, "memory")  # it is recorded again where there is another one
@@ -142,7 +161,11 @@ class PackedMessage:
             ends = [at + struct.calcsize(letter) for at, letter in found]
             gaps = [after - end for end, (after, _) in zip(ends, found[1:], strict=False)]
             if not fields or any(gaps):
-                raise ParameterError(f"{self.publication.kind.name} has no numbers {path!r} that follow each other")
+                what = f"{self.publication.kind.name} has no numbers {path!r} that follow each other"
+                if self.publication.gatherer[0].version == 1 or not _has(self._message, path):
+                    raise ParameterError(what)
+                log.error("ROS 2: %s; they are left out", what)  # as the bridge describes it: no reason to end
+                return self._slots.setdefault(path, NOTHING)
             letters = "".join(letter for _, letter in found)
             begin, layout = FRAME.size + fields[0][0], struct.Struct(f"<{letters}")
             self._slots[path] = _Slot(begin, layout, not set(letters) & set("df"), found)
@@ -155,7 +178,10 @@ class PackedMessage:
         Raises:
             ParameterError: it has others, or the values do not fit.
         """
-        begin, layout, whole, _ = self.slot(path)
+        slot = self.slot(path)
+        if slot is NOTHING:
+            return
+        begin, layout, whole, _ = slot
         try:
             layout.pack_into(self.memory.data, begin, *(map(int, values) if whole else values))
         except (struct.error, OverflowError, TypeError, ValueError) as error:
@@ -167,7 +193,10 @@ class PackedMessage:
         Raises:
             ParameterError: it has another length.
         """
-        begin, _, _, places = self.slot(path)
+        slot = self.slot(path)
+        if slot is NOTHING:
+            return
+        begin, _, _, places = slot
         letter, count = places[0][1] if places else "B", len(places)
         data = np.ascontiguousarray(values, np.dtype(letter).newbyteorder("<")).view(np.uint8)
         if len(data) != count * struct.calcsize(letter):

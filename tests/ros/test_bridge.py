@@ -315,6 +315,16 @@ def test_hostile_types_are_left_out(start, graph, caplog, table, why):
     assert not graph.received["/clock"]
 
 
+@pytest.mark.parametrize("table", [{"": {"a": "uint8"}}, {"": {"a": "string", "b": "uint8[3]"}}])
+def test_types_without_the_numbers_of_ours_do_not_end_the_server(start, graph, caplog, table):
+    server = start()
+    graph.send(DECLARED, graph.number("/clock"), json.dumps([table]).encode())
+    graph.listen("/clock")
+    wait_for(lambda: graph.received["/clock"], server.core.Step)
+    assert caplog.text.count("rosgraph_msgs/Clock has no numbers 'clock'") == 1
+    assert server.call("/get_model_list", "gazebo_msgs/GetModelList").success
+
+
 def test_floods_of_a_bridge_cost_no_memory(start, graph, caplog):
     server = start()
     clock, service = graph.number("/clock"), graph.number("/pause_physics")

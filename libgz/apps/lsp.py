@@ -191,6 +191,7 @@ class _Checks:
             if process.returncode is None:
                 with contextlib.suppress(ProcessLookupError):
                     process.kill()
+                await process.wait()  # before the loop closes, as when the editor ends
         try:
             found: list[dict[str, Any]] = json.loads(answer)
         except ValueError:

@@ -228,3 +228,19 @@ def test_an_editor_that_reads_no_more_is_one_line():
     assert b"the editor reads no more: " in said
     assert said.count(b"\n") == 1
     assert server.returncode == 0
+
+
+def test_an_editor_that_ends_during_checks_leaves_no_traceback(tmp_path):
+    process = subprocess.Popen(run_module("libgz", "lsp"), stdin=-1, stdout=-1, stderr=-1, cwd=tmp_path)
+    opened = {"jsonrpc": "2.0", "method": "textDocument/didOpen"}
+    messages = [{"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"capabilities": {}}}]
+    for number in range(12):
+        document = {"uri": f"file://{tmp_path}/{number}.world", "languageId": "xml", "version": 1, "text": LEGACY}
+        messages.append({**opened, "params": {"textDocument": document}})
+    for body in map(str.encode, map(json.dumps, messages)):
+        process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
+    process.stdin.flush()
+    while b"publishDiagnostics" not in process.stdout.readline():
+        pass
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (0, b"")

@@ -447,7 +447,8 @@ class BridgedNode:
             channel.declared = True
             self._hear(channel, False)
         except GazeboError as error:
-            log.error("ROS 2: %s (%s) is left out: %s", channel.topic, channel.about["type"], error)
+            text, kind = "ROS 2: %s (%s) is left out: %s", channel.about["type"]
+            self._loop.warn(f"wrong {channel.topic}", text, channel.topic, kind, error)
 
 
 class _Link(Connection):

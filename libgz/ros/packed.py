@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import struct
 from collections.abc import Iterable
 from typing import Any, NamedTuple, Protocol
@@ -17,8 +16,6 @@ from libgz.ros.types import MessageType
 from libgz.simulation.recorder import Recorder, recorded_as
 
 __all__ = ["LATEST", "MOST_NUMBER", "Outbox", "PackedMessage"]
-
-log = logging.getLogger("libgz.ros")
 
 FRAME = struct.Struct("<I")
 LATEST = 2.0**31 - 1.0  # [s] of a stamp
@@ -164,7 +161,8 @@ class PackedMessage:
                 what = f"{self.publication.kind.name} has no numbers {path!r} that follow each other"
                 if self.publication.gatherer[0].version == 1 or not _has(self._message, path):
                     raise ParameterError(what)
-                log.error("ROS 2: %s; they are left out", what)  # as the bridge describes it: no reason to end
+                # As the bridge describes it: no reason to end.
+                self.publication.gatherer[0].log_refusal(path, f"{what}; they are left out", "ROS 2:")
                 return self._slots.setdefault(path, NOTHING)
             letters = "".join(letter for _, letter in found)
             begin, layout = FRAME.size + fields[0][0], struct.Struct(f"<{letters}")

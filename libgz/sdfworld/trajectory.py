@@ -24,12 +24,13 @@ class Trajectory:
     way to the neighbour; positions, and rotations, whose first and last are equal make a closed curve.
 
     Args:
-        waypoints: (time [s], pose), by growing time.
+        waypoints: (time [s], pose), by growing time, from 0 s on.
         tension: of positions, 0 to 1; with 1 the velocity at each waypoint is zero.
     """
 
     def __init__(self, waypoints: Sequence[tuple[float, GzPose]], tension: float = 0.0) -> None:
-        self.times = [min(0.0, waypoints[0][0]), *(time for time, _ in waypoints[1:])]
+        self.times = [0.0, *(time for time, _ in waypoints[1:])]
+        self.duration = waypoints[-1][0]  # [s]; that of a single waypoint, too
         self.positions = [np.array([*pose.pos]) for _, pose in waypoints]
         self.turns = [np.array([*pose.rot]) / np.linalg.norm([*pose.rot]) for _, pose in waypoints]
         self._tension = tension
@@ -37,11 +38,6 @@ class Trajectory:
         last = len(self.times) - 1
         self._closed = last > 1 and bool(np.array_equal(self.positions[0], self.positions[last]))
         self._turns_closed = last > 1 and bool(np.allclose(self.turns[0], self.turns[last], rtol=0.0, atol=1e-3))
-
-    @property
-    def duration(self) -> float:
-        """The time of the last waypoint [s]."""
-        return self.times[-1]
 
     def at(self, time: float) -> GzPose:
         """The pose at a time [s]."""

@@ -79,6 +79,16 @@ def test_an_actor_turns_and_goes_through_all_its_trajectories(load):
     assert world.model("a").GetPose().pos.y == pytest.approx(4.0, abs=0.2)
 
 
+def test_a_single_waypoint_lasts_until_its_time(load):
+    """As in Gazebo: so actors wait, or walk on the spot."""
+    stays, goes = trajectory((2, "5 0 0 0 0 0")), trajectory((0, "0 0 0 0 0 0"), (1, "0 4 0 0 0 0"), number=1)
+    world = load(actor(stays + goes))
+    go_to(world, 1.9)
+    assert tuple(world.model("a").GetPose().pos) == (5.0, 0.0, 0.0)
+    go_to(world, 2.999)
+    assert world.model("a").GetPose().pos.y == pytest.approx(4.0, abs=0.2)
+
+
 def test_scripts_are_delayed_and_repeated_or_end(load):
     def script(loop):
         return f"<loop>{loop}</loop><delay_start>0.5</delay_start>{trajectory(*LINE)}"

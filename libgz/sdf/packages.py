@@ -8,11 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 
+from libgz.base.files import is_folder, open_file
+
 __all__ = ["all_packages", "find_package", "manifest_of"]
 
 DEEPEST = 6  # folders below an entry of the path
 MOST_FOLDERS = 20_000
-LONGEST_MANIFEST = 10_000  # characters that are read
+LONGEST_MANIFEST = 10_000  # [byte] that are read
 IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "rospack_nosubdirs")
 NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
 
@@ -35,8 +37,8 @@ def find_package(name: str, places: Sequence[Path]) -> Path | None:
 def manifest_of(folder: Path) -> str:
     """The beginning of the manifest of a package; empty where it cannot be read."""
     try:
-        with (folder / "package.xml").open(errors="replace") as file:
-            return file.read(LONGEST_MANIFEST)
+        with open_file(folder / "package.xml") as file:
+            return file.read(LONGEST_MANIFEST).decode(errors="replace")
     except OSError:
         return ""
 
@@ -58,8 +60,9 @@ def _packages(folder: Path, depth: int, count: list[int]) -> Iterator[Path]:
     if IGNORED[2] in entries:
         return
     for name, entry in sorted(entries.items()):
-        if not name.startswith(".") and entry.is_dir():
-            yield from _packages(Path(entry.path), depth + 1, count)
+        path = Path(entry.path)
+        if not name.startswith(".") and (is_folder(path) if entry.is_symlink() else entry.is_dir()):
+            yield from _packages(path, depth + 1, count)
 
 
 def _changed(place: Path) -> int:

@@ -44,3 +44,12 @@ def test_a_package_that_comes_later_is_found_and_an_ignored_one_is_not(workspace
     os.utime(workspace, ns=(2, 2))
     with pytest.raises(NotFoundError):
         find_uri("package://ignored")
+
+
+def test_links_in_a_circle_and_a_pipe_for_a_manifest_are_passed_over(workspace):
+    (workspace / "a_circle").symlink_to("a_circle")
+    (workspace / "a_pipe").mkdir()
+    os.mkfifo(workspace / "a_pipe" / "package.xml")
+    linked = add_package(workspace / ".hidden" / "robots" / "real", "linked")
+    (workspace / "robots").symlink_to(linked.parent)
+    assert find_uri("package://linked").samefile(linked)

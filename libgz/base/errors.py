@@ -339,7 +339,8 @@ class Diagnostics:
 
     def include(self, other: Diagnostics, file: str, line: int) -> None:
         """Add those of a file that is included in a line."""
-        self.includes = dict.fromkeys([file, *other.includes], line) | self.includes
+        for name in (file, *other.includes):
+            self.includes.setdefault(name, line)
         self.add(*other.found)
         self._beyond += other._beyond
         self._first_beyond = other._first_beyond | self._first_beyond

@@ -69,7 +69,7 @@ struct trees {
     tree_joint *joints;
     tree_row *rows;
     int64_t *order;      /* bodies from the root on */
-    int64_t *roots;      /* bodies as they come in question as roots, then what sorts them */
+    int64_t *roots;      /* bodies in the order in which they become roots, then what sorts them */
     int64_t *dense;      /* rows of the dense problem */
     int64_t *places;     /* where its unknowns are, and as many for its solver */
     panel *panels;

@@ -471,7 +471,7 @@ KNOBS = (
     Knob("sor_pgs_rms_error_tol", -1.0, -1.0, 10_000.0, "Not used", 1),
     Knob("cfm", 0.0, 0.0, 10.0, "Constraint force mixing", 1),
     Knob("erp", 0.2, 0.0, 10.0, "Error reduction of constraints", 1),
-    Knob("contact_surface_layer", 0.001, 0.0, 10.0, "Depth of contacts that is not corrected [m]", 1),
+    Knob("contact_surface_layer", 0.001, 0.0, 10.0, "Kept, without effect, as in Gazebo [m]", 1),
     Knob("contact_max_correcting_vel", 100.0, 0.0, 1e7, "Most speed with which contacts are corrected [m/s]", 1),
     Knob("max_contacts", 100, 0, 10_000_000, "Most contacts of two bodies", 1),
 )

@@ -266,11 +266,11 @@ class PhysicsEngine:
         self.SetParam("contact_max_correcting_vel", float(vel))
 
     def GetContactSurfaceLayer(self) -> float:
-        """The depth at which contacts rest [m]."""
+        """The `contact_surface_layer` [m], which has no effect, as in Gazebo; surfaces have a `min_depth`."""
         return float(self.GetParam("contact_surface_layer"))
 
     def SetContactSurfaceLayer(self, layerDepth: float) -> None:
-        """Set the depth at which contacts rest [m]."""
+        """Set the `contact_surface_layer` [m], which has no effect, as in Gazebo."""
         self.SetParam("contact_surface_layer", float(layerDepth))
 
     # Making things -----------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from libgz.base.law import law, rarely
 from libgz.base.records import numbers
 from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
-from libgz.models.device import Device
+from libgz.models.device import Device, Devices
 from libgz.models.positionserver import PositionServer
 from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.rate import UpdateRate
@@ -40,7 +40,6 @@ class MobileRobot(Model):
     STATE: ClassVar[tuple[str, ...]] = ("rate", "position", "_kept_devices", "_driven")
 
     _driven: Any  # the command that the motors were last set to
-    devices: Any  # parts with Init, Update(now) and Fini, such as a `Device`: a list, after Init a tuple
 
     behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
@@ -87,6 +86,15 @@ class MobileRobot(Model):
         self.build()
 
     @property
+    def devices(self) -> list[Any]:
+        """Parts with Init, Update(now) and Fini, such as a `Device`; they may come and go while the world runs."""
+        return self._devices
+
+    @devices.setter
+    def devices(self, devices: Iterable[Any]) -> None:
+        self._devices = Devices(devices, self.world.update_rows_changed)
+
+    @property
     def _kept_devices(self) -> list[Any]:
         """The devices that declare a state."""
         return [device for device in self.devices if declares(type(device))]
@@ -95,10 +103,6 @@ class MobileRobot(Model):
         self.position.Init()
         for device in self.devices:
             device.Init()
-
-    def _entity_init(self, file: WorldFile, node: WorldFileNode) -> None:
-        super()._entity_init(file, node)
-        self.devices = (*self.devices,)  # native code has them: they are replaced as a whole, which it notices
 
     def Fini(self) -> None:  # noqa: D102
         self.position.Fini()

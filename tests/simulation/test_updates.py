@@ -712,7 +712,7 @@ def test_parts_of_models_that_are_replaced_are_called(part):
         assert world.interface("power", "people").data.time > 0.0
 
 
-def test_devices_that_come_later_are_updated():
+def test_devices_may_come_and_go_while_the_world_runs():
     class Part:
         def __init__(self):
             self.times = []
@@ -727,11 +727,18 @@ def test_devices_that_come_later_are_updated():
     with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[2]}</gz:world>") as world:
         robot = world.model("people")
         world.step(10)
-        with pytest.raises(AttributeError):
-            robot.devices.append(part)  # native code would not have it
-        robot.devices = (*robot.devices, part)
+        robot.devices.append(part)
         world.step(10)
         assert len(part.times) == 2
+        robot.devices.remove(part)
+        world.step(10)
+        assert len(part.times) == 2
+        robot.devices = (*robot.devices, part)
+        world.step(10)
+        assert len(part.times) == 4
+        del robot.devices[:]
+        world.step(10)
+        assert len(part.times) == 4
 
 
 def test_a_plan_that_cannot_be_stops_its_model_only():

@@ -31,9 +31,10 @@ def config(*options, **env):
     return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, env={**os.environ, **env})
 
 
-def run(program, *arguments, code=0):
-    """Run a program and assert its exit code."""
-    done = subprocess.run([str(program), *map(str, arguments)], capture_output=True, text=True, timeout=30, check=False)
+def run(program, *arguments, code=0, text=None):
+    """Run a program, with a text to read, and assert its exit code."""
+    words = [str(program), *map(str, arguments)]
+    done = subprocess.run(words, input=text, capture_output=True, text=True, timeout=30, check=False)
     assert done.returncode == code, (done.returncode, done.stdout, done.stderr)
     return done
 

@@ -61,10 +61,7 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
         diagnostics.failure(next((e for e in element.children if e.name in ("wind", "atmosphere")), element), error)
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
-    asked = world.engine.solver
     apply_physics(world, chosen, diagnostics)
-    if asked == "tree":  # by who made the world; files name one of Gazebo's two, or none
-        world.engine.solver = asked
     return settings
 
 

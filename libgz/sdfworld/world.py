@@ -95,6 +95,7 @@ class SdfWorld(Era):
         self._read_text = b""  # of the file, without edits
         self.settings: SdfSettings = default_settings()
         self._documents: dict[Source, Document] = {}
+        self._by_tree = world.engine.solver == "tree"  # as who made the world chose
         world.journal.builders[BUILDER] = self
 
     @property
@@ -173,6 +174,7 @@ class SdfWorld(Era):
         """Settings, models, lights and joints of a `<world>`, placed where its first `<state>` says."""
         world = self.world
         self.settings = apply_settings(world, element, diagnostics)
+        self._keep_tree()
         state, document = next(element.named("state"), None), self._document(element, diagnostics)
         built = document.elements[: document.elements.index(element)]
         self._documents[document.source] = document
@@ -427,6 +429,12 @@ class SdfWorld(Era):
             element = next(self.file.root.named("world"), None)
             if element is not None:
                 self.settings = apply_settings(self.world, element, diagnostics)
+                self._keep_tree()
+
+    def _keep_tree(self) -> None:
+        """Choose the tree solver again, if who made the world did: files name one of Gazebo's two, or none."""
+        if self._by_tree:
+            self.world.engine.solver = "tree"
 
     def build_again(self, entity: Entity, source: Source) -> Entity:
         """Build a model, light or actor again, with all in it, as its document describes it now; the new one.
@@ -558,6 +566,7 @@ class SdfWorld(Era):
             raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
         settings.physics, diagnostics = settings.profiles[name], Diagnostics()
         apply_physics(self.world, settings.physics, diagnostics)
+        self._keep_tree()
         diagnostics.raise_errors()
 
 

@@ -8,6 +8,7 @@ import pytest
 import libgz
 from libgz.base.errors import WorldFileError
 from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.sdfworld.world import SdfWorld
 
 GROUND = "<include><uri>model://ground_plane</uri></include>"
 SHAPES = {
@@ -65,6 +66,15 @@ def friction(mu):
 def test_tree_holds_for_files_that_know_two_solvers(load, asked, written, used):
     physics = f"<ode><solver><type>{written}</type></solver></ode>" if written else ""
     assert load(world(physics=physics), solver=asked).engine.solver == used
+
+
+@pytest.mark.parametrize(("asked", "used"), [("world", ["tree", "quick"]), ("tree", ["tree", "tree"])])
+def test_tree_holds_for_other_profiles_if_the_world_was_made_with_it(load, asked, used):
+    profile = "<physics name='{0}' type='ode'><ode><solver><type>{0}</type></solver></ode></physics>"
+    made = load(f"<world name='w'>{profile.format('tree')}{profile.format('quick')}</world>", solver=asked)
+    found = [made.engine.solver]
+    made.extension(SdfWorld).apply_profile("quick")
+    assert [*found, made.engine.solver] == used
 
 
 def test_settings_of_the_world(load):

@@ -87,7 +87,6 @@ def test_a_grid_into_csv_and_plots(folder):
     assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in names)
 
 
-@pytest.mark.trial
 def listening(pid):
     """Ports of TCP, and names of sockets, at which a process and its children listen."""
     processes, found = [pid], set()
@@ -281,7 +280,6 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(folder, format):
     assert all(row == before[row["run"]] for row in rows if row["run"] in before)
 
 
-@pytest.mark.trial
 @pytest.mark.parametrize("name", ["study.json", ".lock", "results.csv", "journal.jsonl", "part-000000.parquet"])
 @pytest.mark.parametrize("there", [True, False])
 def test_results_are_written_to_no_link(folder, name, there):
@@ -330,6 +328,7 @@ def test_results_of_more_runs_than_a_study_has_are_damaged(tmp_path, runs):
         read_results(tmp_path)
 
 
+@pytest.mark.trial
 def test_two_commands_do_not_write_the_same_results(folder):
     change(
         folder,

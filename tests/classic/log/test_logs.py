@@ -328,11 +328,16 @@ NAMED = "<model name='{}'><link name='l'><pose>0 0 1 0 0 0</pose></link></model>
 INSERTED = "<insertions><model name='n{0}{1}'><link name='l'/></model></insertions>"
 
 
-@pytest.mark.parametrize("words", [("-i",), ("-o", "new.log", "-z", "0.0001")])
-@pytest.mark.parametrize("part", [NAMED.format("{0}{1}"), INSERTED, "<deletions><name>{0}{1}</name></deletions>"])
-def test_what_the_states_of_a_log_have_together_is_bounded(tmp_path, monkeypatch, words, part):
-    if words == ("-i",) and part != NAMED.format("{0}{1}"):
-        return  # of which no summary is printed
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        (NAMED.format("{0}{1}"), ("-i",)),
+        (NAMED.format("{0}{1}"), ("-o", "new.log", "-z", "0.0001")),
+        (INSERTED, ("-o", "new.log", "-z", "0.0001")),
+        ("<deletions><name>{0}{1}</name></deletions>", ("-o", "new.log", "-z", "0.0001")),
+    ],
+)
+def test_what_the_states_of_a_log_have_together_is_bounded(tmp_path, monkeypatch, part, words):
     monkeypatch.chdir(tmp_path)
     states = [STATE.format(number, part.format("x" * 10_000, number)) for number in range(300)]
     log_of_states(tmp_path / "state.log", [WORLD, *states])

@@ -309,7 +309,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     run = Run(options)
-    with Watchdog(run.stop) as watchdog, start_ros(options, options.words) as ros:
+    with Watchdog(run.stop) as watchdog, start_ros(options, options.words, watchdog) as ros:
         watchdog.world = world = World(
             server_id,
             options.force,

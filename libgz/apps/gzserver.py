@@ -139,7 +139,7 @@ class Server:
         # Of System plugins, which belong to no world.
         problems = Problems(lambda: True, self.options.strict, warnings=False)
         with (
-            start_ros(self.options, self.words) as self._ros,
+            start_ros(self.options, self.words, self._watchdog) as self._ros,
             SystemPlugins(self.options.server_plugin) as plugins,
             serve(watch_only=self.options.watch_only) as link,
         ):

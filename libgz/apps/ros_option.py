@@ -13,6 +13,7 @@ from libgz.base.errors import LibraryError, ParameterError
 
 if TYPE_CHECKING:
     from libgz.ros.server import Ros1, Ros2
+    from libgz.simulation.watchdog import Watchdog
 
 __all__ = ["add_ros_options", "ros_wanted", "start_ros", "without_ros_words"]
 
@@ -60,14 +61,18 @@ def _watch_only(options: argparse.Namespace) -> bool:
     return getattr(options, "watch_only", False)
 
 
-def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractContextManager[Ros1 | Ros2 | None]:
+def start_ros(
+    options: argparse.Namespace, words: Sequence[str], watchdog: Watchdog
+) -> AbstractContextManager[Ros1 | Ros2 | None]:
     """ROS for a `with` block, if the options or the environment ask for it.
 
     Args:
         options: of the command line.
         words: the whole command line, with names and remappings.
+        watchdog: handles signals, which end a start that takes long.
 
     Raises:
+        Interrupted: there was a signal.
         ParameterError: the server is one that others only watch, or both ROS are asked for.
         LibraryError: there is no ROS 2.
     """
@@ -80,9 +85,8 @@ def start_ros(options: argparse.Namespace, words: Sequence[str]) -> AbstractCont
         raise ParameterError(f"--watch-only and {option} exclude each other: nodes of ROS command robots")
     from libgz.ros.server import Ros1, Ros2
 
-    if _ros2_wanted(options):
-        return Ros2(words)
-    return Ros1(words, options.ros_ip)
+    with watchdog.loading():
+        return Ros2(words) if _ros2_wanted(options) else Ros1(words, options.ros_ip)
 
 
 def without_ros_words(words: Sequence[str]) -> list[str]:

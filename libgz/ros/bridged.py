@@ -34,7 +34,8 @@ MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
 MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # messages of one topic, or answers of one service, that wait for the bridge
 MOST_TOGETHER = 1 << 26  # bytes of all that wait
 MOST_TEXT = 1 << 20  # bytes of what the bridge says about itself and about types
-START_PATIENCE, END_PATIENCE = 60.0, 3.0  # [s]
+START_PATIENCE = 60.0  # [s]
+END_PATIENCE = 0.5  # [s]; a bridge that hangs is killed then, before users think of a second signal
 FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again; longer if it lived no longer
 # Parts of actions, by the ends of their types' names.
 PARTS = {"FeedbackMessage": "FeedbackMessage", "GetResult": "GetResultService", "SendGoal": "SendGoalService"}
@@ -122,13 +123,16 @@ class BridgedNode:
             LibraryError: it ends instead: there is no rclpy, for example.
         """
         self._loop.start()
-        self._open()
-        if not self._wait():
+        try:
+            self._open()
+            if not self._wait():
+                raise LibraryError(
+                    f"ROS 2 cannot start: {self.python} cannot run rclpy, see the lines above; source a ROS 2 whose "
+                    "Python this is, or run `libgz ros venv`"
+                )
+        except BaseException:  # such as a signal
             self.close()
-            raise LibraryError(
-                f"ROS 2 cannot start: {self.python} cannot run rclpy, see the lines above; source a ROS 2 whose Python "
-                "this is, or run `libgz ros venv`"
-            )
+            raise
         log.info("ROS 2: %s over %s", self.about.get("distribution") or "rclpy", self.about.get("middleware"))
         self._keeper.start()
 

@@ -9,6 +9,7 @@ import runpy
 import signal
 import socket
 import struct
+import subprocess
 import sys
 import time
 from itertools import pairwise
@@ -16,9 +17,10 @@ from pathlib import Path
 from unittest.mock import MagicMock
 
 import pytest
+from gzserver_process import SERVER, new_environment
 from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, WHEEL, wagon
 from ros_bridge import ANSWER, DECLARE, DECLARED, EMPTY, HELLO, LISTENED, MESSAGE, REQUEST, cdr, fields
-from ros_peers import read_exactly, wait_for, within
+from ros_peers import PATIENCE, read_exactly, wait_for, within
 from ros_types import JAZZY
 from topics import Heard
 
@@ -28,11 +30,12 @@ from libgz.ros import bridged, metrics, session
 from libgz.ros.control.drive import DiffDrive2
 from libgz.ros.control.hardware import VELOCITY
 from libgz.ros.control.ros2 import JointStates2, JointTrajectories2
-from libgz.ros.environment import find_python
+from libgz.ros.environment import VARIABLE, find_python
 from libgz.ros.names import read_names_of_ros2
 from libgz.ros.parameters import Parameters
 from libgz.ros.server import Ros2
 from libgz.ros.types import message_type, service_type
+from libgz.simulation import watchdog
 
 BOX = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
 
@@ -219,6 +222,26 @@ def stopped(server):
         yield process
     finally:
         process.send_signal(signal.SIGCONT)
+
+
+def test_a_bridge_that_hangs_at_the_end_is_killed(start):
+    server = start()
+    with stopped(server) as process:
+        server.ros.close()
+        assert process.returncode == -signal.SIGKILL
+    assert 2.0 * bridged.END_PATIENCE <= watchdog.PATIENCE  # no user is reminded of a second signal
+
+
+def test_a_signal_ends_a_start_whose_bridge_says_nothing(graph, tmp_path):
+    graph.silent = True
+    environment = {**new_environment(tmp_path), VARIABLE: str(graph.python)}
+    with subprocess.Popen([*SERVER, "--ros2"], env=environment) as process:
+        try:
+            wait_for(lambda: graph.links)
+            process.terminate()
+            assert process.wait(PATIENCE) == 128 + signal.SIGTERM
+        finally:
+            process.kill()
 
 
 def test_a_slow_bridge_costs_no_memory(start, graph, caplog):

@@ -74,6 +74,14 @@ def test_types_and_parameters_of_controllers_are_set_by_their_nodes_parameters(a
     wait_for(lambda: "/new/list_parameters" not in graph.declared, server.core.Step)
 
 
+def test_trajectories_without_interfaces_are_positions(arm, caplog):
+    server = arm(control=CONTROL.replace("command_interfaces: [position], ", ""))
+    assert begin(server, "follower")
+    listed = do(server, "list_controllers", "ListControllers").controller
+    assert [one.claimed_interfaces for one in listed] == [["elbow/position"]]
+    assert "'command_interfaces' parameter is empty" in caplog.text
+
+
 def test_hardware_components_are_listed_and_libraries_reloaded(arm):
     server = arm()
     (found,) = do(server, "list_hardware_components", "ListHardwareComponents").component

@@ -238,12 +238,15 @@ class ForwardCommands(GroupCommands):
 
 
 class JointTrajectories2(JointTrajectories):
-    """Follows trajectories by the first interface that a parameter names."""
+    """Follows trajectories by the first interface that a parameter names, or else by positions."""
 
     def load(self) -> None:
         """Find the joints, subscribe and serve."""
         names = self.values.get("command_interfaces")
-        self.interface = _interface(self, names[0] if isinstance(names, list) and names else None)
+        if not names:
+            log.warning("controller %s: 'command_interfaces' parameter is empty; it commands positions", self.name)
+            names = ["position"]  # as the first releases of Foxy do; later ones refuse it
+        self.interface = _interface(self, names[0] if isinstance(names, list) else names)
         super().load()
 
 

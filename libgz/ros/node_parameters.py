@@ -147,7 +147,7 @@ class NodeParameters:
     def set(self, name: str, value: Any) -> None:
         """Set a parameter that was declared, by its owner."""
         self._values[name] = self._message(value)
-        self._announce([self._named(name=name, value=self._values[name])], [])
+        self._announce(changed_parameters=[self._named(name=name, value=self._values[name])])
 
     def _message(self, value: Any) -> Any:
         """A value as a message; None if no parameter can have it."""
@@ -168,8 +168,17 @@ class NodeParameters:
     # Services ----------------------------------------------------------------------------------------------------
 
     def _handler(self, name: str) -> Callable[[Any], Message]:
-        method, response = getattr(self, f"_{name}"), service_type(SERVICES[name], 2).response
-        return lambda request: response(**method(request))
+        method, kind = getattr(self, f"_{name}"), service_type(SERVICES[name], 2)
+
+        def handle(request: Any) -> Message:
+            for field in kind.request.fields:
+                value = getattr(request, field.name)
+                if isinstance(value, list) and len(value) > MOST_PARAMETERS:
+                    raise ParameterError(f"{len(value)} {field.name} in one request; at most {MOST_PARAMETERS}")
+            answer: Message = kind.response(**method(request))
+            return answer
+
+        return handle
 
     def _list_parameters(self, request: Any) -> dict[str, Any]:
         names = [name for name in sorted(self._values) if _listed(name, request.prefixes, request.depth)]
@@ -180,7 +189,7 @@ class NodeParameters:
         """Names, none if one of them is no parameter, as rclcpp has it; or if the answer would be too long."""
         if not self._open and not all(name in self._values for name in names):
             return []
-        size = sum(_size(self._values[name]) if name in self._values else 16 for name in names)
+        size = sum(_size(self._values[name]) if name in self._values else OVERHEAD for name in names)
         if size > MOST_ASKED:
             what = f"{self._node.full_name}: so many parameters that the answer would be longer than {MOST_ASKED} bytes"
             self._session.log_refusal("parameters", what, "service")
@@ -212,27 +221,32 @@ class NodeParameters:
         return {"result": self._set(request.parameters)}
 
     def _set(self, parameters: Sequence[Any]) -> Message:
-        """Set parameters, all of them or none."""
+        """Set parameters, all of them or none; without a value, those that were not declared are deleted."""
         result: Any = message_type("rcl_interfaces/SetParametersResult", 2)(successful=True)
         wanted = {one.name: self._plain(one.value) for one in parameters}
         try:
             for name, value in wanted.items():
                 self._check(name, value)
-            after = {**self._values, **wanted}
+            after = {
+                name: value
+                for name, value in {**self._values, **wanted}.items()
+                if value.type != NOT_SET or name in self._declared
+            }
             size = sum(len(name) + _size(value) for name, value in after.items())
             if len(after) > MOST_PARAMETERS or size > MOST_SIZE:
                 raise ParameterError(f"a node has at most {MOST_PARAMETERS} parameters with {MOST_SIZE} bytes")
         except GazeboError as error:
             result.successful, result.reason = False, str(error)
             return result  # type: ignore[no-any-return]
-        named: dict[bool, list[Any]] = {True: [], False: []}
+        rows: dict[str, list[Any]] = {"new_parameters": [], "changed_parameters": [], "deleted_parameters": []}
         for name, value in wanted.items():
-            named[name in self._values].append(self._named(name=name, value=value))
+            sort = "deleted" if name not in after else "changed" if name in self._values else "new"
+            rows[f"{sort}_parameters"].append(self._named(name=name, value=value))
         self._values = after
         for name in wanted:
             if name in self._declared:
                 self._declared[name].changed(self.value(name))
-        self._announce(named[True], named[False])
+        self._announce(**rows)
         return result  # type: ignore[no-any-return]
 
     def _plain(self, value: Any) -> Any:
@@ -262,12 +276,10 @@ class NodeParameters:
             )
         known.check(getattr(value, TYPES[value.type][0]))
 
-    def _announce(self, changed: Sequence[Any], new: Sequence[Any]) -> None:
-        """Publish an event."""
-        events = self._events
-        if events.listened:
-            name = self._node.full_name
-            events.publish(events.kind(node=name, changed_parameters=list(changed), new_parameters=list(new)))
+    def _announce(self, **rows: list[Any]) -> None:
+        """Publish an event, with the parameters of its fields."""
+        if self._events.listened:
+            self._events.publish(self._events.kind(node=self._node.full_name, **rows))
 
 
 def _flat(given: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -283,8 +295,8 @@ def _listed(name: str, prefixes: Sequence[str], depth: int) -> bool:
     """Whether a name is below one of some prefixes, at most so many levels; 0: at any level."""
     if not prefixes:
         return not depth or name.count(".") < depth
-    below = (name[len(prefix) + 1 :] for prefix in prefixes if name.startswith(f"{prefix}."))
-    return name in prefixes or any(not depth or rest.count(".") < depth for rest in below)
+    rests = (name[len(prefix) :] for prefix in prefixes if name.startswith(prefix))
+    return any(not rest or (rest[0] == "." and (not depth or rest.count(".") <= depth)) for rest in rests)
 
 
 def _size(value: Any) -> int:

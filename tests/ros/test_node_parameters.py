@@ -95,6 +95,11 @@ def test_all_of_some_are_set_or_none(start_ros2, graph):
         ["publish_rate"],
     ]
     assert node.set("use_sim_time", False) == ""
+    graph.received["/parameter_events"].clear()
+    node.ask("set_parameters", "SetParameters", parameters=[PARAMETER(name="a")])  # without a value
+    assert "a" not in node.names()
+    (body,) = wait_for(lambda: graph.received["/parameter_events"], server.core.Step)
+    assert [one.name for one in cdr(kind, fields(kind.name, "msg")[0]).unpack(body).deleted_parameters] == ["a"]
 
 
 def test_parameters_of_plugins_are_given_by_elements_and_command_lines(start_ros2, caplog):
@@ -152,6 +157,9 @@ def test_slips_of_wheels_are_changed(start_ros2):
     assert node.set(SLIP, -1.0) == "Slip compliance values cannot be negative"
     assert node.set(SLIP, 2.0) == ""
     assert node.get(*names, SLIP) == [2.0, 2.0, 2.0]
+    assert node.set(SLIP, math.nan) != ""
+    assert node.set(SLIP, math.inf) == ""  # no friction
+    assert node.get(*names) == [math.inf, math.inf]
 
 
 def test_slips_of_wheels_are_given(start_ros2):
@@ -184,7 +192,16 @@ def test_what_is_set_is_bounded(start_ros2, monkeypatch):
     for number in range(7):
         assert node.set(f"p{number}", "x" * 500) == ""
     assert "at most 10 parameters" in node.set("more", 1)
-    assert node.get(*["p0"] * 100) == []
+    monkeypatch.setattr(node_parameters, "MOST_ASKED", 5000)
+    assert node.get(*["p0"] * 10) == []
+    many = PARAMETER(name="p0", value=VALUE(type=1))
+    for service, values in {
+        "get_parameters": {"names": ["p0"] * 11},
+        "list_parameters": {"prefixes": ["p"] * 11},
+        "set_parameters": {"parameters": [many] * 11},
+    }.items():
+        with pytest.raises(AssertionError, match="in one request; at most 10"):
+            node.ask(service, service.title().replace("_", ""), **values)
     unknown = PARAMETER(name="p0", value=VALUE(type=77))
     result = node.ask("set_parameters", "SetParameters", parameters=[unknown]).results[0]
     assert result.successful

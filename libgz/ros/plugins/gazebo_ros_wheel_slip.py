@@ -42,7 +42,7 @@ class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
         Parameter("wheelSpinTolerance", 1e-3, "speed of a wheel below which its slips are zero [m/s]"),
     )
     endpoints = (
-        Endpoint("serves", "/<model>/wheel_slip/set_parameters", "dynamic_reconfigure/Reconfigure"),
+        Endpoint("in ROS 1 serves", "/<model>/wheel_slip/set_parameters", "dynamic_reconfigure/Reconfigure"),
         Endpoint("in ROS 2 publishes", "wheel_slip", "gazebo_msgs/WheelSlip"),
     )
 
@@ -102,10 +102,8 @@ class GazeboRosWheelSlip(RosPlugin, WheelSlipPlugin):
 
 
 def _check_compliance(value: float) -> None:
-    if value < 0.0:
+    if not value >= 0.0:
         raise ParameterError("Slip compliance values cannot be negative")
-    if not math.isfinite(value):
-        raise ParameterError(f"Slip compliance values must be finite, not {value}")
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosWheelSlip)

@@ -28,7 +28,7 @@ class Knob(NamedTuple):
         name: its name.
         default: a bool, int or float.
         low, high: the limits, to which it is set if it is beyond.
-        meaning: said by the tools.
+        meaning: shown by the tools.
         level: bits of what a change affects.
     """
 
@@ -48,7 +48,7 @@ class Knob(NamedTuple):
         kind = type(self.default)
         if kind is bool:
             return bool(value)
-        if not (isinstance(value, int | float) and math.isfinite(value)):
+        if not (isinstance(value, int | float) and -math.inf < value < math.inf):  # also an int that no float can hold
             raise ParameterError(f"{self.name} is {value!r:.100}; it must be a number")
         return kind(min(max(value, self.low), self.high))
 
@@ -60,8 +60,8 @@ class Reconfigure:
         session: of ROS 1.
         space: the namespace.
         knobs: the values.
-        changed: called between steps with the values that a request asks for, before they are taken; a GazeboError
-            that it raises refuses them.
+        changed: called between steps with the values that a request asks for; they are refused if it raises a
+            GazeboError.
         present: the values at the start; None: those of the parameter server, or the defaults.
 
     Attributes:
@@ -78,12 +78,12 @@ class Reconfigure:
     ) -> None:
         self._session, self._space, self._knobs, self._changed = session, session.resolve(space), knobs, changed
         kind = "dynamic_reconfigure/"
-        self._service = session.serve("set_parameters", f"{kind}Reconfigure", self._asked, self._space)
+        self._service = session.serve("set_parameters", f"{kind}Reconfigure", self._on_request, self._space)
         self._about = session.publish("parameter_descriptions", f"{kind}ConfigDescription", 1, True, self._space)
         self._updates = session.publish("parameter_updates", f"{kind}Config", 1, True, self._space)
         self._about.publish(self._description())
         self.values = {knob.name: self._start(knob, present) for knob in knobs}
-        self._tell()
+        self._publish_values()
 
     def end(self) -> None:
         """Serve and publish no longer."""
@@ -100,7 +100,7 @@ class Reconfigure:
             self._session.log_refusal(full, error, "parameter")
             return knob.default
 
-    def _asked(self, request: Any) -> Message:
+    def _on_request(self, request: Any) -> Message:
         values, known = dict(self.values), {knob.name: knob for knob in self._knobs}
         for kind, (_, field, _) in KINDS.items():
             for one in getattr(request.config, field):
@@ -118,14 +118,14 @@ class Reconfigure:
             self._refuse(error)
         else:
             self.values = values
-            self._tell()
+            self._publish_values()
         answer: Any = self._service.kind.response(config=self._config(self.values))
         return answer  # type: ignore[no-any-return]
 
     def _refuse(self, why: object) -> None:
         self._session.log_refusal(self._service.name, why, "service")
 
-    def _tell(self) -> None:
+    def _publish_values(self) -> None:
         """Publish the values, and set the parameters."""
         for name, value in self.values.items():
             self._session.set_parameter(f"{self._space}/{name}", value)

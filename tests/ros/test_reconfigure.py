@@ -99,4 +99,5 @@ def test_physics_are_those_of_the_world_at_first(node):
 
 def test_values_have_the_types_of_their_defaults():
     assert Knob("n", 3, 0, 10, "").limited(20.7) == 10
+    assert Knob("x", 0.0, -1.0, 1.0, "").limited(10**400) == 1.0
     assert Knob("on", False, False, True, "").limited(1) is True

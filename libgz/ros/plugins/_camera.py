@@ -57,7 +57,7 @@ CAMERA_ENDPOINTS = (
     Endpoint("publishes", "<cameraName>/<imageTopicName>", "sensor_msgs/Image"),
     Endpoint("publishes", "<cameraName>/<cameraInfoTopicName>", "sensor_msgs/CameraInfo"),
     Endpoint("publishes", "<cameraName>/<imageTopicName>/compressed", "sensor_msgs/CompressedImage"),
-    Endpoint("serves", "<cameraName>/set_parameters", "dynamic_reconfigure/Reconfigure"),
+    Endpoint("in ROS 1 serves", "<cameraName>/set_parameters", "dynamic_reconfigure/Reconfigure"),
 )
 DEPTH = (
     Parameter("depthImageTopicName", "depth/image_raw", "depths"),

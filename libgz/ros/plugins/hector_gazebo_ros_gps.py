@@ -78,7 +78,7 @@ class HectorGazeboRosGps(Publishing, ModelPlugin):
         self.fix.status.status, self.fix.status.service = given.status, given.service
         self.fix.position_covariance_type = DIAGONAL_KNOWN
         drift, spread = given.drift, given.gaussianNoise
-        self.fix.position_covariance[::4] = [a**2 + b**2 for a, b in zip(drift, spread, strict=True)]
+        self.fix.position_covariance[::4] = [a * a + b * b for a, b in zip(drift, spread, strict=True)]
         self.fixes = self.advertise(given.topicName, "sensor_msgs/NavSatFix", 10)
         self.velocities = self.advertise(given.velocityTopicName, "geometry_msgs/Vector3Stamped", 10)
         self.Reset()

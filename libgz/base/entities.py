@@ -16,7 +16,7 @@ MOST = 100_000  # characters that a file's entities may have together, where the
 DEEPEST = 40  # entities in entities
 PREDEFINED = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
 REFERENCE = re.compile(r"&([^;&\s]+);")
-NO_CHARACTER = re.compile("[\0\ud800-\udfff]")
+SURROGATE = re.compile("[\ud800-\udfff]")
 DECLARATION = re.compile(r"\A[^<]*<\?xml\s.*?\?>|<\?xml\s[^<>]*\?>", re.DOTALL)
 ENCODING = re.compile(r"encoding\s*=\s*(?:\"[^\"]*\"|'[^']*'|[^\s?]*)")
 
@@ -75,12 +75,13 @@ def encoded(text: str) -> bytes:
     """The bytes of a document's text, in UTF-8.
 
     The encoding that it declares is left out: it was that of other bytes, and a parser that believed it, or guessed
-    one from zero bytes, would read another text than who checked this one.
+    one from zero bytes, would read another text than who checked this one. Null characters, with which texts of C end,
+    become replacement characters.
 
     Raises:
-        ParameterError: it has a null character, or a surrogate, as names of files have that are no UTF-8.
+        ParameterError: it has a surrogate, as names of files have that are no UTF-8.
     """
-    if (wrong := NO_CHARACTER.search(text)) is not None:
+    if (wrong := SURROGATE.search(text)) is not None:
         line = text.count("\n", 0, wrong.start()) + 1
         raise ParameterError(f"<string>:{line}: {wrong[0]!a} is no character of XML")
-    return DECLARATION.sub(lambda found: ENCODING.sub("", found[0]), text).encode()
+    return DECLARATION.sub(lambda found: ENCODING.sub("", found[0]), text.replace("\0", "\ufffd")).encode()

@@ -4,7 +4,7 @@ import pytest
 from commands import run_libgz
 
 import libgz
-from libgz.base.errors import Diagnostics, ParameterError, WorldFileError
+from libgz.base.errors import Diagnostics, WorldFileError
 from libgz.reference.check import check_sdf
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.value import repaired
@@ -59,8 +59,13 @@ def test_a_text_is_read_as_it_stands_whatever_encoding_it_declares(begin, encodi
 
 def test_a_text_without_a_declaration_is_not_guessed_to_be_of_two_bytes_a_character():
     text = "".join(f"\0{letter}" for letter in "<?xml version='1.0'?>" + MODEL.format(""))
-    with pytest.raises(ParameterError, match=r"<string>:1: '\\x00' is no character of XML"):
+    with pytest.raises(WorldFileError):
         SdfFile.from_string(text)
+
+
+def test_what_follows_the_end_of_a_text_of_c_is_ignored():
+    file = SdfFile.from_string(MODEL.format("") + "\0\0rest")
+    assert [one.message for one in file.diagnostics.found] == ["what follows the root element is ignored"]
 
 
 def test_an_encoding_that_is_declared_late_is_used():

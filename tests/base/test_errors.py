@@ -81,7 +81,7 @@ def test_what_thousands_of_errors_say_is_bounded():
     diagnostics.warn(place, "odd")
     assert [warning.message for warning in diagnostics.warnings] == ["odd"]
     outer = Diagnostics()
-    outer.include(diagnostics)
+    outer.include(diagnostics, "b.world", 7)
     assert outer.errors == diagnostics.errors
 
 

@@ -58,6 +58,7 @@ def test_json(wrong):
         "element": "shape",
         "message": "'blob' is not allowed; shape must be one of box, cylinder, sphere",
         "severity": "error",
+        "included": 0,
     }
 
 

@@ -269,7 +269,7 @@ class WorldControl:
         from libgz.sdf.reader import SdfFile  # legacy worlds do without it
         from libgz.sdfworld.world import BUILT, SdfWorld
 
-        world, text, uri = self.world, str(content.get("text", "")), str(content.get("model", ""))
+        world, text, uri = self.world, str(content.get("text") or ""), str(content.get("model", ""))
         if text:
             file = SdfFile.from_string(text, uri[:LONGEST_LABEL] or "<inserted>")
             if content.get("of_page"):

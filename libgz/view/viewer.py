@@ -586,8 +586,8 @@ def _check_insertion(content: dict[str, Any], controls: Controls) -> None:
     Raises:
         GazeboError: it is refused.
     """
-    if "text" in content:
-        text = content["text"]
+    text = content.get("text")
+    if text:  # an empty one is none: the model's name counts
         if not isinstance(text, str) or CODE.search(text.removeprefix("<?xml")):
             raise GazeboError("a page inserts no plugins, macros or declarations: put the model into a world's file")
         content["of_page"] = True  # what it includes is checked where it is read

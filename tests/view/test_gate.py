@@ -219,7 +219,9 @@ def test_pages_ask_for_nothing_but_the_worlds_requests(viewer, controls):
         assert page.ask("write", file="/tmp/stolen") == (None, None)
         for argument in ("on\nstop -", "", "x" * 300, "a b"):
             assert "not one word" in page.ask("pause", argument)[1]
-        assert page.ask("insert", model="/tmp/evil.sdf")[1] == "there is no '/tmp/evil.sdf' in the catalogue"
+        for text in ({}, {"text": ""}, {"text": None}):  # an empty one is none
+            refused = page.ask("insert", model="/tmp/evil.sdf", **text)[1]
+            assert refused == "there is no '/tmp/evil.sdf' in the catalogue"
         for text in ("<sdf><model><plugin/></model></sdf>", "<!DOCTYPE a>", "<a xmlns:Xacro='b'/>", 7):
             assert "inserts no plugins" in page.ask("insert", text=text)[1]
         whole = {"text": "<?xml version='1.0'?><sdf/>", "of_page": True}

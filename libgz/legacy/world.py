@@ -310,6 +310,12 @@ class LegacyWorld(Era):
     # Edits -----------------------------------------------------------------------------------------------------------
 
     @property
+    def file_name(self) -> str:
+        """The name of the worldfile, without its folder."""
+        name = self.file.filename if self.file is not None else None
+        return Path(name or "").name
+
+    @property
     def text(self) -> bytes:
         """The text of the worldfile, with what was edited since it was read."""
         return self._text

@@ -369,6 +369,12 @@ class SdfWorld(Era):
     # Edits -----------------------------------------------------------------------------------------------------------
 
     @property
+    def file_name(self) -> str:
+        """The name of the world's file, without its folder."""
+        path = Path(self.file.label if self.file is not None else "")
+        return path.name if is_file(path) else ""
+
+    @property
     def text(self) -> bytes:
         """The text of the world's file, with what was edited since it was read."""
         return self.file.text if self.file is not None else b""

@@ -49,6 +49,11 @@ class Era:
         raise StateError("this world was not loaded from a file, so there is nothing to make a second one from")
 
     @property
+    def file_name(self) -> str:
+        """The name of the world's file, without its folder; empty without a file."""
+        return ""
+
+    @property
     def text(self) -> bytes:
         """The text of the world's file, with what was edited since it was read; empty without a file."""
         return b""

@@ -224,6 +224,7 @@ class Publication:
         view = world.era.start_view(world)
         return {
             "world": world.name,
+            "file": world.era.file_name,
             "era": world.era.name,
             "background": tuple(world.skyColor),
             "ambient": tuple(back.ambient),

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from libgz.base.closing import Closing
@@ -297,13 +298,17 @@ class Viewer(Closing):
     def _hail(self, page: Page) -> None:
         own = {"fields", "parts", "steer"} if "interfaces" in self._can else set()
         mine = sorted((self._can & (VERBS | CAN_SHOW)) | own | ({"press"} if self._overlays is not None else set()))
-        title = f"{self.scene.get('world', '')} - libgz"
-        hello: dict[str, Any] = {"title": title, "abilities": mine, "skins": self._skins}
+        hello: dict[str, Any] = {"title": self._title(), "abilities": mine, "skins": self._skins}
         if not page.may_control:
             hello["reason"] = WATCHING
         elif self.controls is None or not self._can:
             hello["reason"] = "This viewer only shows the world."
         page.post("hello", json.dumps({"hello": hello, "control": self.controllers.state_of(page)}))
+
+    def _title(self) -> str:
+        """Of the page: the world's name, or that of its file where the world has no name of its own."""
+        name, file = str(self.scene.get("world", "")), str(self.scene.get("file", ""))
+        return f"{Path(file).stem if file and name == 'default' else name} - libgz"
 
     def _welcome(self, page: Page) -> None:
         """Greet a page that was opened."""

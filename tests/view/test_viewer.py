@@ -104,6 +104,18 @@ def test_a_page_gets_scene_and_states():
         assert joints == pytest.approx(observed.joints, rel=1e-6, abs=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("text", "title"),
+    [(ROBOT, "my.old"), (STATIC.replace('"w"', '"default"'), "my.old"), (STATIC, "w")],
+)
+def test_a_page_is_titled_as_the_world_or_its_file(tmp_path, text, title):
+    path = tmp_path / "my.old.world"
+    path.write_text(text)
+    with libgz.World.from_file(path) as world, running(LocalSource(world)) as viewer, Socket(viewer.watch_url) as page:
+        hello = page.until(lambda m: m.get("hello", {}).get("title", " - libgz") != " - libgz")  # that of the scene
+        assert hello["hello"]["title"] == f"{title} - libgz"
+
+
 def test_a_new_model_comes_with_a_new_scene():
     with showing(ROBOT) as (world, viewer), Socket(viewer.watch_url) as page:
         page.until("scene")

@@ -101,6 +101,7 @@ class Viewer(Closing):
         self._asking = ThreadPoolExecutor(1, "viewer")
         self._requests = 0  # of pages that have not been answered
         self._requests_lock = threading.Lock()
+        self._held: dict[int, str] = {}  # what a page holds, by its number
         self._can: frozenset[str] = controls.abilities if controls is not None else frozenset()
         self.driver = self._new_driver()
         self._robots: dict[str, Robot] = {}
@@ -326,6 +327,8 @@ class Viewer(Closing):
         if self.driver is not None:
             self.driver.leave(page.number)
         self.controllers.close(page)
+        if page.number in self._held:
+            self._ask("hold", lambda _answer: None, "off", name=self._held.pop(page.number))
 
     def _lose(self) -> None:
         """The server has ended."""
@@ -363,7 +366,7 @@ class Viewer(Closing):
 
     # Requests --------------------------------------------------------------------------------------------------------
 
-    def _ask(self, verb: str, then: Callable[[Any], object], **content: Any) -> None:
+    def _ask(self, verb: str, then: Callable[[Any], object], argument: str = "-", **content: Any) -> None:
         """Send a request of the viewer's own to the server; `then` is called with the answer, between two frames."""
         controls = self.controls
         if controls is None:
@@ -371,7 +374,7 @@ class Viewer(Closing):
 
         def work() -> None:
             try:
-                answer = controls.ask(verb, **content)
+                answer = controls.ask(verb, argument, **content)
                 self.do(lambda: then(answer))
             except GazeboError as error:
                 log.debug("%s: %s", verb, error)  # the page asked for nothing
@@ -460,6 +463,10 @@ class Viewer(Closing):
             self._requests += 1
         if verb == "write":
             content = {}  # pages name no files
+        if verb == "hold":
+            self._held.pop(page.number, None)
+            if argument == "on":
+                self._held[page.number] = str(content.get("name", ""))
 
         def work() -> None:
             try:

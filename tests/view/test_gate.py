@@ -52,7 +52,7 @@ class Nothing:
 class Counting:
     """Controls that count what is asked."""
 
-    abilities = frozenset({"pause", "publish", "insert", "catalogue", "write", "describe", "move", "portrait"})
+    abilities = frozenset({"pause", "publish", "insert", "catalogue", "write", "describe", "move", "hold", "portrait"})
 
     def __init__(self):
         self.asked = []
@@ -229,6 +229,15 @@ def test_pages_ask_for_nothing_but_the_worlds_requests(viewer, controls):
         assert page.ask("insert", model="box") == (None, None)
     asked = [(verb, content) for verb, _, content in controls.asked if verb != "catalogue"]
     assert asked == [("write", {}), ("insert", whole), ("insert", {"model": "box"})]
+
+
+def test_what_a_page_holds_is_released_when_it_is_closed(viewer, controls):
+    with Socket(viewer.url) as page:
+        assert page.ask("hold", "on", name="box1", pose=[0, 0, 1, 1, 0, 0, 0]) == (None, None)
+    end = time.monotonic() + 60.0
+    while controls.asked[-1] != ("hold", "off", {"name": "box1"}):
+        assert time.monotonic() < end
+        time.sleep(0.01)
 
 
 @pytest.mark.parametrize("bad", ["NaN", "Infinity", "1e308", "-1e10", str(2**63)])

@@ -538,7 +538,7 @@ def uninstall(prefix: Path | None = None) -> list[Path]:
 
 
 def _is_file_of(place: Path, path: Path) -> bool:
-    """Whether a path is a file in a directory, by the links on its way, too: a manifest may be of somebody else."""
+    """Whether a file lies in a directory once links are followed: somebody else may have written the manifest."""
     try:
         return (path.is_symlink() or path.is_file()) and path.parent.resolve().is_relative_to(place.resolve())
     except (OSError, ValueError):

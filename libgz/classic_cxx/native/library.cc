@@ -304,17 +304,19 @@ void Image::GetRGBData(unsigned char **data, unsigned int &count) const
   give_pixels(this, "image_colors", data, count);
 }
 
-/* Arrays that the caller deletes. */
+/* An array that the caller deletes. As in Gazebo, the one that was there before is deleted here. */
 template <class T>
-static T *give_array(const std::vector<T> &from)
+static void give_array(const std::vector<T> &from, T **array)
 {
-  return std::copy(from.begin(), from.end(), new T[from.size()]) - from.size();
+  delete[] *array;
+  *array = new T[from.size()];
+  std::copy(from.begin(), from.end(), *array);
 }
 static void give_arrays(const libgz::Object *mesh, float **vertices, int **indices)
 {
   auto found = libgz::Call(mesh, "FillArrays").result<std::tuple<std::vector<float>, std::vector<int>>>();
-  *vertices = give_array(std::get<0>(found));
-  *indices = give_array(std::get<1>(found));
+  give_array(std::get<0>(found), vertices);
+  give_array(std::get<1>(found), indices);
 }
 void Mesh::FillArrays(float **vertices, int **indices) const { give_arrays(this, vertices, indices); }
 void SubMesh::FillArrays(float **vertices, int **indices) const { give_arrays(this, vertices, indices); }

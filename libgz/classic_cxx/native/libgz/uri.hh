@@ -27,7 +27,7 @@ class GAZEBO_VISIBLE URIPath
   std::string Str(const std::string &delimiter = "/") const;
   bool Valid() const { return Valid(this->Str()); }
   static bool Valid(const std::string &text);
-  /* Takes a text that is valid, and says whether it is. */
+  /* Takes the value of a text; false, without a change, if that is invalid. */
   bool Parse(const std::string &text);
   /* Whether another path begins this one. */
   bool Contains(const URIPath &other) const { return this->Str().rfind(other.Str(), 0) == 0; }

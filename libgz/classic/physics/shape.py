@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzVector, VectorLike
 from libgz.classic.math import Vector2i, Vector3d
 from libgz.classic.physics.base import Base
@@ -249,17 +248,10 @@ class HeightmapShape(MeshShape):
         return Vector2i(columns, rows)
 
     def GetHeight(self, x: int, y: int) -> float:
-        """The height of a vertex [m], relative to the collision.
-
-        Raises:
-            ParameterError: there is no such vertex.
-        """
+        """The height of a vertex [m], relative to the collision; 0 outside, as in Gazebo."""
         heights = self.heights()
-        if not (0 <= x < heights.shape[1] and 0 <= y < heights.shape[0]):
-            raise ParameterError(
-                f"the heightmap has no vertex ({x}, {y}); it has {heights.shape[1]} x {heights.shape[0]} of them"
-            )
-        return float(heights[y, x])
+        index = y * heights.shape[1] + x  # behind a row is the next one
+        return float(heights.flat[index]) if x >= 0 and y >= 0 and index < heights.size else 0.0
 
     def GetMaxHeight(self) -> float:
         """The greatest height [m], relative to the collision."""

@@ -14,7 +14,7 @@ const CLOSE = 1.2; // around what is focused
 const ASPECT = 4 / 3; // of the windows that views of worlds were chosen in
 const LIFT = 0.07; // of the view's height that they are above its middle, as the stick is below
 const FARTHEST = 1e6; // [m] from the origin of what is framed
-const DEEP = -100; // [m] below which is what has no ground under it, and falls
+const DEEP = -100; // [m] what is below has fallen off the world
 const GLIDE = 350; // [ms] of a change of view
 const OBLIQUE = new Vector3(-1, -1.25, 0.85).normalize(); // from what is framed to the eye
 const RISE = Math.atan(0.3); // elevation at the start [rad], with the horizon in view
@@ -103,7 +103,7 @@ export class Cameras {
   }
 
   /**
-   * In a narrow window, see as wide as the world's view did, if nothing is behind the camera.
+   * Move back in a narrow window, until it shows as much as the world's view did in a wide one, or something is behind.
    * @param {(eye: Vector3, place: Vector3, radius: number) => boolean} sees
    */
   _stepBack(sees) {

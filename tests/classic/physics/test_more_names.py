@@ -164,8 +164,8 @@ def test_shapes_have_types_and_sizes(run, tmp_path):
     assert land.GetHeight(0, 2) == land.GetMaxHeight() == pytest.approx(6.0)  # the lower left pixel is at -x, -y
     assert land.GetHeight(0, 0) == land.GetMinHeight() == pytest.approx(1.0)
     assert land.GetImage().GetPixel(0, 0).R() == 1.0  # y counts upwards there
-    with pytest.raises(ParameterError, match=r"no vertex \(3, 0\); it has 3 x 3"):
-        land.GetHeight(3, 0)
+    assert land.GetHeight(3, 1) == land.GetHeight(0, 2)  # behind a row is the next one, as in Gazebo
+    assert land.GetHeight(3, 2) == land.GetHeight(-1, 1) == land.GetHeight(1, -1) == 0.0
 
 
 def test_contacts_without_collision_have_a_bitmask_of_their_own(run):

@@ -156,14 +156,31 @@ def test_a_new_bridge_gets_no_answers_to_requests_of_the_last_one(start, graph):
     assert key not in graph.answers
 
 
-def test_a_bridge_says_what_the_fields_are_before_messages_come(monkeypatch):
+@pytest.fixture
+def new_bridge(monkeypatch):
+    """The class of the bridge's program, with a stand-in for rclpy."""
     stand_in = MagicMock()
+    for name in ("create_node", "MultiThreadedExecutor"):
+        getattr(stand_in, name).side_effect = MagicMock  # another one at each call
     for name in ("", ".callback_groups", ".duration", ".executors", ".parameter", ".qos", ".serialization"):
         monkeypatch.setitem(sys.modules, f"rclpy{name}", stand_in)
-    program = runpy.run_path(str(bridged.PROGRAM))
+    return runpy.run_path(str(bridged.PROGRAM))["Bridge"]
+
+
+def test_messages_for_one_node_do_not_make_a_bridge_look_at_others(new_bridge, monkeypatch):
+    running = []
+    monkeypatch.setattr(new_bridge, "_spin", lambda _self, executor: running.append(executor))
+    bridge = new_bridge(MagicMock())
+    nodes = [bridge.node("/", name) for name in ("a", "b", "a")]
+    assert nodes[0] is nodes[2]
+    (first, second) = wait_for(lambda: len(running) == 2 and running)
+    assert {id(one.add_node.call_args.args[0]) for one in (first, second)} == {id(nodes[0]), id(nodes[1])}
+
+
+def test_a_bridge_says_what_the_fields_are_before_messages_come(new_bridge, monkeypatch):
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        bridge = program["Bridge"](theirs)
+        bridge = new_bridge(theirs)
         node, kind = MagicMock(), MagicMock(SLOT_TYPES=[])
         node.create_subscription = lambda _kind, _name, receive, _quality, raw: receive(b"kept")
         bridge.node = lambda _space, _name: node

@@ -15,6 +15,7 @@ import socket
 import struct
 import sys
 import threading
+import traceback
 from typing import Any
 
 import rclpy
@@ -30,7 +31,8 @@ HEAD = struct.Struct("<IBI")
 NUMBER = struct.Struct("<Q")
 COUNT = struct.Struct("<I")
 MOST_MESSAGE, MOST_REQUEST = 1 << 22, 1 << 24  # bytes that the server takes
-THREADS = 128  # most requests that are answered at the same time: who asks for an action's result waits for its end
+# Most requests of a node that are answered at the same time: who asks for an action's result waits for its end.
+THREADS = 128
 ANSWER_PATIENCE = 1000.0  # [s]; the server ends all that takes longer than 900
 LOOK_PERIOD = 0.1  # [s] between two looks for subscribers
 POLICIES = {
@@ -97,7 +99,6 @@ class Bridge:
         self._socket = sock
         self._lock = threading.Lock()  # of the socket for writing
         self._ending = threading.Lock()  # held while a channel ends, or while all are asked
-        self._executor = MultiThreadedExecutor(num_threads=THREADS)
         self._group = ReentrantCallbackGroup()  # requests wait for their answers
         self._nodes: dict[str, Any] = {}
         self._channels: dict[int, Channel] = {}
@@ -113,11 +114,13 @@ class Bridge:
             "middleware": rclpy.get_rmw_implementation_identifier(),
         }
         self._send(HELLO, 0, json.dumps(about).encode())
-        threading.Thread(target=self._read_all, daemon=True).start()
-        self._executor.spin()
+        self._read_all()
 
     def node(self, space: str, name: str) -> Any:
-        """The node of a name, made when it is first asked for."""
+        """The node of a name, made when it is first asked for.
+
+        Each has an executor of its own: one looks at all services and subscriptions of its nodes for each message.
+        """
         full = f"{space.rstrip('/')}/{name}"
         if full not in self._nodes:
             node = rclpy.create_node(
@@ -129,8 +132,19 @@ class Bridge:
                 parameter_overrides=[Parameter("start_type_description_service", value=False)],
             )
             self._nodes[full] = node
-            self._executor.add_node(node)
+            executor = MultiThreadedExecutor(num_threads=THREADS)
+            executor.add_node(node)
+            threading.Thread(target=self._spin, args=(executor,), daemon=True).start()
         return self._nodes[full]
+
+    def _spin(self, executor: Any) -> None:
+        try:
+            executor.spin()  # until rclpy is shut down, by a signal
+        except BrokenPipeError:
+            pass  # the server is gone
+        except Exception:  # noqa: BLE001 -- of any middleware
+            traceback.print_exc()
+        os._exit(0)  # the server starts another bridge
 
     # The server's side -------------------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ import contextlib
 import json
 import logging
 import os
+import queue
 import re
 import runpy
 import signal
@@ -19,7 +20,7 @@ from unittest.mock import MagicMock
 import pytest
 from gzserver_process import SERVER, new_environment
 from ros2_robots import ARM, CONTROL, DRIVE, ROBOT, WAGON, WHEEL, wagon
-from ros_bridge import ANSWER, DECLARE, DECLARED, EMPTY, HELLO, LISTENED, MESSAGE, REQUEST, cdr, fields
+from ros_bridge import ANSWER, DECLARE, DECLARED, DROP, EMPTY, HELLO, LISTENED, MESSAGE, REQUEST, cdr, fields
 from ros_peers import PATIENCE, read_exactly, wait_for, within
 from ros_types import JAZZY
 from topics import Heard
@@ -156,43 +157,65 @@ def test_a_new_bridge_gets_no_answers_to_requests_of_the_last_one(start, graph):
     assert key not in graph.answers
 
 
+class Executor:
+    """A stand-in for that of rclpy, which does what it is given."""
+
+    def __init__(self, num_threads):
+        self.tasks, self.nodes = queue.SimpleQueue(), []
+        self.add_node, self.remove_node = self.nodes.append, self.nodes.remove
+        self.create_task = self.tasks.put
+
+    def spin_once(self):
+        self.tasks.get()()
+
+
 @pytest.fixture
-def new_bridge(monkeypatch):
-    """The class of the bridge's program, with a stand-in for rclpy."""
-    stand_in = MagicMock()
-    for name in ("create_node", "MultiThreadedExecutor"):
-        getattr(stand_in, name).side_effect = MagicMock  # another one at each call
+def bridge(monkeypatch):
+    """The bridge of the program, with a stand-in for rclpy, and our end of its socket."""
+    stand_in = MagicMock(MultiThreadedExecutor=Executor)
+    stand_in.create_node.side_effect = lambda *_, **_more: MagicMock()
     for name in ("", ".callback_groups", ".duration", ".executors", ".parameter", ".qos", ".serialization"):
         monkeypatch.setitem(sys.modules, f"rclpy{name}", stand_in)
-    return runpy.run_path(str(bridged.PROGRAM))["Bridge"]
-
-
-def test_messages_for_one_node_do_not_make_a_bridge_look_at_others(new_bridge, monkeypatch):
-    running = []
-    monkeypatch.setattr(new_bridge, "_spin", lambda _self, executor: running.append(executor))
-    bridge = new_bridge(MagicMock())
-    nodes = [bridge.node("/", name) for name in ("a", "b", "a")]
-    assert nodes[0] is nodes[2]
-    (first, second) = wait_for(lambda: len(running) == 2 and running)
-    assert {id(one.add_node.call_args.args[0]) for one in (first, second)} == {id(nodes[0]), id(nodes[1])}
-
-
-def test_a_bridge_says_what_the_fields_are_before_messages_come(new_bridge, monkeypatch):
+    kind = MagicMock(SLOT_TYPES=[])
+    kind.get_fields_and_field_types.return_value = {}
+    monkeypatch.setitem(sys.modules, "some_msgs.msg", MagicMock(Some=kind))
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        bridge = new_bridge(theirs)
-        node, kind = MagicMock(), MagicMock(SLOT_TYPES=[])
-        node.create_subscription = lambda _kind, _name, receive, _quality, raw: receive(b"kept")
-        bridge.node = lambda _space, _name: node
-        kind.get_fields_and_field_types.return_value = {}
-        monkeypatch.setitem(sys.modules, "some_msgs.msg", MagicMock(Some=kind))
-        about = {"verb": "subscribe", "name": "/a", "type": "some_msgs/msg/Some", "node": ["/", "n"], "qos": {}}
-        bridge._act(DECLARE, 7, json.dumps(about).encode())
-        sorts = []
-        for _ in range(2):
-            size, sort, _ = struct.unpack("<IBI", read_exactly(ours, 9))
-            read_exactly(ours, size - 5)
-            sorts.append(sort)
+        found = runpy.run_path(str(bridged.PROGRAM))["Bridge"](theirs)
+        yield found, ours
+        for number in list(found._channels):
+            found._act(DROP, number, b"")
+
+
+def declare(bridge, number, verb, node):
+    about = {"verb": verb, "name": "/a", "type": "some_msgs/msg/Some", "node": ["/", node], "qos": {}}
+    bridge._act(DECLARE, number, json.dumps(about).encode())
+    return bridge.node("/", node)
+
+
+def test_a_node_of_a_bridge_looks_at_its_own_and_ends_with_its_last_channel(bridge):
+    found, _ = bridge
+    one, other, again = (declare(found, n, "publish", name) for n, name in enumerate(("a", "b", "a")))
+    assert one is again
+    assert (one._executor.nodes, other._executor.nodes) == ([one.node], [other.node])
+    found._act(DROP, 0, b"")
+    assert set(found._nodes.values()) == {one, other}
+    found._act(DROP, 2, b"")
+    wait_for(lambda: one.node.destroy_node.called)
+    assert list(found._nodes.values()) == [other]
+    assert not other.node.destroy_node.called
+
+
+def test_a_bridge_says_what_the_fields_are_before_messages_come(bridge):
+    found, ours = bridge
+    own = found.node("/", "n")
+    own.node.create_subscription = lambda _kind, _name, receive, _quality, raw: receive(b"kept")
+    declare(found, 7, "subscribe", "n")
+    sorts = []
+    for _ in range(2):
+        size, sort, _ = struct.unpack("<IBI", read_exactly(ours, 9))
+        read_exactly(ours, size - 5)
+        sorts.append(sort)
     assert sorts == [DECLARED, MESSAGE]
 
 

@@ -128,7 +128,8 @@ def test_every_topic_service_and_node(serve):
     node = serve(HERE / "robot2.world")
     for topic, (kind, best_effort) in TOPICS.items():
         assert node.first(topic=topic, kind=kind, best_effort=best_effort) is not None, topic
-    text = "<sdf version='1.6'><model name='x'><link name='l'/></model></sdf>"
+    plugin = "<plugin name='guest' filename='libgazebo_ros_planar_move.so'/>"
+    text = f"<sdf version='1.6'><model name='x'><link name='l'/>{plugin}</model></sdf>"
     spawn = {"service": "/spawn_entity", "kind": "gazebo_msgs/srv/SpawnEntity"}
     assert node.call(**spawn, values={"name": "box", "xml": text})["success"]
     assert not node.call(**spawn, values={"name": "box", "xml": text})["success"]
@@ -139,7 +140,9 @@ def test_every_topic_service_and_node(serve):
     assert node.call(**set_state, values={"state": state})["success"]
     found = node.call(service="/demo/get_entity_state", kind="gazebo_msgs/srv/GetEntityState", values={"name": "box"})
     assert found["state"]["pose"]["position"]["x"] == pytest.approx(2.0)
+    wait_for(lambda: "/guest" in node.graph()[0])
     assert node.call(service="/delete_entity", kind="gazebo_msgs/srv/DeleteEntity", values={"name": "box"})["success"]
+    wait_for(lambda: "/guest" not in node.graph()[0])
     for service in ("/pause_physics", "/unpause_physics", "/reset_world", "/reset_simulation"):
         assert node.call(service=service, kind="std_srvs/srv/Empty", values={}) == {}
     assert node.set_parameter(owner="/gazebo", name="publish_rate", value=5.0) == ["", [5.0]]

@@ -41,6 +41,7 @@ POLICIES = {
     "history": HistoryPolicy,
     "liveliness": LivelinessPolicy,
 }
+FIRST = "/", "gazebo"  # namespace and name of a node that is always there
 TIMES = ("deadline", "lifespan", "liveliness_lease_duration")
 EMPTY = {"structure_needs_at_least_one_member": "uint8"}  # what a type without fields has on the wire
 
@@ -84,11 +85,53 @@ def describe(kind: Any, name: str, found: dict[str, dict[str, str]]) -> dict[str
     return found
 
 
-class Channel:
-    """What was declared: `entity` is the publisher, subscription or service; `destroy` ends it."""
+class OwnNode:
+    """A node, with an executor of its own: one looks at all that its nodes have for each message.
 
-    def __init__(self, entity: Any, destroy: Any) -> None:
-        self.entity, self.destroy = entity, destroy
+    Attributes:
+        place: its namespace and name.
+        node: that of rclpy.
+    """
+
+    def __init__(self, space: str, name: str) -> None:
+        self.place = space, name
+        self.node = rclpy.create_node(
+            name,
+            namespace=space,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+            parameter_overrides=[Parameter("start_type_description_service", value=False)],
+        )
+        self._executor = MultiThreadedExecutor(num_threads=THREADS)
+        self._executor.add_node(self.node)
+        self._ended = False
+        threading.Thread(target=self._spin, daemon=True).start()
+
+    def end(self) -> None:
+        """Destroy it, soon: requests may still wait for their answers."""
+        self._ended = True
+        self._executor.create_task(lambda: None)  # so that the executor does not wait
+
+    def _spin(self) -> None:
+        try:
+            while rclpy.ok() and not self._ended:
+                self._executor.spin_once()
+        except BrokenPipeError:
+            pass  # the server is gone
+        except Exception:  # noqa: BLE001 -- of any middleware
+            traceback.print_exc()
+        if not self._ended:
+            os._exit(0)  # the server starts another bridge
+        self._executor.remove_node(self.node)
+        self.node.destroy_node()
+
+
+class Channel:
+    """What was declared: `entity` is the publisher, subscription or service of a node; `destroy` ends it."""
+
+    def __init__(self, node: OwnNode, entity: Any, destroy: Any) -> None:
+        self.node, self.entity, self.destroy = node, entity, destroy
         self.listeners = 0
 
 
@@ -100,7 +143,7 @@ class Bridge:
         self._lock = threading.Lock()  # of the socket for writing
         self._ending = threading.Lock()  # held while a channel ends, or while all are asked
         self._group = ReentrantCallbackGroup()  # requests wait for their answers
-        self._nodes: dict[str, Any] = {}
+        self._nodes: dict[tuple[str, str], OwnNode] = {}
         self._channels: dict[int, Channel] = {}
         self._waiting: dict[int, list[Any]] = {}  # numbers of requests -> event, answer
         self._numbers = itertools.count(1)
@@ -108,7 +151,7 @@ class Bridge:
 
     def run(self) -> None:
         """Serve until the server closes the socket."""
-        self.node("/", "gazebo").create_timer(LOOK_PERIOD, self._look)
+        self.node(*FIRST).node.create_timer(LOOK_PERIOD, self._look)
         about = {
             "distribution": os.environ.get("ROS_DISTRO", ""),
             "middleware": rclpy.get_rmw_implementation_identifier(),
@@ -116,35 +159,21 @@ class Bridge:
         self._send(HELLO, 0, json.dumps(about).encode())
         self._read_all()
 
-    def node(self, space: str, name: str) -> Any:
-        """The node of a name, made when it is first asked for.
+    def node(self, space: str, name: str) -> OwnNode:
+        """The node of a name, made when it is first asked for."""
+        if (space, name) not in self._nodes:
+            self._nodes[space, name] = OwnNode(space, name)
+        return self._nodes[space, name]
 
-        Each has an executor of its own: one looks at all services and subscriptions of its nodes for each message.
-        """
-        full = f"{space.rstrip('/')}/{name}"
-        if full not in self._nodes:
-            node = rclpy.create_node(
-                name,
-                namespace=space,
-                use_global_arguments=False,
-                enable_rosout=False,
-                start_parameter_services=False,
-                parameter_overrides=[Parameter("start_type_description_service", value=False)],
-            )
-            self._nodes[full] = node
-            executor = MultiThreadedExecutor(num_threads=THREADS)
-            executor.add_node(node)
-            threading.Thread(target=self._spin, args=(executor,), daemon=True).start()
-        return self._nodes[full]
-
-    def _spin(self, executor: Any) -> None:
-        try:
-            executor.spin()  # until rclpy is shut down, by a signal
-        except BrokenPipeError:
-            pass  # the server is gone
-        except Exception:  # noqa: BLE001 -- of any middleware
-            traceback.print_exc()
-        os._exit(0)  # the server starts another bridge
+    def _drop(self, number: int) -> None:
+        """End a channel, and with the last one its node, unless that is the first, which looks for subscribers."""
+        with self._ending:
+            channel = self._channels.pop(number)
+            channel.destroy()
+        node = channel.node
+        if node.place != FIRST and all(one.node is not node for one in self._channels.values()):
+            del self._nodes[node.place]
+            node.end()
 
     # The server's side -------------------------------------------------------------------------------------------
 
@@ -197,8 +226,7 @@ class Bridge:
             if sort == DECLARE:
                 self._declare(channel, json.loads(body))
             elif channel in self._channels:
-                with self._ending:
-                    self._channels.pop(channel).destroy()
+                self._drop(channel)
         except Exception as error:  # noqa: BLE001 -- of any middleware; the server logs it
             self._refuse(channel, error)
 
@@ -208,7 +236,8 @@ class Bridge:
 
     def _declare(self, channel: int, given: dict[str, Any]) -> None:
         kind, name, quality = find_type(given["type"]), given["name"], profile(given["qos"])
-        verb, node = given["verb"], self.node(*given["node"])
+        verb, own = given["verb"], self.node(*given["node"])
+        node = own.node
         kinds = (kind.Request, kind.Response) if verb == "serve" else (kind,)
         fields = [describe(one, "", {}) for one in kinds]
         self._send(DECLARED, channel, json.dumps(fields).encode())  # before all that the server needs the fields for
@@ -218,15 +247,15 @@ class Bridge:
                 return self._call(channel, name, kind, request) or response
 
             service = node.create_service(kind, name, call, callback_group=self._group)
-            self._channels[channel] = Channel(service, lambda: node.destroy_service(service))
+            self._channels[channel] = Channel(own, service, lambda: node.destroy_service(service))
         elif verb == "publish":
             publisher = node.create_publisher(kind, name, quality)
-            self._channels[channel] = Channel(publisher, lambda: node.destroy_publisher(publisher))
+            self._channels[channel] = Channel(own, publisher, lambda: node.destroy_publisher(publisher))
         else:
             subscription = node.create_subscription(
                 kind, name, lambda body: self._received(channel, name, body), quality, raw=True
             )
-            self._channels[channel] = Channel(subscription, lambda: node.destroy_subscription(subscription))
+            self._channels[channel] = Channel(own, subscription, lambda: node.destroy_subscription(subscription))
 
     # The graph's side --------------------------------------------------------------------------------------------
 

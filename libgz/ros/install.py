@@ -308,11 +308,11 @@ def _unchanged(prefix: Path, listed: Mapping[str, str]) -> list[str]:
     found = []
     for path, sum_ in listed.items():
         file = prefix / path
-        inside = ".." not in file.parts and file.is_relative_to(prefix) and file.resolve() == prefix.resolve() / path
         try:
-            if inside and sum_ and _sum(read_limited(file)) == sum_:
+            inside = ".." not in file.parts and file.is_relative_to(prefix)
+            if inside and sum_ and file.resolve() == prefix.resolve() / path and _sum(read_limited(file)) == sum_:
                 found.append(path)
-        except OSError:
+        except (OSError, RuntimeError, ValueError):  # also of names with NUL, and of links in a circle
             continue
     return found
 

@@ -226,8 +226,9 @@ def test_files_of_another_version_are_removed_if_they_are_as_they_were_written(t
     mine.write_text("<a/>")
     (prefix / "share/changed.launch").write_text("<launch>mine</launch>")
     (prefix / "share/link").symlink_to(tmp_path)
+    (prefix / "share/circle").symlink_to("circle")
     with (prefix / "libgz-ros.manifest").open("a") as manifest:  # as nobody should trust it
-        for path in ("../mine.txt", str(mine), "share/link/mine.txt"):
+        for path in ("../mine.txt", str(mine), "share/link/mine.txt", "share/circle/x", "share/nul\0"):
             manifest.write(f"{path} {hashlib.sha256(b'<a/>').hexdigest()}\n")
     install(prefix)
     assert not (prefix / "share/gone").exists()

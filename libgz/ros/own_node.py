@@ -71,9 +71,12 @@ class OwnNode:
         Args:
             names: of the server.
             sdf: of the plugin.
-            space: the namespace, absolute, unless the element says otherwise.
+            space: the namespace, absolute, unless the element says otherwise; empty: as the command line says.
         """
         name, rules = sdf.Get(str, "name"), []
+        shared = {before: after for node, before, after in reversed(names.rules) if node == name}
+        space = space or shared.get("__ns") or names.namespace
+        name = shared.get("__node") or shared.get("__name") or name
         for before, after in remappings(sdf):
             if before == "__ns":
                 space = after

@@ -169,7 +169,7 @@ class RosPlugin:
         plugin, sdf = sdf, ros_elements(sdf)
         self.given = SimpleNamespace(**{one.name: _value(sdf, one, self.ros.version) for one in self.parameters})
         if self.two:
-            space = sdf.Get(str, "robotNamespace", "")[0].strip() or self.ros.names.namespace
+            space = sdf.Get(str, "robotNamespace", "")[0].strip()
             self.own_node = OwnNode.of_plugin(self.ros.names, plugin, space)
             self.node_parameters = NodeParameters(self.ros, self.own_node)
             self.space, self._prefix = self.own_node.settings.space, None

@@ -102,12 +102,21 @@ def test_all_of_some_are_set_or_none(start_ros2, graph):
     assert [one.name for one in cdr(kind, fields(kind.name, "msg")[0]).unpack(body).deleted_parameters] == ["a"]
 
 
+def moving(inside):
+    """A model with a plugin of this content."""
+    plugin = f"<plugin name='move' filename='libgazebo_ros_planar_move.so'>{inside}</plugin>"
+    return f"<sdf version='1.6'><world name='w'><model name='m'><link name='l'/>{plugin}</model></world></sdf>"
+
+
+@pytest.mark.parametrize(("inside", "space"), [("", "/fleet"), ("<ros><namespace>/own</namespace></ros>", "/own")])
+def test_command_lines_name_the_nodes_of_plugins(start_ros2, inside, space):
+    server = start_ros2(moving(inside), "--ros-args", "-r", "move:__ns:=/fleet", "-r", "move:__node:=mover")
+    assert Node(server, f"{space}/mover").names() == ["use_sim_time"]
+
+
 def test_parameters_of_plugins_are_given_by_elements_and_command_lines(start_ros2, caplog):
-    plugin = """<plugin name='move' filename='libgazebo_ros_planar_move.so'><ros><namespace>/bot</namespace>
-      <parameter name='use_sim_time' type='bool'>false</parameter><parameter name='bad' type='list'>1</parameter>
-      </ros></plugin>"""
-    box = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
-    world = f"<sdf version='1.6'><world name='w'><model name='m'>{box}{plugin}</model></world></sdf>"
+    world = moving("""<ros><namespace>/bot</namespace><parameter name='use_sim_time' type='bool'>false</parameter>
+      <parameter name='bad' type='list'>1</parameter></ros>""")
     caplog.set_level(logging.WARNING)
     node = Node(start_ros2(world), "/bot/move")
     assert node.names() == ["use_sim_time"]

@@ -10,6 +10,7 @@ import numpy as np
 
 from libgz.base.errors import GazeboError, ParameterError
 from libgz.ros.own_node import OwnNode
+from libgz.ros.parameters import MOST_LEVELS
 from libgz.ros.session import Service, Session
 from libgz.ros.types import Message, message_type, service_type
 
@@ -267,6 +268,8 @@ class NodeParameters:
         if known is None:
             if not self._open:
                 raise ParameterError(f"parameter '{name}' cannot be set because it was not declared")
+            if name.count(".") > MOST_LEVELS:  # as in files
+                raise ParameterError(f"the name of a parameter has {name.count('.')} points; at most {MOST_LEVELS}")
             return
         if value.type != known.kind:
             wanted, other = (TYPES.get(kind, ("", "not set"))[1] for kind in (known.kind, value.type))

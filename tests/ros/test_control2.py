@@ -64,6 +64,8 @@ def set_parameter(server, node, name, **value):
 def test_types_and_parameters_of_controllers_are_set_by_their_nodes_parameters(arm, graph):
     server = arm()
     kind = "forward_command_controller/ForwardCommandController"
+    with pytest.raises(AssertionError):  # nothing could be loaded any more
+        set_parameter(server, "/controller_manager", "x" + ".y" * 100, type=1)
     set_parameter(server, "/controller_manager", "new.type", type=4, string_value=kind)
     assert do(server, "load_controller", "LoadController", name="new").ok
     assert not do(server, "configure_controller", "ConfigureController", name="new").ok

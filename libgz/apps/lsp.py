@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import contextlib
 import json
 import logging
 import re
+import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -172,26 +172,23 @@ class _Checks:
     async def _diagnostics(self, path: Path, text: str) -> list[dict[str, Any]]:
         """What `libgz check` reports of a text."""
         words = ["--json", "--stdin", *([] if self._trust else ["--untrusted"]), "--", str(path.absolute())]
-        pipe = asyncio.subprocess.PIPE
         try:
-            process = await asyncio.create_subprocess_exec(
-                *run_module("libgz", "check", *words),
-                stdin=pipe,
-                stdout=pipe,
-                stderr=pipe,
+            process = subprocess.Popen(
+                run_module("libgz", "check", *words),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
                 cwd=path.parent if path.parent.is_dir() else None,
             )
         except (OSError, ValueError) as error:  # the name may be too long, or have a null character
             return [_whole_file(f"the check failed: {error}")]
+        # In a thread: where a loop ends while asyncio starts a process, it waits for it for ever.
         try:
-            answer, errors = await asyncio.wait_for(process.communicate(text.encode("utf-8", "replace")), PATIENCE)
-        except TimeoutError:
+            answer, errors = await asyncio.to_thread(_communicate, process, text.encode("utf-8", "replace"))
+        except subprocess.TimeoutExpired:
             return [_whole_file(f"the check took longer than {PATIENCE:g} s and was ended")]
         finally:
-            if process.returncode is None:
-                with contextlib.suppress(ProcessLookupError):
-                    process.kill()
-                await process.wait()  # before the loop closes, as when the editor ends
+            process.kill()  # of a check that is given up, which ends the thread, too
         try:
             found: list[dict[str, Any]] = json.loads(answer)
         except ValueError:
@@ -203,6 +200,19 @@ def _opened(server: LanguageServer, uri: str) -> TextDocument | None:
     """What an editor shows of a file; None if it has not opened it: no files are read that it only names."""
     texts: Mapping[str, TextDocument] = server.workspace.text_documents
     return texts.get(uri)
+
+
+def _communicate(process: subprocess.Popen[bytes], text: bytes) -> tuple[bytes, bytes]:
+    """What a process answers to a text; it has ended then.
+
+    Raises:
+        subprocess.TimeoutExpired: it took too long.
+    """
+    with process:
+        try:
+            return process.communicate(text, PATIENCE)
+        finally:
+            process.kill()
 
 
 def _whole_file(message: str) -> dict[str, Any]:

@@ -155,10 +155,13 @@ class NodeParameters:
         kinds: set[type] = {type(one) for one in value} if isinstance(value, list) else {type(value)}
         if kinds == {int, float}:
             kinds, value = {float}, [float(one) for one in value]
-        kind = (LISTS if isinstance(value, list) else SCALARS).get(kinds.pop()) if len(kinds) == 1 else None
-        if kind is None or (
-            kinds == {int} and not all(abs(one) < 1 << 63 for one in (value if kind == LISTS[int] else [value]))
-        ):
+        if len(kinds) != 1:
+            return None
+        (one,) = kinds
+        kind = (LISTS if isinstance(value, list) else SCALARS).get(one)
+        if kind is None:
+            return None
+        if one is int and not all(abs(number) < 1 << 63 for number in (value if isinstance(value, list) else [value])):
             return None
         return self._value(**{"type": kind, TYPES[kind][0]: value})
 

@@ -232,3 +232,12 @@ def test_a_second_node_of_a_name_has_parameters_of_its_own(start_ros2):
     own = NodeParameters(server.ros, node)
     assert [own.declare("a", 1.0), own.declare("c.d", False), own.declare("b", 1)] == [2.0, True, 1]
     assert Node(server, "/gazebo").get("a") == [None]
+
+
+def test_integers_that_no_parameter_can_have_are_not_taken(start_ros2):
+    server = start_ros2()
+    given = {"fits": (1 << 63) - 1, "large": 1 << 63, "list": [1, -(1 << 70)]}
+    own = NodeParameters(server.ros, OwnNode(server.ros.names, "/", "numbers", given=given))
+    own.take_given()
+    assert own.values() == {"use_sim_time": True, "fits": (1 << 63) - 1}
+    assert Node(server, "/numbers").get("fits") == [(1 << 63) - 1]

@@ -713,8 +713,19 @@ def _cxx(expression: str) -> str:
 
 
 def cxx_source() -> str:
-    """The plugin for Gazebo: it writes what the scene PROBE_SCENE gives to the file PROBE_OUT, both of the environment."""
+    """The plugin for Gazebo: it writes what the scene PROBE_SCENE gives to the file PROBE_OUT, both of the environment.
+
+    The getters of a class are one function for all scenes, so that it compiles within minutes.
+    """
     lines = [CXX_HEAD]
+    for kind in sorted({kind for scene in SCENES.values() for kind, _ in scene.objects.values()}):
+        lines.append(
+            f'void read_{kind}(const {_pointer(kind)} &o, const S &k) {{ if (!o) {{ emit(k, "null"); return; }}'
+        )
+        if PARENTS.get(kind) == "Sensor":
+            lines.append("o->Update(true);")
+        lines += [f'GET(k + ".{_quoted(getter)}", {_cxx(f"o.{getter}")})' for getter in getters(kind)]
+        lines.append("}")
     for title, scene in SCENES.items():
         lines.append(f"void change_{title}(unsigned at) {{ switch (at) {{")
         for number, line in enumerate(scene.script):
@@ -728,11 +739,7 @@ def cxx_source() -> str:
         lines.append(f"}}}}\nvoid read_{title}() {{")
         for name, (kind, expression) in scene.objects.items():
             key = f'S("{name}")' + (" + I" if "{i}" in expression else "")
-            lines.append(f"{_loop(expression)} {{ auto o = {_cast(kind, expression)}; const S k = {key}; if (o) {{")
-            if PARENTS.get(kind) == "Sensor":
-                lines.append("o->Update(true);")
-            lines += [f'GET(k + ".{_quoted(g)}", {_cxx(f"o.{g}")})' for g in getters(kind)]
-            lines.append('} else emit(k, "null"); }')
+            lines.append(f"{_loop(expression)} read_{kind}({_cast(kind, expression)}, {key});")
         lines.append("}")
     lines.append("void choose() {")
     for title, scene in SCENES.items():
@@ -753,14 +760,20 @@ def _quoted(text: str) -> str:
     return text.replace("'", "`")
 
 
+def _in_cxx(kind: str) -> str:
+    """The class in C++; all joints are Joint."""
+    kind = "Joint" if kind.endswith("Joint") else kind
+    return f"{'sensors' if kind.endswith(('Sensor', 'Transmitter')) else 'physics'}::{kind}"
+
+
+def _pointer(kind: str) -> str:
+    return f"{'std' if _in_cxx(kind).startswith('sensors') else 'boost'}::shared_ptr<{_in_cxx(kind)}>"
+
+
 def _cast(kind: str, expression: str) -> str:
-    kind = {"HingeJoint": "Joint", "SliderJoint": "Joint", "UniversalJoint": "Joint", "Hinge2Joint": "Joint",
-            "BallJoint": "Joint", "FixedJoint": "Joint", "GearboxJoint": "Joint", "ScrewJoint": "Joint"}.get(kind, kind)  # fmt: skip
-    return (
-        _cxx(expression)
-        if kind == "World"
-        else f"as<{'sensors' if kind.endswith(('Sensor', 'Transmitter')) else 'physics'}::{kind}>({_cxx(expression)})"
-    )
+    if kind in ("World", "Inertial"):
+        return _cxx(expression)
+    return f"as<{_in_cxx(kind)}>({_cxx(expression)})"
 
 
 # Python --------------------------------------------------------------------------------------------------------------

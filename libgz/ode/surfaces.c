@@ -347,10 +347,12 @@ int is_calm(const context *c, void *body)
  * contacts by the error of the solver, falls for a step and is caught again: so they keep REST_DEPTH. One that they move
  * out within a step keeps the velocity that it takes, and bounces: so they get a damper where bodies are calm. And the
  * exact solver fails on redundant contacts without any softness. Bodies that joints hold to the world are left out: there
- * contact and joint share the load, and a softer contact would carry nothing. */
+ * contact and joint share the load, and a softer contact would carry nothing. And so is what bounces, while it is fast:
+ * the depth that is pushed out adds to its speed. */
 void make_rigid(const context *c, touching *t, surface_parameters *s)
 {
     double softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP], mass;
+    int calm;
     t->kept = 0.0;
     t->rigid = 0;
     if (!c->exact_rest || (is_held(c, t->body1) && is_held(c, t->body2)))
@@ -358,8 +360,11 @@ void make_rigid(const context *c, touching *t, surface_parameters *s)
     mass = lighter(t->body1, t->body2);
     if (c->step * c->step <= SOFT_RATIO * mass * softness)
         return;
+    calm = is_calm(c, t->body1) && is_calm(c, t->body2);
+    if (s->mode & BOUNCE && !calm)
+        return;
     t->rigid = 1;
-    if (s->soft_erp > REST_ERP && is_calm(c, t->body1) && is_calm(c, t->body2)) {
+    if (s->soft_erp > REST_ERP && calm) {
         s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
         s->soft_erp = REST_ERP;
     }

@@ -310,7 +310,18 @@ FINGERS += "".join(
     for i in (1, 2, 3)
 )
 
+RESTITUTION = "<bounce><restitution_coefficient>{}</restitution_coefficient><threshold>0</threshold></bounce>"
+RESTITUTION += "<contact><ode><max_vel>100</max_vel><min_depth>{}</min_depth></ode></contact>"
+
 SURFACES = {
+    **{
+        f"ball that bounces by {restitution}, min_depth {depth}": near(
+            body("floor", "0 0 -.1 0 0 0", a_box("9 9 .2"), RESTITUTION.format(1, depth), static=1),
+            body("a", "0 0 4 0 0 0", BALL, RESTITUTION.format(restitution, depth)),
+            tolerance=1e-6,
+        )
+        for restitution, depth in ((0.7, 0), (0.5, 0.001))
+    },
     "links that do not collide": near(GROUND, rolling("m", BASE.replace("0 0 2", "0 0 1") + FINGERS)),
     "groove of two planes": near(
         *(body(f"p{side}", "0 0 0 0 0 0", V.format(side), static=1) for side in (0.5, -0.5)),

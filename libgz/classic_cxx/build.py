@@ -119,8 +119,6 @@ def _hint(message: str) -> str:
     if match is None:
         return ""
     name = match[1] or match[2]
-    if name.startswith("gazebo/gui/"):
-        return "; libgz has no windows of Qt: its client is a page"
     if name.startswith("gazebo/"):
         return "; libgz has no such header"
     for begin, (package, folder) in PACKAGES.items():

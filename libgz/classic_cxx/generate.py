@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx.messages import proto_files
-from libgz.classic_cxx.names import BASE_PLUGINS, HEADERS
+from libgz.classic_cxx.names import ABSENT, BASE_PLUGINS, HEADERS
 from libgz.classic_cxx.old_names import old_methods
 from libgz.classic_cxx.table import Class, Row, classes, rows, split
 
@@ -57,6 +57,8 @@ def headers() -> dict[str, str]:
     made["gazebo/physics/dart/DARTTypes.hh"] = f'{NOTE}#include "gazebo/libgz/dart.hh"\n'
     for name in {row.header for row in rows() if row.header} | set(HEADERS):
         made.setdefault(name, f'{NOTE}#include "gazebo/libgz/gazebo.hh"\n')
+    for reason, names in ABSENT.items():
+        made |= {name: f"{NOTE}#error <{name}>: {reason}\n" for name in names}
     return made
 
 

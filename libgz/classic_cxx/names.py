@@ -1,11 +1,14 @@
-"""Names of classic's headers beside those of the table: each is there, and includes the whole API."""
+"""Names of classic's headers beside those of the table: each includes the whole API, or says why it cannot."""
 
-__all__ = ["BASE_PLUGINS", "HEADERS"]
+__all__ = ["ABSENT", "BASE_PLUGINS", "HEADERS"]
 
 # Plugins of Gazebo that plugins of users are derived from, by the header that has them; each has a header and a library
 # of its name, too.
 BASE_PLUGINS = {
-    "sensor_plugins": ("CameraPlugin", "DepthCameraPlugin", "GpuRayPlugin", "RayPlugin"),
+    "sensor_plugins": (
+        *("CameraPlugin", "ContactPlugin", "DepthCameraPlugin", "ForceTorquePlugin"),
+        *("GpuRayPlugin", "ImuSensorPlugin", "RayPlugin", "SonarPlugin"),
+    ),
     "model_plugins": ("ElevatorPlugin", "HarnessPlugin", "LinearBatteryPlugin", "WheelSlipPlugin"),
 }
 
@@ -54,3 +57,57 @@ _FILES = {
     "gazebo/util": "IntrospectionClient.hh IntrospectionManager.hh OpenAL.hh system.hh util.hh",
 }
 HEADERS = tuple(f"{folder}/{name}" for folder, names in _FILES.items() for name in names.split())
+
+_WINDOWS = (
+    "Actions AlignWidget ApplyWrenchDialog CloneWindow ConfigWidget Conversions DataLogger Editor EntityMaker "
+    "GLWidget InsertModelWidget JointControlWidget LayersWidget LightMaker LogPlayWidget MainWindow ModelAlign "
+    "ModelListWidget ModelMaker ModelManipulator ModelRightMenu ModelSnap RenderWidget SaveEntityDialog SpaceNav "
+    "SplashScreen TimePanel TimeWidget ToolsWidget TopToolbar TopicSelector UserCmdHistory ViewAngleWidget"
+)
+_PLUGINS = (
+    "ActorPlugin ActuatorPlugin AmbientOcclusionVisualPlugin ArduCopterPlugin ArrangePlugin AttachLightPlugin "
+    "BlinkVisualPlugin BreakableJointPlugin BuoyancyPlugin CartDemoPlugin CessnaGUIPlugin CessnaPlugin "
+    "ContainPlugin DiffDrivePlugin FiducialCameraPlugin FlashLightPlugin FollowerPlugin GimbalSmall2dPlugin "
+    "GravityCompensationPlugin HeightmapLODPlugin HydraDemoPlugin HydraPlugin InitialVelocityPlugin "
+    "JointControlPlugin JointTrajectoryPlugin JoyPlugin KeyboardGUIPlugin KeysToCmdVelPlugin KeysToJointsPlugin "
+    "LedPlugin LensFlareSensorPlugin LiftDragPlugin LinearBatteryConsumerPlugin LinkPlot3DPlugin LookAtDemoPlugin "
+    "MisalignmentPlugin ModelPropShop MudPlugin PlaneDemoPlugin PressurePlugin RandomVelocityPlugin "
+    "RaySensorNoisePlugin ReflectancePlugin RestUiLoginDialog RestUiPlugin RestUiWidget RestWebPlugin "
+    "RubblePlugin ShaderParamVisualPlugin SimpleTrackedVehiclePlugin SkidSteerDrivePlugin SphereAtlasDemoPlugin "
+    "StaticMapPlugin StopWorldPlugin TimerGUIPlugin TouchPlugin TrackedVehiclePlugin TransporterPlugin "
+    "VariableGearboxPlugin VehiclePlugin WheelTrackedVehiclePlugin WindPlugin"
+)
+_COPY_OF_ODE = (
+    "collision collision_space collision_trimesh common compatibility contact error mass matrix memory misc "
+    "objects ode odeconfig odecpp odecpp_collision odeinit odemath odemath_legacy rotation timer"
+)
+_ENGINE = (
+    "BallJoint BoxShape Collision CylinderShape FixedJoint HeightmapShape Hinge2Joint HingeJoint Joint Link Mesh "
+    "MeshShape Model MultiRayShape Physics PlaneShape PolylineShape RayShape ScrewJoint SliderJoint SphereShape "
+    "SurfaceParams Types UniversalJoint"
+)
+# Headers of Gazebo 11 that a plugin cannot use here, by the reason; the compiler prints it.
+ABSENT = {
+    "libgz has no windows of Qt: its client is a page in a browser": (
+        *(f"gazebo/gui/{name}.hh" for name in _WINDOWS.split()),
+        *("gazebo/gui/qt.h", "gazebo/gui/model/ModelEditor.hh", "gazebo/gui/model/ModelEditorEvents.hh"),
+        "gazebo/gui/viewers/ViewFactory.hh",
+    ),
+    "this plugin is written in Python here: derive from its source, which must be compiled, too": (
+        *(f"gazebo/plugins/{name}.hh" for name in _PLUGINS.split()),
+        "gazebo/plugins/events/RegionEventBoxPlugin.hh",
+    ),
+    "it belongs to the copy of ODE in Gazebo, whose objects libgz does not have": tuple(
+        f"gazebo/ode/{name}.h" for name in _COPY_OF_ODE.split()
+    ),
+    "the engine is ODE": (
+        *(f"gazebo/physics/bullet/Bullet{name}.hh" for name in _ENGINE.split() if name != "Model"),
+        *(f"gazebo/physics/dart/DART{name}.hh" for name in _ENGINE.split() if name != "Types"),
+        *(f"gazebo/physics/simbody/Simbody{name}.hh" for name in _ENGINE.split() if name != "SurfaceParams"),
+        *(f"gazebo/physics/{name}/{name}_inc.h" for name in ("bullet", "dart", "simbody")),
+    ),
+    "nothing of libgz stands behind it": (
+        *("gazebo/common/EnumIface.hh", "gazebo/common/Skeleton.hh", "gazebo/common/ffmpeg_inc.h"),
+        *("gazebo/test/ServerFixture.hh", "gazebo/test/helper_physics_generator.hh", "gazebo/util/IgnMsgSdf.hh"),
+    ),
+}

@@ -8,6 +8,7 @@
 #include <gazebo/plugins/ElevatorPlugin.hh>
 #include <gazebo/plugins/GpuRayPlugin.hh>
 #include <gazebo/plugins/HarnessPlugin.hh>
+#include <gazebo/plugins/ImuSensorPlugin.hh>
 #include <gazebo/plugins/LinearBatteryPlugin.hh>
 #include <gazebo/plugins/WheelSlipPlugin.hh>
 #include <gazebo/plugins/RayPlugin.hh>
@@ -583,18 +584,13 @@ class Hello : public WorldPlugin
  public:
   void Load(physics::WorldPtr _world, sdf::ElementPtr) override { gzmsg << "Hello " << _world->Name() << std::endl; }
 };
-class Watcher : public SensorPlugin
+class Watcher : public ImuSensorPlugin
 {
- public:
-  void Load(sensors::SensorPtr _sensor, sdf::ElementPtr) override
+  void OnUpdate(sensors::ImuSensorPtr imu) override
   {
-    this->imu = std::dynamic_pointer_cast<sensors::ImuSensor>(_sensor);
-    this->imu->SetActive(true);
-    this->connection = this->imu->ConnectUpdated(std::bind(&Watcher::OnUpdated, this));
+    EXPECT(imu == this->parentSensor);
+    gzmsg << "imu " << imu->LinearAcceleration().Z() << std::endl;
   }
-  void OnUpdated() { gzmsg << "imu " << this->imu->LinearAcceleration().Z() << std::endl; }
-  sensors::ImuSensorPtr imu;
-  event::ConnectionPtr connection;
 };
 class System : public SystemPlugin
 {

@@ -21,7 +21,7 @@ from libgz.classic.api import classic_api
 from libgz.classic_cxx.generate import bodies, headers
 from libgz.classic_cxx.layouts import RECORDS, shared
 from libgz.classic_cxx.messages import file_of, proto_files
-from libgz.classic_cxx.names import BASE_PLUGINS
+from libgz.classic_cxx.names import ABSENT, BASE_PLUGINS
 from libgz.classic_cxx.own_messages import files_in
 from libgz.classic_cxx.plugin import load
 from libgz.classic_cxx.recognition import is_classic, version_flags
@@ -88,7 +88,7 @@ TEMPLATES = ("SingletonT", "EventT", "PluginT", "MovingWindowFilter", "get_sha1"
 
 
 def declaration_checks():
-    """C++ that names all that the table says of what is declared by hand, each in a line of its own."""
+    """C++ that uses all that the table says of what is declared by hand, each overload in a line of its own."""
     by_hand = {row.full_name for row in rows() if row.kind == "class" and "hand" in row.flags}
     for number, row in enumerate(rows()):
         name, owner = row.full_name.removeprefix("::"), row.scope.removeprefix("::")
@@ -103,10 +103,15 @@ def declaration_checks():
             pointer = f"inline {row.type} (*F{number})({kinds}) = &::{name};"
             yield f"namespace {owner} {{ {pointer} }}" if owner else pointer
         elif row.kind == "method" and row.scope in by_hand and "ctor" not in row.flags:
-            yield f"struct M{number} : ::{owner} {{ using ::{owner}::{row.name}; }};"
+            given = ", ".join(f"std::declval<{one.partition(' = ')[0]}>()" for one in split(row.parameters))
+            call = f"std::declval<{'const ' if 'const' in row.flags else ''}::{owner} &>().{row.name}({given})"
+            yield f"namespace {owner.rpartition('::')[0]} {{ using M{number} = decltype({call}); }}"
 
 
-BROUGHT_ALONG = "termios settings; ifreq request; struct sigaction handler; std::future<int> later;"
+BROUGHT_ALONG = """\
+termios settings; ifreq request; struct sigaction handler; std::future<int> later;
+epoll_event event; itimerspec timer; boost::unordered_map<int, int> numbers;
+"""
 OLD = """\
 #include <gazebo/gazebo.hh>
 using namespace gazebo;
@@ -129,6 +134,21 @@ def test_all_that_the_table_says_is_declared(library, tmp_path):
     source = tmp_path / "declared.cc"
     source.write_text("\n".join(["#include <gazebo/gazebo.hh>", *declaration_checks(), BROUGHT_ALONG, ""]))
     assert errors_in(library, source, 11) == []
+
+
+def test_headers_that_cannot_serve_say_why(library, tmp_path):
+    absent = {name: reason for reason, names in ABSENT.items() for name in names}
+    source = tmp_path / "absent.cc"
+    source.write_text("".join(f"#include <{name}>\n" for name in absent))
+    said = [line.partition("#error ")[2] for line in errors_in(library, source, 11)]
+    assert said == [f"<{name}>: {reason}" for name, reason in absent.items()]
+
+
+def test_a_sensor_of_its_own_is_refused_by_its_name(library, tmp_path):
+    source = tmp_path / "own.cc"
+    source.write_text('#include <gazebo/gazebo.hh>\nGZ_REGISTER_STATIC_SENSOR("sonic", SonicSensor)\n')
+    (error,) = errors_in(library, source, 11)
+    assert "SonicSensor cannot be registered" in error
 
 
 def test_names_of_gazebo_7_are_declared(library, tmp_path):

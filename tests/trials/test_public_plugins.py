@@ -48,7 +48,7 @@ KINDS = {
     QT: r"Q_OBJECT|\bQ[A-Z]\w+|\bQt|gazebo/gui/|'gui' (has not|is not)|gui::",
     "OGRE": r"[Oo]gre|OGRE|MovableText|RenderEngine|RTShaderSystem|selection_buffer|'create_scene|VideoVisual",
     "internals of engines": r"\b(bullet|dart|simbody|ode)/|joints/contact\.h|DART|Simbody|Bullet|\bd(Body|Geom)ID",
-    "a name of Gazebo": r"^gazebo/\S+: No such file|gazebo::|has no member",
+    "a name of Gazebo": r"^gazebo/\S+: No such file|#error <gazebo/|gazebo::|has no member",
     ABSENT: r"No such file or directory",
     "the rest": "",
 }

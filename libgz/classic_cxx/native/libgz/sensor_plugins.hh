@@ -133,5 +133,93 @@ class GAZEBO_VISIBLE GpuRayPlugin : public SensorPlugin
  private:
   event::ConnectionPtr newLaserFrameConnection;
 };
+
+/* Calls OnUpdate after each measurement of a contact sensor. */
+class GAZEBO_VISIBLE ContactPlugin : public SensorPlugin
+{
+ public:
+  void Load(sensors::SensorPtr sensor, sdf::ElementPtr) override
+  {
+    this->parentSensor = std::dynamic_pointer_cast<sensors::ContactSensor>(sensor);
+    if (!this->parentSensor)
+      gzthrow("a ContactPlugin belongs to a contact sensor, and its sensor is none");
+    this->updateConnection = this->parentSensor->ConnectUpdated([this] { this->OnUpdate(); });
+    this->parentSensor->SetActive(true);
+  }
+
+ private:
+  virtual void OnUpdate() {}
+
+  sensors::ContactSensorPtr parentSensor;
+  event::ConnectionPtr updateConnection;
+};
+
+/* Gives an imu to OnUpdate after each of its measurements. */
+class GAZEBO_VISIBLE ImuSensorPlugin : public SensorPlugin
+{
+ public:
+  void Load(sensors::SensorPtr sensor, sdf::ElementPtr) override
+  {
+    this->parentSensor = std::dynamic_pointer_cast<sensors::ImuSensor>(sensor);
+    if (!this->parentSensor)
+      gzthrow("an ImuSensorPlugin belongs to an imu, and its sensor is none");
+    this->connection = this->parentSensor->ConnectUpdated([this] { this->OnUpdate(this->parentSensor); });
+    this->parentSensor->SetActive(true);
+  }
+
+ protected:
+  virtual void OnUpdate(sensors::ImuSensorPtr) {}
+
+  sensors::ImuSensorPtr parentSensor;
+
+ private:
+  event::ConnectionPtr connection;
+};
+
+/* Gives each measurement of a force_torque sensor to OnUpdate. */
+class GAZEBO_VISIBLE ForceTorquePlugin : public SensorPlugin
+{
+ public:
+  void Load(sensors::SensorPtr sensor, sdf::ElementPtr) override
+  {
+    this->parentSensor = std::dynamic_pointer_cast<sensors::ForceTorqueSensor>(sensor);
+    if (!this->parentSensor)
+      gzthrow("a ForceTorquePlugin belongs to a force_torque sensor, and its sensor is none");
+    this->connection =
+        this->parentSensor->ConnectUpdate([this](msgs::WrenchStamped message) { this->OnUpdate(message); });
+    this->parentSensor->SetActive(true);
+  }
+
+ protected:
+  virtual void OnUpdate(msgs::WrenchStamped) {}
+
+  sensors::ForceTorqueSensorPtr parentSensor;
+
+ private:
+  event::ConnectionPtr connection;
+};
+
+/* Gives each measurement of a sonar to OnUpdate. */
+class GAZEBO_VISIBLE SonarPlugin : public SensorPlugin
+{
+ public:
+  void Load(sensors::SensorPtr sensor, sdf::ElementPtr) override
+  {
+    this->parentSensor = std::dynamic_pointer_cast<sensors::SonarSensor>(sensor);
+    if (!this->parentSensor)
+      gzthrow("a SonarPlugin belongs to a sonar, and its sensor is none");
+    this->connection =
+        this->parentSensor->ConnectUpdate([this](msgs::SonarStamped message) { this->OnUpdate(message); });
+    this->parentSensor->SetActive(true);
+  }
+
+ protected:
+  virtual void OnUpdate(msgs::SonarStamped) {}
+
+  sensors::SonarSensorPtr parentSensor;
+
+ private:
+  event::ConnectionPtr connection;
+};
 }  // namespace gazebo
 #endif

@@ -10,12 +10,18 @@ class Publisher;
 class Subscriber;
 class Connection;
 class Publication;
+class PublicationTransport;
+class SubscriptionTransport;
+class CallbackHelper;
 typedef boost::shared_ptr<google::protobuf::Message> MessagePtr;
 typedef boost::shared_ptr<Node> NodePtr;
 typedef boost::shared_ptr<Publisher> PublisherPtr;
 typedef boost::shared_ptr<Subscriber> SubscriberPtr;
 typedef boost::shared_ptr<Connection> ConnectionPtr;
 typedef boost::shared_ptr<Publication> PublicationPtr;
+typedef boost::shared_ptr<PublicationTransport> PublicationTransportPtr;
+typedef boost::shared_ptr<SubscriptionTransport> SubscriptionTransportPtr;
+typedef boost::shared_ptr<CallbackHelper> CallbackHelperPtr;
 
 class GAZEBO_VISIBLE Publisher : public libgz::Object, public boost::enable_shared_from_this<Publisher>
 {
@@ -138,7 +144,7 @@ class GAZEBO_VISIBLE TopicManager : public SingletonT<TopicManager>
  public:
   void GetTopicNamespaces(std::list<std::string> &names);
   std::vector<std::string> GetAdvertisedTopics(const std::string &type = "") const;
-  void ConnectPubToSub(const std::string &, const boost::shared_ptr<void>) {}
+  void ConnectPubToSub(const std::string &, const SubscriptionTransportPtr) {}
   void PauseIncoming(bool) {}
   void ClearBuffers() {}
 };

@@ -101,6 +101,7 @@ SPARE_SCRIPTS = dict.fromkeys(("bin/xacro", "xacro/xacro", "xacro/xacro.py"), ("
 PACKAGES = {
     "control_toolbox": "The PID controller of C++ plugins.",
     "controller_manager": "Starts controllers of robots in libgz.",
+    "gazebo_dev": "Gazebo's C++ API, which libgz has.",
     "gazebo_plugins": "Plugins of Gazebo, which libgz has.",
     "gazebo_ros": "Starts libgz as Gazebo, and spawns models.",
     "gazebo_ros_control": "Controllers of robots, which libgz has.",
@@ -176,6 +177,14 @@ set({package}_LIBRARIES "")
 set({package}_LIBRARY_DIRS "")
 set({package}_EXPORTED_TARGETS "")
 """
+# Packages of Gazebo hand on its own API, if it is installed: many plugins name nothing else.
+CMAKE_GAZEBO = """\
+find_package(gazebo QUIET)
+list(APPEND {package}_INCLUDE_DIRS ${{GAZEBO_INCLUDE_DIRS}})
+list(APPEND {package}_LIBRARY_DIRS ${{GAZEBO_LIBRARY_DIRS}})
+list(APPEND {package}_LIBRARIES ${{GAZEBO_LIBRARIES}})
+set(CMAKE_CXX_FLAGS "${{CMAKE_CXX_FLAGS}} ${{GAZEBO_CXX_FLAGS}}")
+"""
 
 
 def default_prefix() -> Path:
@@ -201,7 +210,9 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     for package in MESSAGES:
         found |= _messages(package)
     found["include/control_toolbox/pid.h"] = PID, False
-    found["share/control_toolbox/cmake/control_toolboxConfig.cmake"] = CMAKE.format(package="control_toolbox"), False
+    for package in PACKAGES:
+        text = CMAKE + (CMAKE_GAZEBO if package.startswith("gazebo_") else "")
+        found[f"share/{package}/cmake/{package}Config.cmake"] = text.format(package=package), False
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False
     found["setup.bash"] = f". {place}/setup.sh\n", False

@@ -175,6 +175,41 @@ def test_the_controller_of_plugins(tmp_path):
     assert said[8:] == ["0", "1", "7.000", "-4.000"]
 
 
+FINDS = """\
+set(CMAKE_PREFIX_PATH "{prefix}")
+foreach(one gazebo_dev gazebo_ros gazebo_plugins gazebo_ros_control control_toolbox controller_manager)
+  find_package(${{one}} REQUIRED CONFIG)
+  message("${{one}} ${{${{one}}_FOUND_CATKIN_PROJECT}} ${{${{one}}_INCLUDE_DIRS}} ${{${{one}}_LIBRARIES}}")
+endforeach()
+message("flags${{CMAKE_CXX_FLAGS}}")
+"""
+
+
+@pytest.mark.parametrize("api", [True, False])
+def test_catkin_finds_the_packages_that_plugins_name(tmp_path, monkeypatch, api):
+    """With Gazebo's API by those that stand for it, as gazebo_dev has it; none of them needs it."""
+    if shutil.which("cmake") is None:
+        pytest.skip("needs cmake")
+    monkeypatch.setenv("HOME", str(tmp_path))  # cmake knows packages of the user there
+    install(tmp_path)
+    if api:
+        config = tmp_path / "lib" / "cmake" / "gazebo" / "gazebo-config.cmake"
+        config.parent.mkdir(parents=True)
+        values = {"INCLUDE_DIRS": "/api", "LIBRARY_DIRS": "/lib", "LIBRARIES": "gazebo", "CXX_FLAGS": "-std=c++17"}
+        config.write_text("".join(f'set(GAZEBO_{name} "{value}")\n' for name, value in values.items()))
+    script = tmp_path / "finds.cmake"
+    script.write_text(FINDS.format(prefix=tmp_path))
+    done = subprocess.run(["cmake", "-P", script], capture_output=True, text=True, check=True)
+    found = {words[0]: words[1:] for words in (line.split() for line in done.stderr.splitlines())}
+    folder = f"{tmp_path}/include"
+    gazebo = [f"{folder};/api", "gazebo"] if api else [folder]
+    for package in ("gazebo_dev", "gazebo_ros", "gazebo_plugins", "gazebo_ros_control"):
+        assert found[package] == ["TRUE", *gazebo]
+    for package in ("control_toolbox", "controller_manager"):
+        assert found[package] == ["TRUE", folder]
+    assert ("-std=c++17" in found["flags"]) == api
+
+
 def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):
     prefix = tmp_path / "with space" / "ros"
     assert main(["ros", "install", str(prefix)]) == 0

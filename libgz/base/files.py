@@ -23,6 +23,7 @@ __all__ = [
     "is_file",
     "is_folder",
     "open_file",
+    "make_private",
     "own_cache",
     "read_file",
     "read_limited",
@@ -219,18 +220,29 @@ def own_cache(*parts: str) -> Path:
     """A folder in the user's cache, below XDG_CACHE_HOME or ~/.cache; it need not exist. It may hold code that is run.
 
     Raises:
-        LibraryError: it belongs to another user.
+        LibraryError: it, or a link to it, belongs to another user, or all users may write there.
     """
     place = Path(os.environ.get("XDG_CACHE_HOME", ""))
     folder = place if place.is_absolute() else Path.home() / ".cache"
     for part in parts:
         folder /= part
         with contextlib.suppress(FileNotFoundError):
-            about = folder.lstat()
-            if about.st_uid != os.geteuid() or not stat.S_ISDIR(about.st_mode):
-                owner = f"is no directory of user {os.geteuid()}"
-                raise LibraryError(f"{folder} {owner}, and what it holds would be run; set XDG_CACHE_HOME")
+            link, about = folder.lstat(), folder.stat()
+            problem = ""
+            if {link.st_uid, about.st_uid} != {os.geteuid()} or not stat.S_ISDIR(about.st_mode):
+                problem = f"is no directory of user {os.geteuid()}"
+            elif about.st_mode & stat.S_IWOTH:
+                problem = "can be written by all users"
+            if problem:
+                raise LibraryError(f"{folder} {problem}, and what it holds would be run; set XDG_CACHE_HOME")
     return folder
+
+
+def make_private(folder: Path) -> None:
+    """Create a folder, and those above it that do not exist, for this user only, whatever the umask is."""
+    if not folder.parent.exists():
+        make_private(folder.parent)
+    folder.mkdir(mode=0o700, exist_ok=True)
 
 
 def installed_worlds() -> Path:

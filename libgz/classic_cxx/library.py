@@ -26,7 +26,7 @@ from pathlib import Path
 
 import libgz.cxx
 from libgz.base.errors import LibraryError
-from libgz.base.files import own_cache, write_whole
+from libgz.base.files import make_private, own_cache, write_whole
 from libgz.classic.api import TABLE as CLASSIC
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
@@ -251,7 +251,7 @@ def built(progress: Progress = lambda _line: None) -> Library:
     key = f"{source_key()}-{_toolchain_key()}"
     folder = cache_folder() / key
     try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
+        make_private(cache_folder())
         with (cache_folder() / f"{key}.lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # one process builds, the others wait for it
             if not (folder / "lib" / SONAME).exists():

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from libgz.base.errors import LibraryError
-from libgz.base.files import own_cache
+from libgz.base.files import make_private, own_cache
 from libgz.clib import FOLDER
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
@@ -55,7 +55,7 @@ def library_folder(version: int = LIBGAZEBO_VERSION, *, i386: bool = False) -> P
     folder = own_cache(f"libgz-{_fingerprint(command)}")
     if not ((folder / ARCHIVE).exists() and (folder / SHARED).exists()):
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_private(folder)
             with tempfile.TemporaryDirectory(dir=folder) as temporary:
                 _compile(command, Path(temporary))
                 # Atomically, so that no program links an incomplete library.

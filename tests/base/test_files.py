@@ -6,13 +6,14 @@ import signal
 import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from libgz import WorldFile
 from libgz.base import files
 from libgz.base.errors import LibraryError, WorldFileError
-from libgz.base.files import own_cache, write_whole
+from libgz.base.files import make_private, own_cache, write_whole
 from libgz.classic_cxx import library as classic_cxx
 from libgz.sdf.reader import SdfFile
 
@@ -40,10 +41,40 @@ def test_code_is_kept_in_no_folder_of_another_user(tmp_path, monkeypatch, find):
         find(*words)
     monkeypatch.undo()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    folder.rename(tmp_path / "elsewhere")
-    folder.symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(LibraryError, match="is no directory of user"):
+    folder.chmod(0o777)
+    with pytest.raises(LibraryError, match="can be written by all users, and what it holds would be run"):
         find(*words)
+
+
+@pytest.mark.parametrize("mine", [True, False])
+def test_the_cache_may_be_a_link_of_the_user_to_a_folder_of_the_user(tmp_path, monkeypatch, mine):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "libgz").symlink_to(tmp_path / "elsewhere")
+    if mine:
+        assert own_cache("libgz") == tmp_path / "libgz"
+        return
+    lstat = Path.lstat
+
+    def of_another(path):
+        about = list(lstat(path))
+        about[4] += 1  # st_uid
+        return os.stat_result(about)
+
+    monkeypatch.setattr(Path, "lstat", of_another)
+    with pytest.raises(LibraryError, match="is no directory of user"):
+        own_cache("libgz")
+
+
+def test_what_is_kept_in_the_cache_is_nobody_elses_whatever_the_umask(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    before = os.umask(0)
+    try:
+        make_private(own_cache("libgz", "code"))
+    finally:
+        os.umask(before)
+    folder = own_cache("libgz", "code")
+    assert [one.stat().st_mode & 0o777 for one in (folder, folder.parent, tmp_path / "cache")] == [0o700] * 3
 
 
 def test_pipes_and_devices_are_written_to_and_never_replaced(tmp_path):

@@ -12,7 +12,7 @@ import logging
 import math
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from itertools import takewhile
+from itertools import islice, takewhile
 from threading import get_ident
 from typing import Any, Protocol
 
@@ -738,6 +738,19 @@ class Engine:
                 lock.release()
 
         return make
+
+    @contextlib.contextmanager
+    def whole(self) -> Iterator[None]:
+        """For a `with` block that builds something: if it fails, the bodies and spaces that it made are closed."""
+        made: tuple[dict[Any, Any], ...] = (self.bodies, self.dummies, self.spaces)  # in order of construction
+        counts = [len(things) for things in made]
+        try:
+            yield
+        except BaseException:
+            for things, count in zip(made, counts, strict=True):
+                for thing in [*islice(things.values() if things is self.bodies else things, count, None)]:
+                    thing.close()
+            raise
 
     @exclusive
     def close(self) -> None:

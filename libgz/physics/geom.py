@@ -175,19 +175,20 @@ class Geom:
     # Place -------------------------------------------------------------------------------------------------------
 
     @exclusive
-    @exclusive
     def move_to(self, space: Space) -> None:
         """Move it to another space: geoms of one space never touch each other.
 
         Raises:
             ParameterError: that is no space of the geom's world.
+            ClosedError: that space was closed.
         """
         if not (isinstance(space, Space) and space.engine is self.engine):
             raise ParameterError(f"{self.label} can be moved to a space of its world; {space!r} is none")
         if self.space is None or self.space is space:
             return
-        ode().dSpaceRemove(self.space.id, self.id)
-        ode().dSpaceAdd(space.id, self.id)
+        old, new = self.space.id, space.id  # both open, before anything changes
+        ode().dSpaceRemove(old, self.id)
+        ode().dSpaceAdd(new, self.id)
         self.space = space
 
     @exclusive

@@ -274,12 +274,15 @@ class SdfWorld(Era):
             element = document.elements[top]
             try:
                 if element.name in ("model", "actor"):
-                    model = _model_class(element)(self.world, element, diagnostics)
-                    model.build(model_pose(element))
+                    with self.world.engine.whole():
+                        model = _model_class(element)(self.world, element, diagnostics)
+                        model.build(model_pose(element))
                     models.append(model)
                     self._register_family(model, document, top)
                 elif element.name == "light":
-                    self._register(SdfLight(self.world, element, diagnostics), document, top * FAMILY)
+                    with self.world.engine.whole():
+                        light = SdfLight(self.world, element, diagnostics)
+                    self._register(light, document, top * FAMILY)
                 else:
                     joints = WorldJoints(self.world, element, diagnostics)
                     joints.origin = Origin(document.source, top * FAMILY)

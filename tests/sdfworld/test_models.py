@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from sdf_worlds import GROUND, collision, inertial, joint, link, model, place, world
 
-from libgz.base.errors import NotFoundError, WorldFileError
+from libgz.base.errors import ClosedError, NotFoundError, WorldFileError
 from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.physics.space import Space
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld
 
@@ -118,6 +119,32 @@ def test_a_state_moves_inserts_and_deletes(load):
     assert made.model("late").GetPose().pos.x == 7
     with pytest.raises(NotFoundError):
         made.model("gone")
+
+
+@pytest.mark.parametrize("kind", ["model", "light"])
+def test_what_cannot_be_inserted_leaves_nothing_in_the_engine(load, kind):
+    """As with a pose of a message; a space that is left would later be taken for that of another model."""
+    made = load(world(model("m", link("l", collision()))))
+    engine = made.engine
+    before = [len(things) for things in (engine.spaces, engine.bodies, engine.dummies, engine.geoms)]
+    inside = f"<link name='l'>{collision()}</link>" if kind == "model" else ""
+    file = SdfFile.from_string(f"<sdf version='1.6'><{kind} name='new'>{inside}</{kind}></sdf>")
+    file.root.child(kind).AddElement("pose").Set(GzPose(GzVector(1.0, math.nan, 0.0)))
+    with pytest.raises(WorldFileError, match="is not a GzPose"):
+        made.extension(SdfWorld).insert(file)
+    assert [len(things) for things in (engine.spaces, engine.bodies, engine.dummies, engine.geoms)] == before
+
+
+def test_a_geom_that_cannot_be_moved_stays_where_it_was(load):
+    """ODE ends the process for a geom that is taken out of a space that it is not in."""
+    made = load(world(model("m", link("l", collision()))))
+    (geom,) = made.body("m", "l").geoms
+    closed, other = Space(made.engine), Space(made.engine)
+    closed.close()
+    with pytest.raises(ClosedError, match="this space was closed"):
+        geom.move_to(closed)
+    geom.move_to(other)
+    assert geom.space is other
 
 
 def test_profiles_scene_and_place_on_earth(load):

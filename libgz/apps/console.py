@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO, TypeAlias, TypeVar
 
 from libgz.base.errors import GazeboError, Interrupted, ParameterError, nearest
+from libgz.base.visible import visible
 
 __all__ = [
     "INTERRUPTED",
@@ -304,7 +305,7 @@ class LogFile(logging.FileHandler):
 
 class _ConsoleFormatter(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
-        return PREFIXES.get(record.levelno, "") + super().format(record)
+        return PREFIXES.get(record.levelno, "") + visible(super().format(record))
 
 
 def set_up_messages(level: int, logfile: str | None) -> None:

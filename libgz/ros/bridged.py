@@ -34,6 +34,7 @@ MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
 MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # messages of one topic, or answers of one service, that wait for the bridge
 MOST_TOGETHER = 1 << 26  # bytes of all that wait
 MOST_TEXT = 1 << 20  # bytes of what the bridge says about itself and about types
+LONGEST_REASON = 1000  # bytes of why it leaves something out
 START_PATIENCE = 60.0  # [s]
 END_PATIENCE = 0.5  # [s]; a bridge that hangs is killed then, before users think of a second signal
 FIRST_PAUSE, LONGEST_PAUSE = 0.2, 10.0  # [s] before a bridge that ended is started again; longer if it lived no longer
@@ -404,7 +405,7 @@ class BridgedNode:
         elif sort == DECLARED:
             self._learn(channel, body)
         elif sort == REFUSED:
-            package, text = channel.about["type"].partition("/")[0], body.decode("utf-8", "replace")
+            package, text = channel.about["type"].partition("/")[0], body[:LONGEST_REASON].decode("utf-8", "replace")
             if text.startswith("ModuleNotFoundError"):
                 self._lacking.add(package)
                 self._loop.warn(

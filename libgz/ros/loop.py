@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, TypeAlias
 
+from libgz.base.visible import one_line
 from libgz.ros.packing import Buffer
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
@@ -156,7 +157,8 @@ class Loop:
     def warn(self, cause: Hashable, text: str, *values: object) -> None:
         """Log what peers do again and again at growing counts only."""
         if self.tally.due(cause):
-            log.warning(f"{text}%s", *values, self.tally.times(cause))
+            shown = (one_line(value) if isinstance(value, str) else value for value in values)
+            log.warning(f"{text}%s", *shown, self.tally.times(cause))
 
     def remove(self, one: Connection | Listener) -> None:
         """Serve a socket no longer."""

@@ -482,7 +482,7 @@ class Node:
 
     def _shut_down(self, _caller: str, reason: str = "") -> tuple[int, str, int]:
         log.warning(
-            "ROS: the master asks this node to shut down: %s. The world runs without ROS from now on", str(reason)[:300]
+            "ROS: the master asks this node to shut down: %s. The world runs without ROS from now on", shown(reason)
         )
         threading.Thread(target=self.close, name="ros-shutdown", daemon=True).start()
         return 1, "", 0
@@ -556,7 +556,13 @@ class Node:
 
 
 def _addresses(uris: Any) -> list[str]:
-    """The addresses of publishers that a master gives; those that are none are left out."""
+    """The addresses of publishers that a master gives; those that are none are left out.
+
+    Raises:
+        XmlRpcError: it gives no list.
+    """
+    if not isinstance(uris, list):
+        raise XmlRpcError(f"a list of publishers is {shown(uris)}")
     return [uri for uri in uris if isinstance(uri, str) and len(uri) <= LONGEST_URI]
 
 

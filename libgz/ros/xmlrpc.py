@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 from xml.parsers import expat
 
 from libgz.base.errors import GazeboError
+from libgz.base.visible import one_line
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 
@@ -75,8 +76,8 @@ def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any
 
 
 def shown(value: Any) -> str:
-    """What another node sent as the text of a message: neither long nor deep."""
-    return value[:LONGEST_SHOWN] if isinstance(value, str) else reprlib.repr(value)
+    """What another node sent as the text of a message: one line, neither long nor deep."""
+    return one_line(value[:LONGEST_SHOWN] if isinstance(value, str) else reprlib.repr(value))
 
 
 class _Connection(http.client.HTTPConnection):
@@ -191,7 +192,8 @@ class _HttpServer(http.server.ThreadingHTTPServer):
     def warn(self, cause: str, text: str, *values: object) -> None:
         """Log what peers do again and again at growing counts only."""
         if self._tally.due(cause):
-            log.warning(f"{text}%s", *values, self._tally.times(cause))
+            shown_values = (one_line(value) if isinstance(value, str) else value for value in values)
+            log.warning(f"{text}%s", *shown_values, self._tally.times(cause))
 
     def get_request(self) -> Any:
         """A connection; without descriptors for it, some time later."""

@@ -384,6 +384,25 @@ def test_a_repeated_refusal_does_not_fill_the_log(node, master, caplog):
     assert caplog.text.count("does not publish '/none'") == 2  # the first one, and the hundredth
 
 
+def test_what_a_peer_calls_itself_is_one_line_that_commands_no_terminal(node, master, caplog):
+    with socket.create_connection(("127.0.0.1", int(node.node._listener.port)), 10.0) as sock:
+        sock.sendall(encode({"callerid": "/x\n[Err] made up\x1b[2J", "topic": "/none", "type": "*", "md5sum": "*"}))
+        assert b"does not publish" in read_block(sock)
+    with pytest.raises(xmlrpc.client.Fault):
+        ask(node.node.uri, "none\n[Err] made up")
+    lines = [record.getMessage() for record in caplog.records]
+    assert any("/x\\n[Err] made up\\x1b[2J" in line for line in lines)
+    assert not [line for line in lines if not line.isprintable()]
+
+
+def test_a_master_whose_list_of_publishers_is_none_is_one_warning(node, master, caplog, monkeypatch):
+    master.server.register_function(lambda *_: (1, "", 5), "registerSubscriber")
+    subscription = node.subscribe("talk", STRING.name, lambda _: None)
+    wait_for(lambda: "a list of publishers is 5" in caplog.text)
+    assert not [record for record in caplog.records if record.exc_info]
+    del subscription
+
+
 def test_requests_that_are_none_do_not_fill_the_log(node, master, caplog):
     kind = service_type("std_srvs/SetBool")
     service = node.serve("switch", kind.name, lambda request: {}[request.data])  # which fails

@@ -12,6 +12,7 @@ from types import FrameType
 from typing import NoReturn, TextIO
 
 from libgz.base.errors import GazeboError
+from libgz.base.visible import visible
 
 __all__ = [
     "Console",
@@ -97,6 +98,11 @@ def gzthrow(text: object) -> NoReturn:
     raise GazeboError(str(text))
 
 
+def _shown(record: logging.LogRecord, text: str) -> str:
+    """The text of a record: plugins may colour theirs, and files and peers may not command a terminal."""
+    return text if record.name in (_NAME, _FILE_ONLY) else visible(text)
+
+
 class ConsoleFormatter(logging.Formatter):
     """Formats records as `[Msg] text` and `[Err] [file.py:12] text`, optionally in classic's colours."""
 
@@ -110,7 +116,7 @@ class ConsoleFormatter(logging.Formatter):
         """Format a record, without a newline."""
         kind, number = next((name, number) for level, name, number in self.KINDS if record.levelno >= level)
         where = "" if kind == "Msg" else f" [{record.filename}:{record.lineno}]"
-        text = f"[{kind}]{where} {super().format(record)}"
+        text = f"[{kind}]{where} {_shown(record, super().format(record))}"
         return f"\x1b[1;{number}m{text}\x1b[0m" if self.color else text
 
 
@@ -121,7 +127,7 @@ class LogFormatter(logging.Formatter):
         """Format a record, without a newline."""
         where = "" if record.levelno == logging.INFO else f"[{record.filename}:{record.lineno}] "
         sec = int(record.created)
-        return f"({sec} {int((record.created - sec) * 1e9)}) {where}{super().format(record)}"
+        return f"({sec} {int((record.created - sec) * 1e9)}) {where}{_shown(record, super().format(record))}"
 
 
 class ConsoleHandler(logging.Handler):

@@ -370,6 +370,14 @@ def test_the_form_of_messages():
     assert LogFormatter().format(record) == "(12 500000000) text"
 
 
+def test_plugins_may_colour_their_messages_and_what_comes_from_outside_commands_no_terminal():
+    for name, shown in (("libgz.classic.console", "\x1b[1mtext\nmore"), ("libgz.ros", "\\x1b[1mtext\nmore")):
+        record = record_of(logging.INFO, name)
+        record.msg = "\x1b[1mtext\nmore"
+        assert ConsoleFormatter().format(record) == f"[Msg] {shown}"
+        assert LogFormatter().format(record).endswith(f") {shown}")
+
+
 def test_errors_always_show_and_the_rest_when_verbose(capsys):
     for verbose in (False, True):
         handler = ConsoleHandler(verbose)

@@ -32,6 +32,8 @@ MOST_INCLUDES = 20  # in each other
 MOST_DEVICES = 256  # of a port, as in Player
 MOST_TOKENS = 200_000  # of a file and those that it includes
 MOST_CHARACTERS = 16 << 20  # of these
+MOST_INHERITED = 200_000  # fields that sections have from macros, all together
+MOST_SECTIONS = 100  # in each other
 
 # The fields of a driver; those with False are known, and have no effect here.
 FIELDS = {
@@ -217,6 +219,7 @@ class _Parser:
         self._tokens, self._at = tokens, 0
         self._diagnostics = diagnostics
         self._macros: dict[str, _Section] = {}
+        self._inherited = self._depth = 0
 
     def sections(self) -> list[_Section]:
         """All sections of the file; fields outside sections have no meaning."""
@@ -256,7 +259,10 @@ class _Parser:
     def _entry(self, name: _Token, owner: _Section | None) -> _Section | None:
         """A section, which is returned, or a field, which is added to its owner."""
         if self._opens():
-            return self._section(name)
+            self._depth += 1
+            section = self._section(name)
+            self._depth -= 1
+            return section
         values = self._values()
         if not values:
             self._error(name, f"{name.text!r} has no value, and no section in ( ) follows")
@@ -269,7 +275,17 @@ class _Parser:
 
     def _section(self, name: _Token) -> _Section:
         self._at += 1
+        if self._depth > MOST_SECTIONS:
+            self._error(name, f"sections are more than {MOST_SECTIONS} deep in each other")
+            self._at = len(self._tokens)
         macro = self._macros.get(name.text)
+        if macro:
+            self._inherited += len(macro.fields)
+            if self._inherited > MOST_INHERITED:
+                self._error(
+                    name, f"sections have more than {MOST_INHERITED} fields of macros; those of this one are left out"
+                )
+                macro = None
         section = _Section(macro.type if macro else name.text, Place(name.file, name.line, name.text))
         if macro:
             section.fields.update(macro.fields)

@@ -139,6 +139,18 @@ def test_includes_are_relative_to_their_file_and_bounded(tmp_path):
     assert len(str(error.value).splitlines()) < 200_000
 
 
+@pytest.mark.parametrize("text", ["a(" * 90_000, f"driver({'a(' * 40_000}{')' * 40_000})"])
+def test_sections_in_each_other_are_bounded(tmp_path, text):
+    with pytest.raises(WorldFileError, match="sections are more than 100 deep in each other"):
+        read(tmp_path, text)
+
+
+def test_a_macro_of_many_fields_stands_in_no_more_sections_than_memory_has_room_for(tmp_path):
+    fields = " ".join(f"f{i} 1" for i in range(20_000))
+    with pytest.raises(WorldFileError, match="sections have more than 200000 fields of macros"):
+        read(tmp_path, f"define many driver({fields})\n" + "many()\n" * 100)
+
+
 def test_brackets_that_do_not_close_are_read_in_linear_time(tmp_path):
     with pytest.raises(WorldFileError, match="more than 200000 words"):
         read(tmp_path, "a[" * 4_000_000)

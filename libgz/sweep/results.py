@@ -12,11 +12,11 @@ import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
-from libgz.base.files import read_limited, write_whole
+from libgz.base.files import exists, is_file, read_limited, write_whole
 from libgz.sweep.study import MOST_RUNS, Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
@@ -24,6 +24,9 @@ __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results",
 FORMATS = ("csv", "parquet")
 ABOUT, LOCK, TABLE, JOURNAL = "study.json", ".lock", "results.csv", "journal.jsonl"
 PART_ROWS, PART_PERIOD = 10_000, 300.0  # a part of Parquet has so many rows, or is so old [s]
+MOST_PART_ROWS = 10 * PART_ROWS  # that are read
+LONGEST_LINE = 16 << 20  # characters
+TOO_LONG = f"a line has more than {LONGEST_LINE} characters"
 WHOLE = ("run", "seed", "attempts")
 TEXTS = ("controller", "state", "message", "host", "libgz", "python")
 
@@ -244,18 +247,37 @@ def _check_links(folder: Path) -> None:
     """Check that results are written to a folder's own files: one of somebody else may have links to a user's files.
 
     Raises:
-        GazeboError: one is a link.
+        GazeboError: one is a link, or a pipe or device, which would be waited for.
     """
     for path in (folder / ABOUT, folder / LOCK, folder / TABLE, folder / JOURNAL, *folder.glob("part-*.parquet")):
         if path.is_symlink():
             raise GazeboError(f"{path} is a symbolic link, which results are not written to; name another folder")
+        if exists(path) and not is_file(path):
+            raise GazeboError(f"{path} is no file, and results are not written to it; name another folder")
 
 
 def _cut(path: Path) -> None:
     """Cut off the start of a line that was being written when its process ended."""
-    with path.open("r+b") as file:
-        data = file.read()
-        file.truncate(data.rfind(b"\n") + 1)
+    with _damage_named(path), path.open("r+b") as file:
+        end = file.seek(0, os.SEEK_END)
+        start = max(end - LONGEST_LINE, 0)
+        file.seek(start)
+        whole = file.read().rfind(b"\n") + 1
+        if start and not whole:
+            raise ValueError(TOO_LONG)
+        file.truncate(start + whole)
+
+
+def _lines(file: TextIO) -> Iterator[str]:
+    """The lines of a file.
+
+    Raises:
+        ValueError: one is longer than a sweep writes any.
+    """
+    while line := file.readline(LONGEST_LINE):
+        if len(line) == LONGEST_LINE:
+            raise ValueError(TOO_LONG)
+        yield line
 
 
 @contextlib.contextmanager
@@ -293,12 +315,14 @@ def _about(folder: Path) -> dict[str, Any]:
 
 def _csv_rows(path: Path) -> Iterator[dict[str, Any]]:
     with _damage_named(path), path.open(newline="") as file:
-        for row in csv.DictReader(file):
+        for row in csv.DictReader(_lines(file)):
             yield {**row, "run": int(row["run"]), "state": row["state"], "python": row["python"]}
 
 
 def _part_rows(path: Path, columns: list[str] | None = None) -> list[dict[str, Any]]:
     with _damage_named(path):
+        if _parquet().read_metadata(path).num_rows > MOST_PART_ROWS:
+            raise ValueError("it has more rows than a part")
         rows: list[dict[str, Any]] = _parquet().read_table(path, columns=columns).to_pylist()
         if not all(isinstance(row["run"], int) and isinstance(row["state"], str) for row in rows):
             raise ValueError("runs without numbers")
@@ -307,7 +331,7 @@ def _part_rows(path: Path, columns: list[str] | None = None) -> list[dict[str, A
 
 def _journal_rows(path: Path) -> Iterator[dict[str, Any]]:
     with _damage_named(path), path.open() as file:
-        for line in file:
+        for line in _lines(file):
             if line.endswith("\n"):  # else its process ended while it was written
                 row = json.loads(line)
                 yield {**row, "run": int(row["run"]), "state": row["state"]}

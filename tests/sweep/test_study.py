@@ -5,6 +5,7 @@ import tomllib
 import pytest
 
 from libgz.base.errors import GazeboError, ParameterError
+from libgz.sweep import results
 from libgz.sweep.report import plot_measures
 from libgz.sweep.results import open_results, read_results
 from libgz.sweep.run import check
@@ -159,6 +160,31 @@ def test_damaged_results_are_named(folder, name, content):
     for use in (lambda: read_results(folder / "results"), lambda: results_of(folder)):
         with pytest.raises(ParameterError, match=f"{name} is damaged"):
             use()
+
+
+@pytest.mark.parametrize("format", ["csv", "parquet"])
+def test_a_line_that_does_not_end_is_not_held(folder, monkeypatch, format):
+    study = Study.load(folder / "push.toml")
+    open_results(folder / "results", study, "x", format).close()
+    file = folder / "results" / {"csv": "results.csv", "parquet": "journal.jsonl"}[format]
+    monkeypatch.setattr(results, "LONGEST_LINE", 1000)
+    with file.open("ab") as table:
+        table.truncate(1 << 40)  # without blocks of the disk
+    for use in (lambda: read_results(folder / "results"), lambda: open_results(folder / "results", study, "x", None)):
+        with pytest.raises(ParameterError, match=f"{file.name} is damaged: ValueError: a line has more than"):
+            use()
+
+
+def test_a_part_of_more_rows_than_a_sweep_writes_is_not_held(folder, monkeypatch):
+    study = Study.load(folder / "push.toml")
+    kept = open_results(folder / "results", study, "x", "parquet")
+    for run in range(3):
+        kept.add({"run": run, "state": "ok", "controller": "c", "python": "3"})
+    kept.close()
+    assert len(read_results(folder / "results")[1]) == 3
+    monkeypatch.setattr(results, "MOST_PART_ROWS", 2)
+    with pytest.raises(ParameterError, match="ValueError: it has more rows than a part"):
+        read_results(folder / "results")
 
 
 def test_rows_without_a_column_are_named(folder):

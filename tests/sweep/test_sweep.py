@@ -296,6 +296,16 @@ def test_results_are_written_to_no_link(folder, name, there):
     assert not there or own.read_text() == "precious"
 
 
+@pytest.mark.parametrize("name", [".lock", "results.csv", "journal.jsonl"])
+def test_results_are_written_to_no_pipe(folder, name):
+    """Whoever opens one waits for its reader."""
+    (folder / "push.results").mkdir()
+    os.mkfifo(folder / "push.results" / name)
+    done = run_libgz("sweep", "push.toml", cwd=folder, timeout=60)
+    assert done.returncode == 1
+    assert f"{name} is no file, and results are not written to it" in done.stderr
+
+
 ABOUT = {"digest": "x", "format": "csv", "runs": 200, "parameters": ["p"], "random": [], "measures": ["m"]}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import shlex
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from libgz._version import __version__
@@ -289,7 +290,8 @@ def uninstall(prefix: Path) -> int:
     if not (prefix / MANIFEST).is_file():
         raise NotFoundError(f"{prefix} has no {MANIFEST}: libgz installed nothing there")
     listed = _listed(prefix)
-    found = sorted({*(set(_contents(prefix)) & set(listed)), *_unchanged(prefix, listed)})
+    present = {path for path in set(_contents(prefix)) & set(listed) if _is_inside(prefix, path)}
+    found = sorted({*present, *_unchanged(prefix, listed)})
     try:
         _remove(prefix, found)
         (prefix / MANIFEST).unlink()
@@ -318,14 +320,20 @@ def _unchanged(prefix: Path, listed: Mapping[str, str]) -> list[str]:
     """The listed files that are as they were written, by any version: a changed manifest names no others."""
     found = []
     for path, sum_ in listed.items():
-        file = prefix / path
-        try:
-            inside = ".." not in file.parts and file.is_relative_to(prefix)
-            if inside and sum_ and file.resolve() == prefix.resolve() / path and _sum(read_limited(file)) == sum_:
+        with suppress(OSError):
+            if sum_ and _is_inside(prefix, path) and _sum(read_limited(prefix / path)) == sum_:
                 found.append(path)
-        except (OSError, RuntimeError, ValueError):  # also of names with NUL, and of links in a circle
-            continue
     return found
+
+
+def _is_inside(prefix: Path, path: str) -> bool:
+    """Whether a listed path is one of the folder itself, and none that leads elsewhere, such as by a link."""
+    file = prefix / path
+    try:
+        inside = ".." not in file.parts and file.is_relative_to(prefix)
+        return inside and file.resolve() == prefix.resolve() / path
+    except (OSError, RuntimeError, ValueError):  # also of names with NUL, and of links in a circle
+        return False
 
 
 def _remove(prefix: Path, paths: Sequence[str]) -> None:

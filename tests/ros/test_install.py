@@ -275,6 +275,18 @@ def test_files_of_another_version_are_removed_if_they_are_as_they_were_written(t
     assert mine.exists()
 
 
+def test_nothing_is_removed_behind_a_link(tmp_path):
+    """Somebody else may have made the folder."""
+    prefix, elsewhere = tmp_path / "ros", tmp_path / "share"
+    install(prefix)
+    (prefix / "share").rename(elsewhere)
+    (prefix / "share").symlink_to(elsewhere)
+    before = sorted(elsewhere.rglob("*"))
+    uninstall(prefix)
+    assert sorted(elsewhere.rglob("*")) == before
+    assert not (prefix / "setup.sh").exists()
+
+
 @pytest.mark.parametrize("source", ["file", "param"])
 def test_spawn_model_inserts_a_model(master, start, tmp_path, source):
     core, _ = start("<sdf version='1.6'><world name='default'/></sdf>")

@@ -331,6 +331,10 @@ class EngineState:
         tables.bodies.ids[:] = tables.joints.ids[:] = 0
         for body in bodies:
             tables.bodies.ids[body.row] = body._id
+        for geom in geoms:  # before numbers are set, which may be refused: the rows are others now
+            if geom._id is not None:
+                ode().dGeomSetData(geom._id, geom.row)
+            tables.geoms.owner[geom.row] = geom.body.number
         for body, (_, values) in zip((*bodies, *dummies), (*saved["bodies"], *saved["dummies"]), strict=True):
             _assign(body, values)
         engine.auto_disabled.clear()
@@ -340,9 +344,6 @@ class EngineState:
         self._restore_joints(saved, joints, [*bodies, *dummies], len(bodies))
 
     def _restore_geom(self, geom: Any, values: list[Any], look: list[Any]) -> None:
-        if geom._id is not None:
-            ode().dGeomSetData(geom._id, geom.row)
-        self._engine.tables.geoms.owner[geom.row] = geom.body.number
         changed = _assign(geom, values)
         if look != geom.appearance.saved():
             geom.appearance.restore(*look)

@@ -19,8 +19,10 @@ from libgz.base.encoding import FORMAT, decode, encode
 from libgz.base.errors import ParameterError, StateError
 from libgz.base.files import installed_worlds
 from libgz.base.geometry import GzPose, GzVector
+from libgz.physics import state as state_module
 from libgz.physics.appearance import Appearance
 from libgz.physics.engine import Engine
+from libgz.physics.geom import Geom
 from libgz.physics.saved import saved_names, saved_values
 from libgz.physics.state import _assign
 from libgz.simulation.state import encode as encode_state, get_state, set_state
@@ -171,6 +173,24 @@ def test_attributes_of_bodies_are_of_their_kind_and_none_where_they_may_be():
             assert name == "bodyName" or isinstance(present, (bool, int)), name
             assert isinstance(wrong, (str, float, type(None)))
             _assign(body, values)  # what was there can return
+
+
+def test_geoms_that_were_built_again_for_a_state_that_is_refused_keep_their_bodies(monkeypatch):
+    """Contacts and orders find geoms by the rows that ODE has of them."""
+
+    def refused_once(thing, values):
+        if isinstance(thing, Geom):
+            monkeypatch.undo()
+            raise StateError("the state is damaged: a number is out of its range")
+        return _assign(thing, values)
+
+    with World.from_file(installed_worlds() / "pioneer2at.world") as robot:
+        robot.step(5)
+        before = robot.get_state()
+        monkeypatch.setattr(state_module, "_assign", refused_once)
+        with pytest.raises(StateError, match="out of its range"):
+            robot.snapshots.restore(before, anew=True)
+        assert robot.get_state() == before
 
 
 def test_a_damaged_look_changes_nothing_and_all_of_it_returns():

@@ -42,6 +42,7 @@ MOST_AT_ONCE = 20  # pages that only watch and get a state at the same time
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
 MOST_REQUESTS, MOST_OF_WATCHERS = 50, 10  # of all pages that have not been answered, when another one comes
+MOST_HELD, LONGEST_NAME = 16, 1000  # models that a page holds; characters of a name
 MOST_MESHES = 2  # the same, when a file of a user comes
 FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
 READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
@@ -101,7 +102,8 @@ class Viewer(Closing):
         self._asking = ThreadPoolExecutor(1, "viewer")
         self._requests = 0  # of pages that have not been answered
         self._requests_lock = threading.Lock()
-        self._held: dict[int, str] = {}  # what a page holds, by its number
+        self._controller: Page | None = None  # the page that controlled in the last frame
+        self._held: dict[str, None] = {}  # what it holds
         self._can: frozenset[str] = controls.abilities if controls is not None else frozenset()
         self.driver = self._new_driver()
         self._robots: dict[str, Robot] = {}
@@ -198,8 +200,20 @@ class Viewer(Closing):
                     break
                 self._attempt(actions.get())
         self.controllers.act()
+        self._attempt(self._follow_control)
         if self.driver is not None:
             self._attempt(self.driver.act)
+
+    def _follow_control(self) -> None:
+        """Release what a page held, and stop what it drove, once it does not control any more."""
+        former = self._controller
+        if former is self.controllers.page:
+            return
+        self._controller, held, self._held = self.controllers.page, self._held, {}
+        if former is not None and self.driver is not None:
+            self.driver.leave(former.number)
+        for name in held:
+            self._ask("hold", lambda _answer: None, "off", name=name)
 
     def _attempt(self, action: Callable[[], object]) -> None:
         """Call an action. The viewer survives what it raises: pages close at any moment, and send what they like."""
@@ -327,8 +341,6 @@ class Viewer(Closing):
         if self.driver is not None:
             self.driver.leave(page.number)
         self.controllers.close(page)
-        if page.number in self._held:
-            self._ask("hold", lambda _answer: None, "off", name=self._held.pop(page.number))
 
     def _lose(self) -> None:
         """The server has ended."""
@@ -464,9 +476,12 @@ class Viewer(Closing):
         if verb == "write":
             content = {}  # pages name no files
         if verb == "hold":
-            self._held.pop(page.number, None)
+            name = str(content.get("name", ""))[:LONGEST_NAME]
+            self._held.pop(name, None)
             if argument == "on":
-                self._held[page.number] = str(content.get("name", ""))
+                self._held[name] = None
+                for oldest in [*self._held][:-MOST_HELD]:
+                    del self._held[oldest]
 
         def work() -> None:
             try:

@@ -231,11 +231,24 @@ def test_pages_ask_for_nothing_but_the_worlds_requests(viewer, controls):
     assert asked == [("write", {}), ("insert", whole), ("insert", {"model": "box"})]
 
 
-def test_what_a_page_holds_is_released_when_it_is_closed(viewer, controls):
-    with Socket(viewer.url) as page:
-        assert page.ask("hold", "on", name="box1", pose=[0, 0, 1, 1, 0, 0, 0]) == (None, None)
+@pytest.mark.parametrize("how", ["closed", "handed over"])
+def test_what_a_page_holds_is_released_when_it_does_not_control_any_more(viewer, controls, how):
+    with Socket(viewer.url) as page, Socket(viewer.url) if how == "handed over" else contextlib.nullcontext():
+        for name in ("box1", "box2"):
+            assert page.ask("hold", "on", name=name, pose=[0, 0, 1, 1, 0, 0, 0]) == (None, None)
+        if how == "handed over":
+            assert page.ask("control", "give") == (None, None)
+            wait_for(lambda: released(controls) == {"box1", "box2"})
+    wait_for(lambda: released(controls) == {"box1", "box2"})
+
+
+def released(controls):
+    return {content["name"] for verb, argument, content in controls.asked if (verb, argument) == ("hold", "off")}
+
+
+def wait_for(condition):
     end = time.monotonic() + 60.0
-    while controls.asked[-1] != ("hold", "off", {"name": "box1"}):
+    while not condition():
         assert time.monotonic() < end
         time.sleep(0.01)
 

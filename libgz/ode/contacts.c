@@ -149,6 +149,7 @@ void find_contacts(context *c)
         find_held(c);
     }
     leave_out_far(c);
-    dSpaceCollide(c->space, c, collide);
+    if (may_meet(c))
+        dSpaceCollide(c->space, c, collide);
     bring_back_far(c);
 }

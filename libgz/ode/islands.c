@@ -48,16 +48,20 @@ void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touchin
     members[one].joined |= members[two].joined;
 }
 
+/* Disable a body for a part of the step. */
+void set_body_aside(const context *c, int64_t row)
+{
+    c->work->members[row].aside = 1;
+    dBodyDisable(c->bodies[row]);
+}
+
 /* Disable the bodies that are, or are not, solved by iteration. */
 static void set_aside(const context *c, int quick)
 {
-    member *members = c->work->members;
     int64_t i;
     for (i = 0; i < c->body_count; i++)
-        if (c->bodies[i] && members[i].quick == quick && dBodyIsEnabled(c->bodies[i])) {
-            members[i].aside = 1;
-            dBodyDisable(c->bodies[i]);
-        }
+        if (c->bodies[i] && c->work->members[i].quick == quick && dBodyIsEnabled(c->bodies[i]))
+            set_body_aside(c, i);
 }
 
 /* Enable all bodies that were set aside, without restarting the time they have been idle for. */
@@ -131,6 +135,7 @@ static void use_trees(context *c)
     number_bodies(c);
     if (!have_tree_memory(c))
         return;
+    c->parted = 1; /* what is moved along its tree has no part in ODE's step */
     for (i = 0; i < c->body_count; i++)
         if (waits_for_tree(c, i))
             solve_tree(c, i);
@@ -205,15 +210,18 @@ int move_bodies(context *c)
         use_trees(c);
     if (kind == ALL_QUICK)
         return iterate(c);
-    if (kind == ALL_EXACT)
-        return dWorldStep(c->world, c->step);
-    c->parted = 1;
-    set_aside(c, 1);
+    if (kind == MIXED) {
+        c->parted = 1;
+        set_aside(c, 1);
+    }
     done = dWorldStep(c->world, c->step);
-    bring_back(c);
-    set_aside(c, 0);
-    done = iterate(c) && done;
-    bring_back(c);
+    if (c->parted)
+        bring_back(c);
+    if (kind == MIXED) {
+        set_aside(c, 0);
+        done = iterate(c) && done;
+        bring_back(c);
+    }
     c->parted = 0;
     return done;
 }

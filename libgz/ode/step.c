@@ -82,11 +82,13 @@ static void note_rest(context *c)
         c->resting++;
 }
 
-/* Whether a step can be left out: what is left in a world without bodies has no effect. A look at some bodies finds those
- * that were woken past the tables. */
+/* Whether steps can be left out, as far as the tables say: what is left in a world without bodies has no effect. */
+int gz_is_at_rest(const context *c) { return c->resting >= RESTING && !c->record_contacts && !c->held_count; }
+
+/* Whether a step can be left out. A look at some bodies finds those that were woken past the tables. */
 static int rests(context *c)
 {
-    if (c->resting < RESTING || c->record_contacts || c->held_count)
+    if (!gz_is_at_rest(c))
         return 0;
     if (!are_asleep(c, c->next_checked, CHECKED)) {
         c->resting = 0;
@@ -100,13 +102,22 @@ void gz_disturb(context *c) { c->resting = 0; }
 
 enum { STEP_NEEDS_RECOVERY = 2 };
 
+static void bring_back_parted(context *c)
+{
+    if (c->parted)
+        bring_back(c);
+    c->parted = 0;
+}
+
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
  * STEP_NEEDS_RECOVERY: the context holds what happened. */
 static int solve(context *c)
 {
     volatile int done = 1; /* kept when the step is abandoned */
-    gz_drop_calls(&c->work->calls); /* of a step in which the process forked */
+    /* What a step left behind in which the process forked. */
+    gz_drop_calls(&c->work->calls);
     recover_trees(c);
+    bring_back_parted(c);
     request_feedback(c);
     apply_springs(c);
     c->reset_row = 0;
@@ -123,10 +134,7 @@ static int solve(context *c)
     guarded = 0;
     end_iterations(c);
     release_trees(c);
-    if (c->parted) { /* the step was abandoned meanwhile */
-        c->parted = 0;
-        bring_back(c);
-    }
+    bring_back_parted(c); /* the step was abandoned meanwhile */
     if (c->abandoned)
         gz_drop_calls(&c->work->calls);
     if (c->abandoned || c->own_memory)

@@ -124,6 +124,10 @@ typedef struct {
     X(int, dBodyGetNumJoints, (void *))                                         \
     X(void *, dBodyGetJoint, (void *, int))                                     \
     X(int, dBodyGetGyroscopicMode, (void *))                                    \
+    X(int, dBodyGetFiniteRotationMode, (void *))                                \
+    X(double, dBodyGetLinearDamping, (void *))                                  \
+    X(double, dBodyGetAngularDamping, (void *))                                 \
+    X(double, dBodyGetMaxAngularSpeed, (void *))                                \
     X(double, dWorldGetERP, (void *))                                           \
     X(const double *, dBodyGetRotation, (void *))                               \
     X(const double *, dBodyGetPosition, (void *))                               \
@@ -464,6 +468,7 @@ int is_calm(const context *c, void *body);
 
 /* statics.c */
 void leave_out_far(context *c);
+int may_meet(const context *c);
 void bring_back_far(const context *c);
 
 /* contacts.c */
@@ -487,6 +492,7 @@ void add_gyroscopic_torques(context *c);
 member alone(int64_t row, int fast);
 int have_members(const context *c);
 void unite(const context *c, int64_t one, int64_t two, int64_t rows, int touching);
+void set_body_aside(const context *c, int64_t row);
 void bring_back(const context *c);
 int move_bodies(context *c);
 

@@ -441,49 +441,118 @@ static int attempt(island *w)
     return solve_box(&problem) ? complete(w, x) : NO_ANSWER;
 }
 
-/* Whether all impulses are numbers. */
+/* Whether all impulses and velocities are numbers. */
 static int is_finite(const island *w)
 {
     int64_t i;
+    int k;
     for (i = 0; i < w->row_count; i++)
         if (!isfinite(w->rows[i].impulse))
             return 0;
+    for (i = 0; i < w->body_count; i++)
+        for (k = 0; k < MOTIONS; k++)
+            if (!isfinite(w->bodies[i].velocity[k]))
+                return 0;
     return 1;
 }
 
-/* Let the joints of the island act as efforts; they have no part in ODE's step. */
-static int apply(const context *c, island *w)
+/* What a joint does to its bodies. */
+static void find_efforts(const context *c, const island *w, const tree_joint *j, double effort[2][MOTIONS])
 {
     double rate = 1.0 / c->step;
-    int64_t i;
     int k, side, row;
+    memset(effort, 0, 2 * sizeof *effort);
+    for (row = 0; row < j->rows; row++) {
+        const tree_row *r = w->rows + j->first + row;
+        for (side = 0; side < 2; side++)
+            for (k = 0; k < MOTIONS; k++)
+                effort[side][k] += r->impulse * rate * r->line[side][k];
+    }
+}
+
+static void report(feedback *f, double effort[2][MOTIONS])
+{
+    memcpy(f->f1, effort[0], 3 * sizeof(double));
+    memcpy(f->t1, effort[0] + 3, 3 * sizeof(double));
+    memcpy(f->f2, effort[1], 3 * sizeof(double));
+    memcpy(f->t2, effort[1] + 3, 3 * sizeof(double));
+}
+
+/* Take the joints of the island out of ODE's step, and report what they do; `acts`: they act as efforts on the bodies. */
+static int take_out(const context *c, island *w, int acts)
+{
+    int64_t i;
+    int k, side;
     GROW(disabled, disabled_capacity, w->disabled_count + w->joint_count);
     for (i = 0; i < w->joint_count; i++) {
         const tree_joint *j = w->joints + i;
         feedback *f = dJointGetFeedback(j->joint);
-        double effort[2][MOTIONS] = {{0.0}};
-        for (row = 0; row < j->rows; row++)
-            for (side = 0; side < 2; side++)
-                for (k = 0; k < MOTIONS; k++)
-                    effort[side][k] += w->rows[j->first + row].impulse * rate * w->rows[j->first + row].line[side][k];
-        for (side = 0; side < 2; side++)
+        double effort[2][MOTIONS];
+        if (f || acts)
+            find_efforts(c, w, j, effort);
+        if (f)
+            report(f, effort);
+        for (side = 0; acts && side < 2; side++)
             if (j->body[side] >= 0)
                 for (k = 0; k < MOTIONS; k++)
                     w->bodies[j->body[side]].effort[k] += effort[side][k];
-        if (f) {
-            memcpy(f->f1, effort[0], 3 * sizeof(double));
-            memcpy(f->t1, effort[0] + 3, 3 * sizeof(double));
-            memcpy(f->f2, effort[1], 3 * sizeof(double));
-            memcpy(f->t2, effort[1] + 3, 3 * sizeof(double));
-        }
         dJointDisable(j->joint);
         w->disabled[w->disabled_count++] = j->joint;
     }
+    return 1;
+}
+
+/* Let ODE move the island, with efforts in place of its joints. */
+static int apply(const context *c, island *w)
+{
+    int64_t i;
+    if (!take_out(c, w, 1))
+        return 0;
     for (i = 0; i < w->body_count; i++) {
         const tree_body *b = w->bodies + i;
         const double *force = dBodyGetForce(b->body), *torque = dBodyGetTorque(b->body), *e = b->effort;
         dBodySetForce(b->body, force[0] + e[0], force[1] + e[1], force[2] + e[2]);
         dBodySetTorque(b->body, torque[0] + e[3], torque[1] + e[4], torque[2] + e[5]);
+    }
+    return 1;
+}
+
+/* Whether ODE would do no more with the bodies of the island than to add their velocities to their places. */
+static int is_plain(const island *w)
+{
+    int64_t i;
+    for (i = 0; i < w->body_count; i++) {
+        void *body = w->bodies[i].body;
+        if (dBodyGetAutoDisableFlag(body) || dBodyGetFiniteRotationMode(body) || dBodyGetLinearDamping(body) != 0.0 ||
+            dBodyGetAngularDamping(body) != 0.0 || dBodyGetMaxAngularSpeed(body) < HUGE_VAL)
+            return 0;
+    }
+    return 1;
+}
+
+/* Move the island, whose bodies have no part in ODE's step. */
+static int move(const context *c, island *w)
+{
+    double h = c->step, half = 0.5 * c->step;
+    int64_t i;
+    if (!take_out(c, w, 0))
+        return 0;
+    for (i = 0; i < w->body_count; i++) {
+        void *body = w->bodies[i].body;
+        const double *v = w->bodies[i].velocity, *o = v + 3, *p = dBodyGetPosition(body), *q = dBodyGetQuaternion(body);
+        const double turned[4] = {
+            q[0] + half * (-o[0] * q[1] - o[1] * q[2] - o[2] * q[3]),
+            q[1] + half * (o[0] * q[0] + o[1] * q[3] - o[2] * q[2]),
+            q[2] + half * (-o[0] * q[3] + o[1] * q[0] + o[2] * q[1]),
+            q[3] + half * (o[0] * q[2] - o[1] * q[1] + o[2] * q[0]),
+        };
+        dBodySetLinearVel(body, v[0], v[1], v[2]);
+        dBodySetAngularVel(body, o[0], o[1], o[2]);
+        dBodySetPosition(body, p[0] + h * v[0], p[1] + h * v[1], p[2] + h * v[2]);
+        dBodySetQuaternion(body, turned);
+        dBodySetForce(body, 0.0, 0.0, 0.0);
+        dBodySetTorque(body, 0.0, 0.0, 0.0);
+        set_body_aside(c, row_of(body));
     }
     return 1;
 }
@@ -505,7 +574,9 @@ static int solve_island(const context *c, island *w, int64_t row)
     while ((found = attempt(w)) == OTHER_ROWS)
         if (++tried == GUESSES)
             part_guessed(w, 1);
-    return found == ANSWER && is_finite(w) && apply(c, w);
+    if (found != ANSWER || !is_finite(w))
+        return 0;
+    return c->solver == TREE && is_plain(w) ? move(c, w) : apply(c, w);
 }
 
 /* Take back what motors at a limit have applied: they do so again when ODE asks for their rows. */

@@ -54,3 +54,19 @@ def test_rays_and_bodies_that_come_find_what_was_far():
         body.SetAngularVel((0.0, 0.0, 0.0))
         world.step(1000)
         assert body.GetPose().pos.z == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("boxes", [2, 5])
+def test_few_that_meet_now_and_then_touch_as_with_the_whole_search(boxes):
+    """To the bit: without the two far ones that always meet, steps in which nothing meets do without ODE's search."""
+    falling = "".join(box(f"m{i}", f"0.{i} 0.{i}1 {2.6 + 1.5 * i} 0.1 0.{i} 0", False) for i in range(boxes))
+    below = box("ground", "0 0 0 0 0 0", True)
+    found = []
+    for distance in (0.5, 1.5):
+        far = "".join(box(f"far{i}", f"{900 + distance * i} 0 0 0 0 0", True) for i in range(2))
+        with libgz.World.from_string(
+            f"<sdf version='1.6'><world name='w'>{far}{below}{falling}</world></sdf>"
+        ) as world:
+            found.append(states(world, 1500))
+    assert found[0] == found[1]
+    assert found[0][0] != found[0][-1]

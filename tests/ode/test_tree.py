@@ -134,6 +134,70 @@ def test_motors_and_efforts_wake_what_sleeps():
     engine.close()
 
 
+def states_of(solver, change, steps=50):
+    """States of an island whose bodies were changed by a function of ODE."""
+    engine, bodies, _joints = island(5, solver)
+    for body in bodies:
+        change(body)
+    for _ in range(steps):
+        engine.step()
+    found = engine.states.copy()
+    engine.close()
+    return found
+
+
+def called(name, *values):
+    """A function that calls one of ODE's with a body."""
+    kinds = [ctypes.c_double if isinstance(value, float) else ctypes.c_int for value in values]
+    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *kinds)(ode().address(name))
+    return lambda body: function(body.id, *values)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda body: body.set_auto_disable(True),
+        called("dBodySetFiniteRotationMode", 1),
+        called("dBodySetLinearDamping", 0.1),
+        called("dBodySetAngularDamping", 0.1),
+        called("dBodySetMaxAngularSpeed", 1e-3),
+    ],
+    ids=["sleep", "finite", "linear", "angular", "speed"],
+)
+def test_bodies_of_which_ode_does_more_than_to_move_them(change):
+    plain, exact, tree = states_of("tree", lambda body: None), states_of("world", change), states_of("tree", change)
+    assert np.abs(tree - exact).max() <= 1e-9 * np.abs(exact).max()
+    assert "sleep" in str(change) or not np.array_equal(plain, tree)
+
+
+def test_bodies_are_moved_beside_others_that_sleep_or_that_ode_moves():
+    """Some islands are solved along their tree, one has to sleep, one has a body past the library."""
+
+    def run(solver):
+        engine = Engine(solver=solver)
+        found = []
+        for number in range(3):
+            one, two = (solid(engine, box(0.2, 0.2, 0.2), 1.0, (3.0 * number, x, 1.0)) for x in (0.0, 0.5))
+            joint = libgz.HingeJoint(engine)
+            joint.Attach(two, one)
+            joint.SetAnchor((3.0 * number, 0.25, 1.0))
+            joint.SetAxis((1, 0, 0))
+            two.SetAngularVel((0.5, 0.0, 0.0))
+            found += [one, two]
+        found[2].set_auto_disable(True)
+        hang_unknown(engine, found[5])
+        for _ in range(20):
+            engine.step()
+        states = engine.states.copy()
+        assert all(body.IsEnabled() for body in found)
+        engine.close()
+        return states
+
+    exact, tree = run("world"), run("tree")
+    assert np.abs(tree - exact).max() <= 1e-9 * np.abs(exact).max()
+    assert np.array_equal(tree[4:], exact[4:])
+
+
 def hang_unknown(engine, body):
     """A body that is in no table."""
     other = ode().dBodyCreate(engine.world)

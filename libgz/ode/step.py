@@ -232,6 +232,10 @@ class Step:
 
         return run, prepare
 
+    def interrupter(self, wanted: c_int64) -> Callable[[], object]:
+        """A function that sets the number to 1 for which steps end, and wakes what waits for the next one."""
+        return functools.partial(self._shared["gz_interrupt"], ctypes.byref(wanted))
+
     def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A prepared scan that can be run again and again, see gz_scan in rays.c; it keeps the arrays alive."""
         frame, rays, ranges, rows = (

@@ -6,14 +6,16 @@
  * in the same order; a test compares the bits.
  */
 #define _GNU_SOURCE
+#include <linux/futex.h>
 #include <string.h>
 #include <sys/sem.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "crew.h"
 #include "updates.h"
 
-#define NAP 1e-3 /* [s] at most between two looks whether another thread wants the world */
+#define NAP 4e-3 /* [s] at least that an idle world sleeps: the steps that were due meanwhile follow each other then */
 
 /* Kind in records.py. */
 enum { PYTHON, BEGIN, DUE, LAW, CAST, ADVANCE, PUBLISH, POST };
@@ -93,6 +95,8 @@ union semun {
     struct semid_ds *buf;
     unsigned short *array;
 };
+
+static int is_wanted(const updates *u) { return *(const volatile int64_t *)u->wanted != 0; }
 
 static int begin(const tables *t, clock_record *clock, const beginning *b)
 {
@@ -180,18 +184,65 @@ int64_t gz_updates_run(const updates *u, int64_t i, int64_t end)
     return i;
 }
 
-/* Wait until the next step is due in real time; 0 if that is after the end, or if Python has to count anew. */
-static int wait_until_due(const updates *u, const pace_record *p, double end)
+enum { SEMAPHORES = 16 };
+
+/* Whether a client has waited for the end of a step since the last one. */
+static int was_awaited(const posting *p)
+{
+    unsigned short now[SEMAPHORES];
+    union semun argument;
+    argument.array = now;
+    return p->set >= 0 && (semctl((int)p->set, 0, GETALL, argument) < 0 || memcmp(now, p->values, sizeof now));
+}
+
+/* Whether nobody can see when a step is made: nothing moves, and no client waits. */
+static int is_idle(const updates *u, int64_t count)
+{
+    int64_t i;
+    if (!gz_is_at_rest(u->tables->context))
+        return 0;
+    for (i = 0; i < count; i++)
+        if (u->rows[i].kind == POST && was_awaited(u->rows[i].part))
+            return 0;
+    return 1;
+}
+
+/* Note that another thread wants the world, and wake the one that sleeps until a step is due. */
+void gz_interrupt(int64_t *wanted)
+{
+    *(volatile int64_t *)wanted = 1;
+    syscall(SYS_futex, wanted, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);
+}
+
+/* Sleep, at most until another thread wants the world. */
+static void nap(const int64_t *wanted, double seconds)
+{
+    struct timespec time = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
+    syscall(SYS_futex, wanted, FUTEX_WAIT_PRIVATE, 0, &time, NULL, 0);
+}
+
+/* How long it is until the next step is due in real time [s]. */
+static double time_left(const updates *u, const pace_record *p)
 {
     double passed = (u->clock->sim_time + u->clock->pause_time - p->simulated) / p->speed;
+    return p->start + passed - now_monotonic();
+}
+
+/* Wait until the next step is to be made; 0 if that is after the end, if another thread wants the world, or if Python has to
+ * count anew. Whoever wants it finds no step missing that was due while an idle world slept. */
+static int wait_until_due(const updates *u, int64_t count, const pace_record *p, double end)
+{
     for (;;) {
-        double now = now_monotonic(), ahead = p->start + passed - now;
-        struct timespec nap = {0, (long)(1e9 * (ahead < NAP ? ahead : NAP))};
+        double ahead = time_left(u, p);
         if (ahead <= 0.0)
-            return ahead > -p->debt;
-        if (now + ahead >= end || *(const volatile int64_t *)u->wanted)
+            return ahead > -p->debt && (!is_wanted(u) || gz_is_at_rest(u->tables->context));
+        if (is_wanted(u))
             return 0;
-        nanosleep(&nap, NULL);
+        if (ahead < NAP && is_idle(u, count))
+            ahead = NAP;
+        if (now_monotonic() + ahead >= end)
+            return 0;
+        nap(u->wanted, ahead);
     }
 }
 
@@ -206,8 +257,7 @@ int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, doubl
         i = gz_updates_run(u, 0, count);
         if (i < count)
             return i;
-    } while (--*steps > 0 && !*(const volatile int64_t *)u->wanted && now_monotonic() < end &&
-             (!pace || wait_until_due(u, pace, end)));
+    } while (--*steps > 0 && now_monotonic() < end && (pace ? wait_until_due(u, count, pace, end) : !is_wanted(u)));
     return count;
 }
 

@@ -98,6 +98,7 @@ typedef struct {
 /* step.c, motion.c, rays.c: exported; the context of a step is opaque here. */
 int gz_step(void *context);
 void gz_disturb(void *context);
+int gz_is_at_rest(const void *context);
 void gz_wake(void *body, int always);
 void gz_read_body(void *context, int64_t row);
 void gz_note_effort(void *context, void *efforts, int axis, double effort);

@@ -138,6 +138,7 @@ class Engine:
         self.tables = Tables(self._context, lib)
         self.native = Step(self._context)
         self._step = self.native.step
+        self.lock.interrupt = self.native.interrupter(self.lock.wanted)
         self._thread = 0  # that stepped last
         self._destroy = weakref.finalize(
             self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in), self.native.release

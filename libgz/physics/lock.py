@@ -46,6 +46,8 @@ class WorldLock:
     Attributes:
         waiting: threads that wait for it, by their numbers, and since when [s]; a step lets them pass first.
         wanted: not 0 if one has begun to wait, or interrupted, since it was last set to 0; for native code.
+        interrupt: sets that to 1, so that native code ends its steps after the present one, or its wait for the next:
+            something else has to be done between them.
         report: called once by a thread that has waited for 5 s, with the number of the thread that holds the lock.
         owned: whether the calling thread holds it.
         release: end what `try_acquire` or `acquire` began.
@@ -59,6 +61,7 @@ class WorldLock:
         self.owned: Callable[[], bool] = lock._is_owned  # type: ignore[attr-defined]
         self.waiting: dict[int, float] = {}
         self.wanted = c_int64(0)
+        self.interrupt: Callable[[], object] = functools.partial(setattr, self.wanted, "value", 1)
         self.report: Callable[[int], object] | None = None
 
     def acquire(self) -> None:
@@ -70,7 +73,8 @@ class WorldLock:
         """Hold the lock, which another thread holds, as soon as it is released; False if it is not in that time [s]."""
         me = threading.get_ident()
         self.waiting[me] = begin = time.monotonic()
-        self.wanted.value, due = 1, begin + LONG
+        self.interrupt()
+        due = begin + LONG
         try:
             while not self._lock.acquire(timeout=PERIOD):
                 if time.monotonic() >= begin + patience:
@@ -90,10 +94,6 @@ class WorldLock:
         first, end = dict(self.waiting), time.monotonic() + _YIELD
         while time.monotonic() < end and any(self.waiting.get(thread) == since for thread, since in first.items()):
             time.sleep(2e-5)
-
-    def interrupt(self) -> None:
-        """Let native code end its steps after the present one: something else has to be done between them."""
-        self.wanted.value = 1
 
     def pass_on(self) -> None:
         """Let those that wait now hold the lock, which this thread holds, and take it again."""

@@ -1,7 +1,11 @@
 """Steps in which sensors, plugins and topics have nothing to do are made without them, and nobody can tell."""
 
+import resource
+import threading
+
 from sensor_worlds import box, get, imu, model, ray, sensor, world_of
 
+import libgz
 from libgz.classic import physics, transport
 from libgz.classic.server import attach
 from libgz.simulation.pacing import Pacer
@@ -72,3 +76,42 @@ def test_paced_steps_follow_each_other_without_python(monkeypatch):
         begin = world.GetRealTime()
         assert world.step_on(5, pacer) == 5
         assert world.GetRealTime() - begin >= 4 * 2e-4
+
+
+PHYSICS = "<physics type='ode'><max_step_size>0.001</max_step_size></physics>"
+EMPTY = f"<sdf version='1.6'><world name='w'>{PHYSICS}</world></sdf>"
+
+
+def started(world, speed):
+    """A pacer whose first step is due."""
+    pacer = Pacer(speed)
+    while not pacer.sleep(world.GetSimTime()):
+        pass
+    return pacer
+
+
+def test_steps_of_a_world_at_rest_share_a_wake_up(monkeypatch):
+    monkeypatch.setattr("libgz.ode.step.LONGEST", 60.0)
+    with libgz.World.from_string(EMPTY) as world:
+        world.step(256)  # until Python looks for bodies that fell
+        pacer = started(world, 10.0)
+        before = resource.getrusage(resource.RUSAGE_THREAD).ru_nvcsw
+        assert world.step_on(250, pacer) == 250  # of 0.1 ms of real time
+        assert resource.getrusage(resource.RUSAGE_THREAD).ru_nvcsw - before <= 15
+
+
+def test_whoever_wants_a_world_that_waits_for_its_next_step_has_it_at_once(monkeypatch):
+    monkeypatch.setattr("libgz.ode.step.LONGEST", 1e9)
+    with libgz.World.from_string(EMPTY) as world:
+        world.step(3)
+        pacer, found = started(world, 1e-9), []  # the next step but one is due in days
+
+        def look():
+            with world.lock:
+                found.append(world.iterations)
+
+        looker = threading.Timer(0.1, look)
+        looker.start()
+        assert world.step_on(10, pacer) == 1
+        looker.join()
+        assert found == [4]

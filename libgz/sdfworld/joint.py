@@ -45,6 +45,7 @@ from libgz.sdfworld.mechanism import (
     mechanism_class,
     ode_number,
 )
+from libgz.simulation.recorder import Recorder, recorded_as
 
 __all__ = ["Place", "SdfJoint", "place_of"]
 
@@ -78,6 +79,18 @@ _description = attrgetter(
         for name in names
     ),
 )
+
+
+def _number(column: int) -> Callable[..., Any]:
+    """What laws record of a position or rate: a number of the engine's joint where it is one."""
+
+    def read(recorder: Recorder, joint: SdfJoint, index: int = 0) -> Any:
+        plain = recorder.joint_of(joint.plain_joint, joint.engine)
+        if plain is not None and not index:
+            return recorder.state(plain, Joint, column)
+        return recorder.call(SdfJoint.velocity if column else SdfJoint.position, joint, index)
+
+    return read
 
 
 class SdfJoint:
@@ -288,7 +301,8 @@ class SdfJoint:
                 setattr(axis, key, number)
         self.record.given, self._stop_turns, self._spring_stops = map(dict, tables)
         present = type(self._mechanism).__name__ if self._mechanism is not None else None
-        if (present, [place_of(self.parent), place_of(self.child)]) != (name, ends):
+        holds = [place_of(self.parent), place_of(self.child)]
+        if (present, holds) != (name, [None if place is None else tuple(place) for place in ends]):
             self._rejoin(name is not None, Links(*map(find, ends)))
         if plan.feedback != feedback:
             self.provide_feedback(feedback)
@@ -331,6 +345,7 @@ class SdfJoint:
 
     # Motion ----------------------------------------------------------------------------------------------------------
 
+    @recorded_as(_number(0))
     @law
     def position(self, index: int = 0) -> float:
         """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint, as in Gazebo."""
@@ -349,6 +364,7 @@ class SdfJoint:
         if self._mechanism is not None:
             self._mechanism.count_from(position, index)
 
+    @recorded_as(_number(2))
     @law
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; 0 for a ball or fixed joint."""

@@ -20,11 +20,12 @@ from numpy.typing import NDArray
 
 from libgz.base.geometry import GzPose, GzQuatern, GzVector
 from libgz.base.law import LeftToPython, Number, Operation, Term, is_constant, is_law, wrong
-from libgz.base.records import LawRecord, OperationRecord
+from libgz.base.records import LawRecord, OperationRecord, TableRecord
 from libgz.ode.lib import ode
 from libgz.ode.types import dParamVel, dParamVel2
 from libgz.physics.body import Body, point_velocity
 from libgz.physics.check import LARGEST
+from libgz.physics.engine import Engine
 from libgz.physics.joint import AxisJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.rays import RayProximity
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
@@ -104,8 +105,8 @@ class Recorder:
         self.interface = interface
         link = interface.link if interface is not None else None
         self._memory = (int(link.memory), int(link.size)) if link is not None and link.memory else (0, 0)
-        self.operations: list[OperationRecord] = []
-        self.effects: list[OperationRecord] = []
+        self.operations: list[bytes] = []  # of `OperationRecord`s, which are copied in one piece then
+        self.effects: list[bytes] = []
         self.kept: list[object] = [interface]  # what the operations point to
         self._written: dict[int, Term] = {}  # what doubles of ours are set to
         self._states: dict[int, int] = {}  # where the numbers of a body or joint are
@@ -117,6 +118,8 @@ class Recorder:
         self._taken: dict[tuple[int, str], tuple[Any, str, Any]] = {}  # attributes that were taken as they are
         self._found: list[tuple[types.MethodType, Any, Any]] = []  # what methods returned: method, arguments, result
         self._handles: dict[int, tuple[Any, int, int]] = {}  # bodies and joints, with handle and row
+        self._made: list[tuple[Callable[[], Any], Any]] = []  # what holds as long as an engine has the same objects
+        self._engines: dict[int, tuple[TableRecord, int]] = {}  # tables, and what they counted when that was seen
 
     def record(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Call a law, a method.
@@ -137,7 +140,7 @@ class Recorder:
             conditional: whether rows depend on what the law returned.
         """
         every = (*self.operations, *self.effects)
-        operations = (OperationRecord * len(every))(*every)
+        operations = (OperationRecord * len(every)).from_buffer_copy(b"".join(every))
         link = self.interface.link if self.interface is not None else None
         address = None if link is None else ctypes.addressof(link)
         record = LawRecord(address, ctypes.addressof(operations), len(every), self.returned if conditional else None)
@@ -159,9 +162,11 @@ class Recorder:
 
     def holds(self) -> bool:
         """Whether objects are as they were when they were recorded."""
-        for thing, id_, row in self._handles.values():
-            if thing.closed or (thing.id, thing.row) != (id_, row):
-                return False
+        for tables, changes in self._engines.values():
+            if tables.changes != changes:
+                if not self._has_objects():
+                    return False
+                break
         for method, values, found in self._found:
             if not _is_as(found, method(*values)):
                 return False
@@ -171,6 +176,16 @@ class Recorder:
                 continue
             if not _is_as(before, now):
                 return False
+        return True
+
+    def _has_objects(self) -> bool:
+        """Whether bodies and joints are those that were recorded; they change only when rows are taken or freed."""
+        for thing, id_, row in self._handles.values():
+            if thing.closed or (thing.id, thing.row) != (id_, row):
+                return False
+        if any(find() is not found for find, found in self._made):
+            return False
+        self._engines = {key: (tables, tables.changes) for key, (tables, _) in self._engines.items()}
         return True
 
     # Operations --------------------------------------------------------------------------------------------------
@@ -224,11 +239,11 @@ class Recorder:
     def add(self, operation: Operation, **values: Any) -> None:
         """Note a condition or an effect as it is."""
         effect = operation >= Operation.STORE
-        (self.effects if effect else self.operations).append(OperationRecord(code=operation, **values))
+        (self.effects if effect else self.operations).append(bytes(OperationRecord(code=operation, **values)))
 
     def _add(
         self,
-        to: list[OperationRecord],
+        to: list[bytes],
         operation: Operation,
         operands: list[tuple[int, int]],
         result: int | None = None,
@@ -236,7 +251,7 @@ class Recorder:
     ) -> None:
         padded = [*operands, (None, 0), (None, 0)][:3]
         addresses, strides = [address for address, _ in padded], [stride for _, stride in padded]
-        to.append(OperationRecord(operation, count, tuple(strides), 0, *addresses, result))
+        to.append(bytes(OperationRecord(operation, count, tuple(strides), 0, *addresses, result)))
 
     def _registers(self, count: int) -> int:
         """The address of so many doubles, mostly next to those before."""
@@ -492,7 +507,7 @@ class Recorder:
             operation = Operation.BODY_STATE if kind is Body else Operation.JOINT_STATE
             self.add(operation, one=thing.id, two=thing.row, result=result)
             self._states[id(thing)] = result
-            self._handles[id(thing)] = (thing, thing.id, thing.row)
+            self._hold(thing)
         return Term(self, self._states[id(thing)] + 8 * column)
 
     def _has_moved(self, thing: Any, column: int) -> bool:
@@ -510,8 +525,28 @@ class Recorder:
         if thing.row < 0 or thing.closed:
             raise LeftToPython(repr(thing))
         self.add(operation, one=thing.id, two=thing.row)
-        self._handles[id(thing)] = (thing, thing.id, thing.row)
+        self._hold(thing)
         return int(thing.id)
+
+    def _hold(self, thing: Any) -> None:
+        """Note which body or joint it is."""
+        self._handles[id(thing)] = (thing, thing.id, thing.row)
+        self._watch(thing.engine)
+
+    def _watch(self, engine: Engine) -> None:
+        tables = engine.tables.record
+        self._engines.setdefault(id(tables), (tables, tables.changes))
+
+    def joint_of(self, find: Callable[[], Joint | None], engine: Engine) -> Joint | None:
+        """What a function finds that depends on nothing but which objects an engine has."""
+        found = find()
+        self._made.append((find, found))
+        self._watch(engine)
+        return found
+
+    def call(self, function: Callable[..., Any], thing: Any, *values: Any) -> Any:
+        """What a law computes."""
+        return function(Traced(self, thing), *values)
 
     def address(self, value: Any) -> int:
         """Where a number is that an effect uses."""
@@ -532,7 +567,7 @@ class Recorder:
             raise LeftToPython(repr(joint))
         result = self._registers(4)
         self.add(Operation.VECTOR, one=joint.id, two=joint.row, three=ode().address(function), result=result)
-        self._handles[id(joint)] = (joint, joint.id, joint.row)
+        self._hold(joint)
         terms: Any = [Term(self, result + 8 * i) for i in range(3)]
         return GzVector(*terms)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable, Generator, Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -112,7 +111,9 @@ class Stepping:
             return 0
         if self._contact or self._end or not self._begin.obeys_laws:
             return 0
-        until = min((companion.idle_until() for companion in self.world.companions), default=math.inf)
+        if not self.world.companions:
+            return MOST_FREE
+        until = min(companion.idle_until() for companion in self.world.companions)
         free = (until - self.world.clock.sim_time) / self.world.engine.step_time - STEP_TOLERANCE
         return int(max(0.0, min(free, MOST_FREE)))
 

@@ -412,42 +412,47 @@ class LawCall:
 
     def __init__(self, world: HasRows, method: Callable[[], object]) -> None:
         self.world, self._method = world, method
-        self._run, _ = world.engine.native.updates()
+        self._native = is_law(method)
         self._recorder: Recorder | None = None
-        self._record: LawRecord | None = None
-        self._table: Any = None
+        self._run: Callable[[], int] | None = None  # None: Python computes it
+        self._address = 0
         self._kept: object = None
         self._refused = -1  # how often the rows had been built when it could not be recorded
 
     @property
     def address(self) -> int:
         """Of its `LawRecord`, for a job; 0 where Python has to compute it now."""
+        return self._address if self._is_recorded() else 0
+
+    def _is_recorded(self) -> bool:
+        """Whether native code can compute it now."""
         rows = self.world.rows
-        if not (rows.native and is_law(self._method)):
-            return 0
-        if self._recorder is None or not self._recorder.holds():
-            if self._refused == rows.builds:
-                return 0
+        if not (self._native and rows.native):
+            return False
+        if (self._recorder is None or not self._recorder.holds()) and self._refused != rows.builds:
             self._record_again()
-        return 0 if self._record is None else ctypes.addressof(self._record)
+        return self._run is not None
 
     def _record_again(self) -> None:
         recorder = Recorder()
-        self._recorder = self._record = None
+        self._recorder = self._run = None
         try:
             recorder.record(self._method)
         except LeftToPython:
             self._refused = self.world.rows.builds
             return
-        self._recorder, (self._record, kept) = recorder, recorder.result()
-        row = (Row * 1)(Row(Kind.LAW, 0, ctypes.addressof(self._record)))
+        self._recorder, (record, kept) = recorder, recorder.result()
+        self._address = ctypes.addressof(record)
+        row = (Row * 1)(Row(Kind.LAW, 0, self._address))
         tables, clock = self.world.engine.tables.record, self.world.clock
-        self._table = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, row)))
-        self._kept = (kept, row)
+        table = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, row)))
+        run, _ = self.world.engine.native.updates()
+        self._run = partial(run, ctypes.byref(table), ctypes.c_int64(0), ctypes.c_int64(1))
+        self._kept = (record, kept, row)
 
     def __call__(self) -> None:
         """Compute it; the caller holds the world's lock."""
-        if not self.address or not self._run(ctypes.byref(self._table), 0, 1):
+        if not self._is_recorded() or self._run is None or not self._run():
             self._method()
 
 

@@ -128,3 +128,20 @@ def test_a_law_sees_what_an_episode_has_set():
         for aim in (1.5, -2.0):
             env.aim = aim
             assert env.step([0.0])[1] == aim
+
+
+def test_a_law_sees_that_a_joint_was_released_and_joined_again():
+    """Which joint the engine has is looked at only where rows of its tables were taken or freed."""
+    env = gymnasium.make("libgz/DoublePendulum-v0").unwrapped
+    env.reset(seed=1)
+    elbow = env._joints[2]
+    before = env.step([0.0])[0]
+    parent, child = elbow.parent, elbow.child
+    elbow.detach()
+    assert env.step([0.0])[0].tolist()[3:5] == [0.0, 1.0]
+    elbow.attach(parent, child)
+    after = env.step([0.0])[0]
+    assert env._law.address
+    env.close()
+    assert after[3] != 0.0 != before[3]
+    assert after[6] != 0.0

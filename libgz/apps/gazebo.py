@@ -207,7 +207,7 @@ class Run:
             if self.capture is not None:
                 self.capture.take()
             if self.control is not None:
-                moved, speed = self.control.act(), self.control.requests.speed
+                moved, speed = self.control.act(), self.control.speed
                 if moved or speed not in (None, pacer.speed):
                     pacer = Pacer(pacer.speed if speed is None else speed)
             while not self.over(done) and not pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
@@ -220,7 +220,7 @@ class Run:
 
     def _most(self, done: int) -> int:
         """How many steps may follow each other, after a number of steps, without anything to do between them."""
-        if self.recorders or self.capture is not None or (self.control is not None and self.control.requests.follows):
+        if self.recorders or self.capture is not None or (self.control is not None and self.control.follows):
             return 1
         return MOST_STEPS if self.steps is None else self.steps - done
 

@@ -248,7 +248,7 @@ class Server:
     ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
-            watched = self._play is not None or control is not None or recorders or snapshots.requests.follows
+            watched = self._play is not None or control is not None or recorders or snapshots.follows
             done += self._step(core, control, 1 if watched else self._most(done), pacer)
             for recorder in recorders:
                 recorder.take()

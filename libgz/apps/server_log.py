@@ -9,15 +9,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import libgz.classic.log as logs
 from libgz.apps.console import number_from_zero
 from libgz.classic.log.control import PlaybackControl, RecordControl
 from libgz.classic.log.file import ENCODINGS
-from libgz.classic.log.record import LogRecord
 from libgz.classic.server import attach
 from libgz.front import World
 
 if TYPE_CHECKING:
-    from libgz.classic.log.play import LogPlay
+    from libgz.classic.log import LogPlay, LogRecord
 
 __all__ = ["add_log_options", "keep_log"]
 
@@ -73,7 +73,7 @@ def keep_log(options: argparse.Namespace, core: World, play: LogPlay | None) -> 
 
 
 def _record(options: argparse.Namespace, core: World) -> LogRecord:
-    record = LogRecord(
+    record = logs.LogRecord(
         core,
         None if options.record_path is None else Path(options.record_path) / "state.log",
         period=options.record_period or 0.0,

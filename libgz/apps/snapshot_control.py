@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import logging
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from libgz.apps.console import number_above_zero
-from libgz.apps.world_control import WorldControl
 from libgz.base.errors import GazeboError, PluginError, ServerError
 from libgz.front import World
 from libgz.transport.control import Control, Request
 from libgz.transport.server import Server
+
+if TYPE_CHECKING:
+    from libgz.apps.world_control import WorldControl
 
 __all__ = ["SnapshotControl", "add_rewind_option"]
 
@@ -40,7 +43,7 @@ class SnapshotControl:
 
     def __init__(self, world: World, rewind: float | None = None, watch_only: bool = False) -> None:
         self.world, self._watch_only = world, watch_only
-        self.requests = WorldControl(world, watch_only)
+        self._requests: WorldControl | None = None
         self._control: Control | None = None
         if rewind is not None:
             world.keep_rewind(rewind)
@@ -59,9 +62,29 @@ class SnapshotControl:
         if self._control is not None:
             self._control.close()
 
+    @property
+    def requests(self) -> WorldControl:
+        """What answers all other requests, made for the first one: most runs get none."""
+        if self._requests is None:
+            from libgz.apps.world_control import WorldControl
+
+            self._requests = WorldControl(self.world, self._watch_only)
+        return self._requests
+
+    @property
+    def follows(self) -> bool:
+        """Whether `act` has something to do after each step."""
+        return self._requests is not None and self._requests.follows
+
+    @property
+    def speed(self) -> float | None:
+        """Simulated seconds per second of real time that was asked for; None before that."""
+        return self._requests.speed if self._requests is not None else None
+
     def act(self) -> bool:
         """Answer what was asked for, after each step; whether that set another time, from which pacing begins anew."""
-        self.requests.stepped()
+        if self._requests is not None:
+            self._requests.stepped()
         if self._control is None or not self._control.waiting:
             return False
         before = self._time()

@@ -34,7 +34,6 @@ from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import BUILT
-from libgz.simulation.reloading import reload
 from libgz.simulation.world import World as CoreWorld
 from libgz.transport.tally import Tally
 
@@ -575,6 +574,8 @@ class Commands:
         self._between_steps("~/plugin/reload", self._reload, message)
 
     def _reload(self, message: Any) -> None:
+        from libgz.simulation.reloading import reload  # most worlds do without it
+
         core = self._world.core
         self._respond(reload_response(message, functools.partial(reload, core)))
 

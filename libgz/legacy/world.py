@@ -12,15 +12,12 @@ from libgz.base.entities import encoded
 from libgz.base.errors import GazeboError, ParameterError, StateError, WorldFileError, advise
 from libgz.base.files import check_size, read_limited
 from libgz.base.geometry import GzPose, GzVector
-from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
 from libgz.legacy.plugin_search import load_edited
-from libgz.legacy.replacement import Replacement
 from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
-from libgz.legacy.sweeps import warn_of_sweeps
 from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
 from libgz.simulation.plugins import called
@@ -142,6 +139,8 @@ class LegacyWorld(Era):
         Raises:
             PluginError: a file fails, or a model; that one and those after it run on as they were.
         """
+        from libgz.legacy.replacement import Replacement  # most worlds do without it
+
         replaced: list[str] = []
         for path in self._files_called(name):
             models = [model for model, file in self._from_plugins() if file == path]
@@ -379,6 +378,9 @@ def _with_root(text: str) -> str:
 
 def _warn_of_models(models: Sequence[Model]) -> None:
     """Warn of models of this world that cannot rest or move as they are placed."""
+    from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps  # SDF worlds have checks of their own
+    from libgz.legacy.sweeps import warn_of_sweeps
+
     overlapping: set[frozenset[Model]] = set()
     overlapping = advise(warn_of_overlaps, overlapping, models)
     advise(warn_of_sweeps, None, models, overlapping)

@@ -12,7 +12,7 @@ import struct
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +23,11 @@ from libgz.base.errors import GazeboError
 from libgz.base.extras import install
 from libgz.base.files import is_file, open_file, read_file, read_text
 from libgz.physics.faces import cut_fans, cut_polygons, cut_strips
+from libgz.physics.mesh_parts import MeshPart, NamedImage, Texture
 from libgz.physics.meshes import triangle_normals, units
 
 __all__ = [
     "Collada",
-    "MeshPart",
-    "NamedImage",
-    "Texture",
     "read_mesh",
     "read_numbers",
     "reading",
@@ -52,52 +50,6 @@ LARGEST_COORDINATE = 1e6  # of a texture: how often it repeats
 MAP_OPTIONS = {"-o": 3, "-s": 3, "-t": 3, "-mm": 2} | dict.fromkeys(
     ("-blendu", "-blendv", "-bm", "-boost", "-cc", "-clamp", "-imfchan", "-texres", "-type"), 1
 )
-
-
-@dataclass(frozen=True)
-class NamedImage:
-    """An image: its name, as it is written in a file, which is the mesh or its material library."""
-
-    name: str
-    file: Path
-
-
-@dataclass(frozen=True, eq=False)
-class Texture:
-    """An image on a part.
-
-    Attributes:
-        image: by its name; None if the file names none, and a material may bring one.
-        coordinates: of the corners of each triangle, shape (m, 3, 2), (0, 0) is the lower left of the image; None if
-            the file has none for this part, or damaged ones.
-    """
-
-    image: NamedImage | None
-    coordinates: Array | None
-
-    def mirrored(self) -> Texture:
-        """The same for triangles whose corners are in the opposite order."""
-        return self if self.coordinates is None else replace(self, coordinates=self.coordinates[:, ::-1])
-
-
-@dataclass
-class MeshPart:
-    """A piece of a mesh: vertices [m], shape (n, 3); triangles, shape (m, 3); its colour, if the file gives one.
-
-    Texture coordinates and normals belong to corners, so that they do not change which vertices triangles share.
-
-    Attributes:
-        color: diffuse, with an alpha below 1 where the file makes it transparent.
-        normals: of the corners of each triangle, unit vectors, zero where unknown, shape (m, 3, 3); None if the file
-            has none for this part, or damaged ones.
-    """
-
-    name: str
-    vertices: Array
-    triangles: NDArray[np.int64]
-    color: tuple[float, ...] | None = None
-    texture: Texture | None = None
-    normals: Array | None = None
 
 
 def read_mesh(path: Path) -> list[MeshPart]:

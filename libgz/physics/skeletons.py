@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from libgz.base.errors import GazeboError
 from libgz.base.files import is_file
 from libgz.ode.bones import blend_bones, join_bones
-from libgz.physics.mesh_files import Collada, Texture, reading, step_matrix
+from libgz.physics.mesh_files import Collada, reading, step_matrix
+from libgz.physics.mesh_parts import Texture
 
 __all__ = ["Figure", "SkeletonAnimation", "SkinPart", "matrix_turns", "read_figure", "turn_matrices"]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.base.errors import Diagnostics, Remark, WorldFileError
-from libgz.sdf.description import LATER, NEWEST
+from libgz.sdf.description import LATER, NEWEST, OLDEST
 from libgz.sdf.xacro.recognition import has_macros
 from libgz.sdf.xml import (
     PLACE,
@@ -31,9 +31,8 @@ from libgz.sdf.xml import (
     parse_document,
 )
 
-__all__ = ["OLDEST", "Change", "convert", "upgrade_document"]
+__all__ = ["Change", "convert", "upgrade_document"]
 
-OLDEST = "1.0"
 VERSIONS = (OLDEST, "1.1", "1.2", "1.3", "1.4", "1.5", NEWEST)
 SENSORS = ("camera", "ray", "contact")  # types with an element of their name
 TABLE = Path(__file__).with_name("conversions.tsv")

@@ -18,6 +18,7 @@ from libgz.base.errors import ParameterError
 
 __all__ = ["LATER", "NEWEST", "UNITS", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
 
+OLDEST = "1.0"
 NEWEST = "1.6"  # that is written, and has all that worlds of Gazebo classic need
 LATER = ("1.7", "1.8", "1.9")
 VERSIONS = ("1.4", "1.5", NEWEST, *LATER)

@@ -17,8 +17,7 @@ from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, Place,
 from libgz.base.files import read_limited
 from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
 from libgz.sdf.bounds import in_bounds
-from libgz.sdf.conversion import OLDEST, convert
-from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
+from libgz.sdf.description import NEWEST, OLDEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
 from libgz.sdf.paths import find_model
@@ -193,6 +192,8 @@ class SdfFile:
             self._error(xml, f"version {given!r} is not allowed; {OLDEST} to {VERSIONS[-1]} are")
             return NEWEST
         if number < (1, 4):
+            from libgz.sdf.conversion import convert  # few documents are that old
+
             convert(xml, given, VERSIONS[0], self.label)
             self._warn(xml, f"version {given} is read as {VERSIONS[0]}; `libgz upgrade` writes it as {NEWEST}")
             return VERSIONS[0]

@@ -8,7 +8,7 @@ from urllib.parse import unquote
 
 from libgz.base.errors import NotFoundError
 from libgz.base.files import is_file
-from libgz.physics.mesh_files import NamedImage, Texture
+from libgz.physics.mesh_parts import NamedImage, Texture
 from libgz.sdf.paths import find_uri
 
 __all__ = ["find_image", "found_images"]

@@ -25,7 +25,7 @@ from libgz.physics.geoms import (
     SphereGeom,
     TriMeshGeom,
 )
-from libgz.physics.mesh_files import MeshPart, NamedImage, read_mesh
+from libgz.physics.mesh_parts import MeshPart, NamedImage
 from libgz.physics.meshes import corner_normals, grid_triangles, units, vertex_normals
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
@@ -241,6 +241,8 @@ def _find(shape: Element) -> Path:
 
 def _read(shape: Element, _element: Element) -> list[MeshPart]:
     """The parts of a mesh file, scaled; of a `<submesh>` those of its name, centred on the origin on request."""
+    from libgz.physics.mesh_files import read_mesh  # many worlds have none
+
     path = _find(shape)
     parts = read_mesh(path)
     scale = np.array(shape.Get(GzVector, "scale"))

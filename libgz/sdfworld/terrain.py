@@ -18,7 +18,7 @@ from libgz.base.files import is_file
 from libgz.base.geometry import GzVector
 from libgz.physics.check import positive
 from libgz.physics.image_files import open_image
-from libgz.physics.mesh_files import MeshPart
+from libgz.physics.mesh_parts import MeshPart
 from libgz.physics.meshes import grid_triangles
 from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element

@@ -35,7 +35,6 @@ from libgz.physics.joint import Joint
 from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
 from libgz.simulation.agenda import Agenda
-from libgz.simulation.batch import Batch, Columns
 from libgz.simulation.buttons import Buttons
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
@@ -47,8 +46,6 @@ from libgz.simulation.journal import Journal
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problem, Problems
 from libgz.simulation.publication import Publication
-from libgz.simulation.reloading import Reloader, reload
-from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.snapshot import Snapshots
@@ -59,6 +56,11 @@ from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import LocalServer, Server
 from libgz.transport.tables import LocalTables
+
+if TYPE_CHECKING:
+    from libgz.simulation.batch import Batch, Columns
+    from libgz.simulation.reloading import Reloader
+    from libgz.simulation.rewind import Rewind
 
 if TYPE_CHECKING:  # for the types that `interface` returns; written by scripts/make_overloads.py
     from libgz.interfaces.actarray import Actarray
@@ -666,6 +668,8 @@ class World(Closing):
                 the server writes.
             ClosedError: the world is closed, or `Initialize` was not called.
         """
+        from libgz.simulation.batch import Batch  # most worlds do without it
+
         self._check_ready("controlled")
         return Batch(self, commands, readings)
 
@@ -803,6 +807,8 @@ class World(Closing):
             ParameterError: a number is negative, or not finite.
             GazeboError: the world's state cannot be saved; see `get_state`.
         """
+        from libgz.simulation.rewind import Rewind  # most worlds do without it
+
         for value, what in ((seconds, "seconds"), (interval, "interval [s]"), (megabytes, "megabytes")):
             finite(not_negative(value, what), what)
         with self.lock:
@@ -891,6 +897,8 @@ class World(Closing):
             GazeboError: a step is under way, or plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
         """
+        from libgz.simulation.reloading import reload  # most worlds do without it
+
         with self.lock:
             self._check_ready("changed")
             return reload(self, name)

@@ -17,7 +17,6 @@ from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.base.files import check_size, expand, is_file, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
-from libgz.worldfile.source import element_spans, splice
 from libgz.worldfile.spelling import DEFAULT_STEP, OLD_MODELS, OLD_ORIGIN_HEIGHT, OLD_TAGS
 
 __all__ = ["WorldFile"]
@@ -315,6 +314,8 @@ class WorldFile:
         changes = self.changes
         if not (changes or removed or appended or only):
             return self.source
+        from libgz.worldfile.source import splice  # most files stay as they are
+
         children = {number: [(child.name, child.content) for child in c] for number, c in changes.children.items()}
         return splice(
             self.source, changes.texts, changes.attributes, children, self.encoding,
@@ -323,6 +324,8 @@ class WorldFile:
 
     def _adopted(self, node: WorldFileNode, removed: Collection[WorldFileNode]) -> bytes:
         """The bytes of an element of another worldfile, which declare the prefixes that this file's root does not."""
+        from libgz.worldfile.source import element_spans
+
         other = WorldFile.of(node)
         gone = {n.number for n in removed if n.file is other}
         text = other._changed_source(gone, only=node.number).decode(other.encoding)

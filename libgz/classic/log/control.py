@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import GazeboError
-from libgz.classic import msgs
-from libgz.classic.log.record import LogRecord, log_folder
+from libgz.classic import log as logs, msgs
+from libgz.classic.log.file import log_folder
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
 from libgz.classic.transport.address import publicized_address
 
 if TYPE_CHECKING:
-    from libgz.classic.log.play import LogPlay
+    from libgz.classic.log import LogPlay, LogRecord
 
 __all__ = ["PlaybackControl", "RecordControl"]
 
@@ -59,7 +59,7 @@ class RecordControl:
             self._base = Path(message.base_path) if message.base_path else None
             path = self._base / "state.log" if self._base is not None else None
             try:
-                self.record = LogRecord(self._world, path, encoding=message.encoding or "zlib")
+                self.record = logs.LogRecord(self._world, path, encoding=message.encoding or "zlib")
                 log.info("recording to [%s]", self.record.path)
                 self._watch()
             except GazeboError as error:

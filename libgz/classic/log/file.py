@@ -24,7 +24,7 @@ from libgz.base.errors import ParameterError, WorldFileError, nearest
 from libgz.base.files import open_file
 from libgz.base.numbers import whole_number
 
-__all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
+__all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter", "log_folder"]
 
 LARGEST_SEED = (1 << 32) - 1
 MOST_IN_HEADER = 20  # elements
@@ -38,6 +38,11 @@ ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[Budget, bytes], b
     "txt": (bytes, lambda _, data: data),
 }
 _DECLARATION = re.compile(r"<\?xml[^<>]*\?>")
+
+
+def log_folder() -> Path:
+    """Return the folder of logs: ``<GAZEBO_LOG_PATH or ~/.gazebo>/log``."""
+    return Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / "log"
 
 
 class LogHeader(NamedTuple):

@@ -13,7 +13,7 @@ from types import TracebackType
 from libgz.base.errors import ParameterError, WorldFileError
 from libgz.base.geometry import GzPose, GzVector
 from libgz.base.pattern import Pattern
-from libgz.classic.log.file import LogWriter
+from libgz.classic.log.file import LogWriter, log_folder
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
@@ -29,11 +29,6 @@ from libgz.simulation.world import World as CoreWorld
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]
 
 log = logging.getLogger("libgz.classic")
-
-
-def log_folder() -> Path:
-    """Return the folder of logs: ``<GAZEBO_LOG_PATH or ~/.gazebo>/log``."""
-    return Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / "log"
 
 
 def default_log_path() -> Path:

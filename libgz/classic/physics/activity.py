@@ -13,7 +13,6 @@ from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.joint import Joint
-from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.place import found_at, place_if_there, place_of
@@ -23,6 +22,7 @@ from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
     from libgz.classic.common import Battery
+    from libgz.classic.physics.joint_controller import JointController
     from libgz.classic.physics.world import World
     from libgz.simulation.plan import Plan
 
@@ -58,6 +58,8 @@ class Activity:
         """The joint controller of a model, created on first use; one of a removed model has no effect."""
         found = self._controllers.get(model)
         if found is None:
+            from libgz.classic.physics.joint_controller import JointController
+
             found = JointController(model)
             if model.core in self._world.core.models:
                 known = {**self._controllers, model: found}

@@ -13,7 +13,6 @@ from libgz.classic.names import takes_names
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.joint import Joint, first_axes
-from libgz.classic.physics.ray_shape import MultiRayShape, RayShape
 from libgz.physics.check import finite, not_negative
 from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint
@@ -22,6 +21,7 @@ from libgz.sdfworld.world import SdfWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
+    from libgz.classic.physics.ray_shape import MultiRayShape, RayShape
     from libgz.classic.physics.world import Model, World
     from libgz.physics.engine import Engine
     from libgz.physics.lock import WorldLock
@@ -301,6 +301,8 @@ class PhysicsEngine:
         Raises:
             ParameterError: the type is neither, or a ``multiray`` has no collision.
         """
+        from libgz.classic.physics.ray_shape import MultiRayShape, RayShape  # of sensors
+
         if type == "multiray":
             if collision is None:
                 raise ParameterError('CreateShape("multiray", collision) takes a collision, to whose link it is fixed')

@@ -22,7 +22,6 @@ from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
-from libgz.classic.physics.inertial import Inertial
 from libgz.classic.physics.insertion import described
 from libgz.classic.physics.shape import shape_of
 from libgz.classic.physics.state import LinkState
@@ -31,6 +30,7 @@ from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.common import Battery
+    from libgz.classic.physics.inertial import Inertial
     from libgz.classic.physics.world import Joint, Model
     from libgz.physics.body import Body
     from libgz.sdf.element import Element
@@ -276,6 +276,8 @@ class Link(Entity):
     def GetInertial(self) -> Inertial:
         """Mass and inertia: the same object at each call. Changes to it act at UpdateMass."""
         if self._inertial is None:
+            from libgz.classic.physics.inertial import Inertial
+
             self._inertial = Inertial(self.body, self._sdf)
             self._world.server.activity.edited[self] = None
         return self._inertial

@@ -108,6 +108,7 @@ def test_a_server_of_classic_loads_only_what_its_world_needs(tmp_path, monkeypat
         "libgz.classic.physics.inertial",
         "libgz.classic.physics.joint_controller",
         "libgz.classic.physics.ray_shape",
+        "libgz.classic.physics.state",
         "libgz.legacy.checks",
         "libgz.sdf.conversion",
         "libgz.sdf.state",

@@ -27,7 +27,6 @@ from libgz.classic.physics.insertion import insert_now
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
-from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
@@ -590,6 +589,8 @@ class Commands:
 
     def _sdf(self) -> str:
         """The world as SDF, with all entities that were inserted."""
+        from libgz.classic.physics.state import world_text  # most worlds do without it
+
         return world_text(self._world)
 
 

@@ -24,13 +24,13 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.insertion import described
 from libgz.classic.physics.shape import shape_of
-from libgz.classic.physics.state import LinkState
 from libgz.physics.geom import Geom
 from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.common import Battery
     from libgz.classic.physics.inertial import Inertial
+    from libgz.classic.physics.state import LinkState
     from libgz.classic.physics.world import Joint, Model
     from libgz.physics.body import Body
     from libgz.sdf.element import Element

@@ -15,7 +15,6 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.gripper import Gripper
 from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.link import Link
-from libgz.classic.physics.state import ModelState
 from libgz.physics.geom import Geom
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import SdfModel
@@ -24,6 +23,7 @@ from libgz.simulation.entity import Entity as CoreModel
 if TYPE_CHECKING:
     from libgz.classic.common import NumericAnimation
     from libgz.classic.physics.joint_controller import JointController
+    from libgz.classic.physics.state import ModelState
     from libgz.classic.physics.world import World
     from libgz.physics.body import Body
     from libgz.sdf.element import Element

@@ -29,7 +29,6 @@ from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
-from libgz.classic.physics.state import WorldState, save_world
 from libgz.classic.physics.wind import Wind
 from libgz.classic.physics.world_services import WorldServices
 from libgz.physics.check import LARGEST, finite_tuple
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
 
     from libgz.classic import sdf as classic_sdf
     from libgz.classic.physics.collision import Collision
+    from libgz.classic.physics.state import WorldState
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
     from libgz.physics.lock import WorldLock
@@ -553,6 +553,8 @@ class World(Base):
         Raises:
             WorldFileError: the file cannot be written.
         """
+        from libgz.classic.physics.state import save_world  # most worlds do without it
+
         save_world(self, Path(filename))
 
 

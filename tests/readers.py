@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import os
 import re
 import struct
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from sample_files import TEXTURE_FORMATS, sample, with_library, with_texture, worlds
+from sample_files import SETTINGS, TEXTURE_FORMATS, sample, with_library, with_texture, worlds
 
 from libgz import GazeboError, GzVector, World
 from libgz.base.errors import UNFORESEEN, StateError
@@ -22,11 +23,17 @@ from libgz.models.gzb import read_gzb
 from libgz.models.roadfile import read_road
 from libgz.physics.bone_motion import read_motion
 from libgz.physics.mesh_files import read_mesh
+from libgz.player.configuration import read_configuration
 from libgz.recording.capture import Capture
 from libgz.recording.reader import LogReader as McapReader
 from libgz.rendering.image import read_image
 from libgz.rendering.skin import read_skin
+from libgz.ros.packages import exported_folders, with_paths
+from libgz.ros.parameters import Parameters
+from libgz.sdf.packages import all_packages, find_package
 from libgz.sdf.upgrade import NEWEST
+from libgz.study.variant import Variant
+from libgz.sweep.study import Study
 from libgz.view.assets import Assets
 from libgz.view.local import LocalSource
 from libgz.view.protocol import scene_message
@@ -80,8 +87,8 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
 ASSETS = tuple(ASSET_WORLDS)
 SAVED = ("state", "mcap", "log")  # what libgz itself wrote while a world ran; log: state.log
 MAGIC, CHUNK, DATA_END = b"\x89MCAP0\r\n", 0x06, 0x0F  # of an MCAP file
-KINDS = ("legacy", "sdf", "xacro", *ASSETS, *SAVED)
-TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl", "log")
+KINDS = ("legacy", "sdf", "xacro", *ASSETS, *SAVED, *SETTINGS)
+TEXT = ("legacy", "sdf", "xacro", "road", "obj", "dae", "bvh", "mtl", "log", *SETTINGS)
 WITH_LOOKS = ("obj", "dae", "mtl", "texture")  # kinds that say how meshes look
 
 
@@ -92,7 +99,7 @@ def seeds(kind: str) -> list[bytes]:
     if kind == "sdf":
         robots = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.urdf"))
         files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
-        return [path.read_bytes() for path in files]
+        return [path.read_bytes() for path in (*files, *_further(".sdf", ".world", ".urdf"))]
     if kind == "mcap":
         return [_log(), uncompressed(_log())]
     if kind == "log":
@@ -100,8 +107,18 @@ def seeds(kind: str) -> list[bytes]:
     if kind == "state":
         return [_world(path).get_state() for path in STATE_WORLDS]
     if kind == "xacro":
-        return [(ROOT / "tests" / "data" / "urdf" / "features.xacro").read_bytes()]
+        files = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.xacro"))
+        return [path.read_bytes() for path in (*files, *_further(".xacro"))]
+    if kind in SETTINGS:
+        return [text.encode() for text in SETTINGS[kind]]
     return [sample(kind, number) for number in range(len(TEXTURE_FORMATS) if kind == "texture" else 2)]
+
+
+def _further(*suffixes: str) -> list[Path]:
+    """Files of the folder TRIAL_SEEDS, such as checkouts of public robots, with these suffixes."""
+    folder = os.environ.get("TRIAL_SEEDS")
+    found = sorted(Path(folder).rglob("*")) if folder else []
+    return [path for path in found if path.suffix in suffixes and path.is_file() and path.stat().st_size < 200_000]
 
 
 def warm() -> None:
@@ -133,6 +150,8 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
         return _problem(path, _read_log)
     if kind == "log":
         return _problem(path, _play_state_log)
+    if kind in SETTINGS:
+        return _problem_of_settings(kind, path, load)
     if kind not in ASSETS:
         return _problem(path, load, line=True)
     for reader in READERS[kind]:
@@ -142,6 +161,42 @@ def problem(kind: str, path: Path, after: Callable[[World], object] | None = Non
     world = path.with_suffix(".world")
     world.write_text(ASSET_WORLDS[kind].format(path.name, path.stem))
     return _problem(world, load, line=True)
+
+
+def _problem_of_settings(kind: str, path: Path, load: Callable[[Path], None]) -> str:
+    """Read a file that says how to run what others contain."""
+    if kind == "player":
+        return _problem(path, read_configuration, line=True)
+    if kind == "parameters":
+        return _problem(path, lambda path: Parameters().read(path))
+    if kind == "study":
+        return _problem(path, _read_study)
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    if kind == "material":
+        world = path.with_suffix(".world")
+        script = "<material><script><uri>{}</uri><name>{}</name></script></material>"
+        scripts = (f"<visual name='{n}'><geometry/>{script.format(path, n)}</visual>" for n in ("Plain", "Own", "none"))
+        world.write_text(f"<sdf version='1.6'><model name='m'><link name='l'>{''.join(scripts)}</link></model></sdf>")
+        return _problem(world, load, line=True)
+    world = folder / "a.world"
+    world.write_text(f"<sdf version='1.6'><world name='w'><include><uri>{folder}</uri></include></world></sdf>")
+    (folder / "model.sdf").write_text("<sdf version='1.6'><model name='m'><link name='l'/></model></sdf>")
+    path.replace(folder / ("model.config" if kind == "config" else "package.xml"))
+    if kind == "config":
+        return _problem(world, load, line=True)
+    os.environ["ROS_PACKAGE_PATH"] = str(folder)  # one package, known by its folder's name whatever its manifest says
+    if list(all_packages([folder])) != [folder] or find_package(folder.name, [folder]) != folder:
+        return "the package is not found by its folder's name"
+    exported_folders()
+    return "" if with_paths(f"package://{folder.name}/a") == f"file://{folder}/a" else "its path is not inserted"
+
+
+def _read_study(path: Path) -> None:
+    study = Study.load(path)
+    for number in range(min(len(study), 3)):
+        with contextlib.suppress(GazeboError):  # of the world, with these values
+            Variant(study.world).load(study.run(number).changes).close()
 
 
 STATE_WORLDS = (installed_worlds() / "pioneer2at.world", ROOT / "examples" / "sdf" / "gripper.world")

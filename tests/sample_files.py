@@ -11,9 +11,126 @@ from PIL import Image
 
 from libgz.base.files import installed_worlds
 
-__all__ = ["TEXTURE_FORMATS", "chunk", "model_3ds", "sample", "with_library", "with_texture"]
+__all__ = ["SETTINGS", "TEXTURE_FORMATS", "chunk", "model_3ds", "sample", "with_library", "with_texture"]
 
 TEXTURE_FORMATS = ("PNG", "JPEG", "PPM", "BMP", "TGA", "GIF", "DDS", "TIFF", "JPEG2000", "WEBP", "PCX", "ICO", "SGI")
+
+
+# Files that say how to run or show what others contain.
+SETTINGS = {
+    "player": (
+        """driver
+(
+  name "gz_position"
+  provides ["6665:position:0"]
+  gz_id "robot1" # the robot
+)
+driver ( name "gz_stereo" gz_id "s" provides ["right::camera:0" "left_disparity::camera:1"] save 1 )
+""",
+        """define robot driver ( name "gz_position" gz_id "a" )
+robot ( provides ["position:3"] gz_id "b" )
+sonar:1 ( driver "gz_sonars" port 6670 gz_id "b" )
+window ( size [700 740] scale 0.028 )
+""",
+        """driver ( name "gazebo" provides ["simulation:0"] plugin "libgazeboplugin" server_id "default" )
+driver ( name "gazebo" provides ["localhost:6667:ptz:0"] gz_id "head" alwayson true )
+driver ( name "vfh" provides ["position:1"] requires ["position:0" "laser:0"] cell_size 0.1 )
+""",
+    ),
+    "parameters": (
+        """/**:
+  ros__parameters:
+    use_sim_time: true
+    gains: [1.0, 2, -3e4]
+    names: ['a', b]
+/robot/*:
+  controller_manager:
+    ros__parameters:
+      update_rate: 100
+      a.b: {c: 0x10, d: 1_000}
+base: &base {p: 10.0}
+arm:
+  ros__parameters:
+    joint: *base
+    text: |
+      lines
+      of it
+""",
+    ),
+    "study": (
+        '''world = """<gz:w xmlns:gz='g' xmlns:model='m'><model:SimpleSolid>
+<id>crate</id><xyz>0 0 1</xyz></model:SimpleSolid></gz:w>"""
+duration = 1.0
+seeds = 2
+repeats = 2
+solver = "quick"
+[parameters]
+"crate/mass" = [1.0, 8]
+"crate/xyz[0]" = { uniform = [0.5, 0.8] }
+"crate/surfaceFriction" = { normal = [1, 0.1] }
+[measures]
+distance = "crate/pos[0]"
+highest = { of = "crate/linear_vel", reduce = "max" }
+[limits]
+time = 60
+memory = 2000
+''',
+    ),
+    "material": (
+        """// a script
+material Plain
+{
+  technique
+  {
+    pass
+    {
+      ambient 0.5 0.5 0.5 1
+      diffuse 1 0 0
+      specular 1 1 1 1 12.5
+      emissive 0 0 0
+      scene_blend alpha_blend
+      lighting off
+      texture_unit
+      {
+        texture none.png
+        scale 0.5 0.5
+        rotate 90
+        scroll 0.1 0.2
+        alpha_op_ex source1 src_manual src_current 0.5
+      }
+    }
+  }
+}
+/* and */ material Own : Plain
+{
+}
+""",
+    ),
+    "config": (
+        """<?xml version="1.0"?>
+<model>
+  <name>Door</name>
+  <version>1.0</version>
+  <sdf version="1.4">model.sdf</sdf>
+  <sdf version="1.6">model.sdf</sdf>
+  <author><name>A</name><email>a@example.org</email></author>
+  <description>A door &amp; its frame.</description>
+</model>
+""",
+    ),
+    "manifest": (
+        """<?xml version="1.0"?>
+<package format="3">
+  <name>robot_pack</name>
+  <version>0.0.1</version>
+  <depend condition="$ROS_VERSION == 1">gazebo_ros</depend>
+  <export>
+    <gazebo_ros gazebo_model_path="${prefix}/models" plugin_path="${prefix}/lib"/>
+  </export>
+</package>
+""",
+    ),
+}
 
 
 def chunk(kind, *parts):

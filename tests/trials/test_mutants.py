@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import pytest
 from forked import Failure, note, run_trials
-from mutants import mutant
+from mutants import OWN_NAME, mutant
 from readers import ASSETS, SAVED, TEXT, problem, seeds, warm
-from sample_files import sample
+from sample_files import SETTINGS, sample
 from trials.table import trial
 
 from libgz import World
@@ -18,7 +18,7 @@ from libgz.rendering.choice import prefer
 pytestmark = pytest.mark.trial
 
 SEED = int(os.environ.get("TRIAL_SEED") or random.SystemRandom().randrange(1 << 32))
-WORLDS = int(os.environ.get("TRIAL_WORLDS") or 100_000)  # legacy and SDF together
+WORLDS = int(os.environ.get("TRIAL_WORLDS") or 100_000)  # of both eras together, and of robots in macros
 ASSET_COUNT = int(os.environ.get("TRIAL_ASSETS") or 10_000)  # of each kind
 FIRST = int(os.environ.get("TRIAL_FIRST") or 0)  # number of the first mutant
 PROCESSES = int(os.environ.get("TRIAL_PROCESSES") or os.cpu_count() or 1)
@@ -59,14 +59,16 @@ def after_load(world: World) -> None:
     world.step(1)
 
 
-@pytest.mark.parametrize("era", ["legacy", "sdf"])
+@pytest.mark.parametrize("era", ["legacy", "sdf", "xacro"])
 def test_mutated_worldfiles_load_or_name_file_and_line(era, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     sources = seeds(era)
+    donors = [*sources, *seeds("sdf")]
 
     def action(number: int) -> str:
-        path = tmp_path / f"m{os.getpid()}.world"
-        path.write_bytes(mutant(SEED, number, sources[number % len(sources)], text=True))
+        path = tmp_path / f"m{os.getpid()}" / OWN_NAME
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(mutant(SEED, number, sources[number % len(sources)], text=True, donors=donors))
         return problem(era, path, after_load)
 
     repeat = f"TRIAL_SEED={SEED} TRIAL_WORLDS=2 TRIAL_FIRST=NUMBER make trials"
@@ -80,6 +82,18 @@ def test_mutated_logs_and_states_are_read_or_refused(kind, tmp_path):
     def action(number: int) -> str:
         path = tmp_path / f"m{os.getpid()}.{kind}"
         path.write_bytes(mutant(SEED, number, sources[number % len(sources)], text=False))
+        return problem(kind, path)
+
+    check(action, ASSET_COUNT, kind, f"TRIAL_SEED={SEED} TRIAL_ASSETS=1 TRIAL_FIRST=NUMBER make trials")
+
+
+@pytest.mark.parametrize("kind", SETTINGS)
+def test_mutated_settings_are_read_or_refused(kind, tmp_path):
+    sources = seeds(kind)
+
+    def action(number: int) -> str:
+        path = tmp_path / f"m{os.getpid()}.{kind}"
+        path.write_bytes(mutant(SEED, number, sources[number % len(sources)], text=True))
         return problem(kind, path)
 
     check(action, ASSET_COUNT, kind, f"TRIAL_SEED={SEED} TRIAL_ASSETS=1 TRIAL_FIRST=NUMBER make trials")

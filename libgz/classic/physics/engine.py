@@ -292,21 +292,21 @@ class PhysicsEngine:
     @overload
     def CreateShape(self, type: Literal["ray"], collision: Collision | None = None) -> RayShape: ...
     @overload
-    def CreateShape(self, type: Literal["multiray"], collision: Collision) -> MultiRayShape: ...
+    def CreateShape(self, type: Literal["multiray"], collision: Collision | None = None) -> MultiRayShape: ...
     @overload
     def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape | MultiRayShape: ...
     def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape | MultiRayShape:
-        """A new ray, ``ray``, with a collision fixed to its link; or ``multiray``, fixed to a link, for AddRay.
+        """A new ray, ``ray``, or several, ``multiray``, for AddRay; with a collision they are fixed to its link.
 
         Raises:
-            ParameterError: the type is neither, or a ``multiray`` has no collision.
+            ParameterError: the type is neither.
         """
         from libgz.classic.physics.ray_shape import MultiRayShape, RayShape  # of sensors
 
         if type == "multiray":
-            if collision is None:
-                raise ParameterError('CreateShape("multiray", collision) takes a collision, to whose link it is fixed')
-            return MultiRayShape(collision.link.body, GzPose())
+            return MultiRayShape(
+                self._world.core.engine, collision.link.body if collision is not None else None, GzPose()
+            )
         if type != "ray":
             raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray and multiray")
         return RayShape(self._world, collision.link if collision is not None else None)

@@ -164,10 +164,11 @@ def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offse
 
 
 class MultiRayShape:
-    """The rays of a laser, fixed to a link; they also hit the link itself.
+    """The rays of a laser, fixed to a link, or to the world; they also hit the link itself.
 
     Args:
-        body: the link.
+        engine: the world's engine.
+        body: the link; None: the world frame.
         offset: pose of the laser in the link frame [m].
         grid: the directions of the rays; None for none, until AddRay.
     """
@@ -177,9 +178,9 @@ class MultiRayShape:
         "_reached",
     )
 
-    def __init__(self, body: Body, offset: GzPose, grid: ScanGrid | None = None) -> None:
+    def __init__(self, engine: Engine, body: Body | None, offset: GzPose, grid: ScanGrid | None = None) -> None:
         self.body = body
-        self._engine: Engine = body.engine
+        self._engine = engine
         self._scans = Event("NewLaserScans")
         if grid is None:
             self.grid = ScanGrid((0, 1), ((0.0, 0.0), (0.0, 0.0)), (0.0, sys.float_info.max))
@@ -200,7 +201,7 @@ class MultiRayShape:
         return "multiray"
 
     def AddRay(self, start: VectorLike, end: VectorLike) -> None:
-        """Add a ray between two points in the link frame [m].
+        """Add a ray between two points in the frame of the link, or of the world [m].
 
         Raises:
             ParameterError: both are the same point, or not finite, or out of range; or there are too many rays.
@@ -218,7 +219,7 @@ class MultiRayShape:
 
     def Update(self) -> None:
         """Cast all rays, from the present pose of the link."""
-        pose = self.body.GetPose()
+        pose = self._frame()
         frame = np.array((*pose.pos, *pose.rot))
         self._engine.scan(frame, self._rays, 0, self._reached, self._rows)
         if self.grid.reach[0] > 0.0:
@@ -226,9 +227,12 @@ class MultiRayShape:
         if self._scans:
             self._scans()
 
+    def _frame(self) -> GzPose:
+        return GzPose() if self.body is None else self.body.GetPose()
+
     def _stop_at_near(self, frame: NDArray[np.float64]) -> None:
         """Let what stands nearer than the minimum range stop its rays there; parts of the laser's own model do not."""
-        near, own = self._rays.copy(), _top(self.body)
+        near, own = self._rays.copy(), None if self.body is None else _top(self.body)
         near[:, :3] -= near[:, 3:6] * self.grid.reach[0]
         near[:, 6] = self.grid.reach[0]
         which = np.arange(len(near))
@@ -281,7 +285,7 @@ class MultiRayShape:
 
     def segments(self) -> NDArray[np.float64]:
         """Start of all rays, and their hits or ends [m], in the world frame, shape (n, 2, 3)."""
-        pose = self.body.GetPose()
+        pose = self._frame()
         axes = np.array([rotate(pose.rot, axis) for axis in np.eye(3)])
         starts = self._rays[:, :3] @ axes + pose.pos
         reach = np.minimum(self._reached, self._rays[:, 6])[:, None]

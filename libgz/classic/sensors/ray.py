@@ -60,7 +60,7 @@ class RaySensor(LinkSensor):
         self._resolution = number(reach, "resolution", 0.0, unit="m")
         self._readings = horizontal[1], vertical[1]
         grid = ScanGrid((horizontal[0], vertical[0]), (horizontal[2], vertical[2]), (near, far))
-        self._shape = MultiRayShape(parent.body, self._pose, grid)
+        self._shape = MultiRayShape(parent.body.engine, parent.body, self._pose, grid)
         self._mixing = _mixing(grid.samples, self._readings) if grid.samples != self._readings else None
         self._ranges: NDArray[np.float64] = np.zeros(0)
         self._retros: NDArray[np.float64] = np.zeros(0)

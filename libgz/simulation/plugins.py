@@ -135,7 +135,7 @@ def _absent(folder: Path, names: list[str], builds: bool) -> str:
         return (
             f"{source} is C++ source, which cannot be loaded; port it to Python as {port} beside it (docs/plugins.md)"
         )
-    near = nearest(names[0], [f for f in files if f.endswith(".py")])
+    near = nearest(names[0], [f for f in files if f.endswith(".py") and not f.startswith("_")])
     return f"has no {names[0]}{near}"
 
 

@@ -100,6 +100,12 @@ def test_a_missing_plugin_is_reported_with_all_places_and_the_world_runs(run, ca
     assert "the current directory" in caplog.text
 
 
+def test_files_that_are_no_plugins_are_not_suggested(run, caplog):
+    run(element("a", "lib_boxes1.so"))
+    assert "did you mean '" in caplog.text
+    assert "'_" not in caplog.text
+
+
 def test_a_plugin_of_the_wrong_kind_is_reported_with_classics_message(plugin, run, caplog):
     plugin("m", "class P(ModelPlugin): pass\nGZ_REGISTER_MODEL_PLUGIN(P)")
     run(element("m"))

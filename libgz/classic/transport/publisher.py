@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import threading
 import time as clock
 import weakref
 from collections import deque
@@ -17,6 +18,19 @@ from libgz.simulation.event import owner
 __all__ = ["Publisher", "drop_waiting", "queue_message", "waiting_messages"]
 
 POLL = 0.002  # [s] between checks for a subscriber
+
+
+class _Outbox(deque[tuple[int, Message]]):
+    """The messages of a publisher that wait, each with a place in the manager's queue, and their numbers."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lock = threading.Lock()  # held while either changes: threads publish while another one delivers
+
+    def empty(self) -> None:
+        """Drop all messages."""
+        with self.lock:
+            self.clear()
 
 
 class Publisher:
@@ -37,7 +51,7 @@ class Publisher:
         self._limit = queueLimit
         self._period = 1.0 / hzRate if hzRate else 0.0
         self._due = 0.0
-        self._outbox: deque[tuple[int, Message]] = deque()
+        self._outbox = _Outbox()
         # Not a method of this object: waiting messages are delivered even if the publisher is dropped before.
         self._send_one = functools.partial(_send_one, topic, self._outbox)
         self._open = True
@@ -73,9 +87,7 @@ class Publisher:
         self.latest = entry = (next(sequence), message.copy())
         topic = self._topic
         if here and topic.subscribers:
-            if len(self._outbox) < self._limit or not self._drop():
-                self._manager.queue.append(self._send_one)
-            self._outbox.append(entry)
+            self._put(entry)
             if block:
                 self.SendMessage()
         if topic.remote and (remote := self._manager.remote) is not None:
@@ -91,20 +103,22 @@ class Publisher:
         finally:
             self._manager.delivering.release()
 
-    def _drop(self) -> bool:
-        """Drop the oldest waiting message, so that another can take its place in the queue."""
-        try:
-            self._outbox.popleft()
-        except IndexError:
-            return False
-        if not self._warned:
+    def _put(self, entry: tuple[int, Message]) -> None:
+        """Let a message wait; one too many takes the place of the oldest."""
+        with self._outbox.lock:
+            full = len(self._outbox) >= self._limit
+            if full:
+                self._outbox.popleft()
+            else:
+                self._manager.queue.append(self._send_one)
+            self._outbox.append(entry)
+        if full and not self._warned:
             self._warned = True
             log.warning(
                 "topic %s: more than %d messages wait; the oldest are dropped (reported once)",
                 self._topic.name,
                 self._limit,
             )
-        return True
 
     def HasConnections(self) -> bool:
         """Whether there is a subscriber, in this or another process."""
@@ -141,7 +155,7 @@ class Publisher:
 
     def ClearBuffer(self) -> None:
         """Drop the waiting messages."""
-        self._outbox.clear()
+        self._outbox.empty()
 
     def Fini(self) -> None:
         """End the publication. Waiting messages are still delivered."""
@@ -157,13 +171,12 @@ class Publisher:
             TopicManager.Instance().refresh_later(topic)
 
 
-def _send_one(topic: Topic, outbox: deque[tuple[int, Message]]) -> None:
+def _send_one(topic: Topic, outbox: _Outbox) -> None:
     """Deliver the oldest waiting message, if SendMessage has not done it yet."""
-    try:
-        entry = outbox.popleft()
-    except IndexError:
-        return
-    topic.deliver(*entry)
+    with outbox.lock:
+        entry = outbox.popleft() if outbox else None
+    if entry is not None:
+        topic.deliver(*entry)
 
 
 # States of worlds -----------------------------------------------------------------------------------------------------
@@ -191,7 +204,7 @@ def drop_waiting(prefix: str) -> None:
         if isinstance(deliver, functools.partial) and deliver.func is _send_one:
             topic, outbox = deliver.args
             if topic.name.startswith(prefix):
-                outbox.clear()
+                outbox.empty()
         elif isinstance(deliver, _Waiting) and deliver.topic.startswith(prefix):
             queue.remove(deliver)
 

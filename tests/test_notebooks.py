@@ -123,7 +123,8 @@ def test_a_view_is_embedded_and_runs_the_world():
             time.sleep(0.01)
         assert not source.state().paused
         controls.ask("pause", "on")
-        time.sleep(0.1)
+        while not source.state().paused:
+            time.sleep(0.01)
         stopped = world.GetSimTime()
         controls.ask("step", "3")
         deadline = time.monotonic() + 20.0

@@ -8,6 +8,7 @@ import subprocess
 import textwrap
 import threading
 import time
+from pathlib import Path
 
 import pytest
 from gzserver_process import SERVER, new_environment
@@ -19,6 +20,7 @@ from libgz.simulation.watchdog import Watchdog
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 LOOP = """
 import time
+from pathlib import Path
 from libgz import GZ_REGISTER_PLUGIN, Body, Model
 
 class Loop(Model):
@@ -72,11 +74,19 @@ def read_until(stream, text, limit=30.0):
     return found.decode()
 
 
+def pending(pid):
+    """Whether signals wait for a process."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    return any(int(mask, 16) for mask in re.findall(r"^(?:SigPnd|ShdPnd):\s*(\w+)", status, re.MULTILINE))
+
+
 def end_by_two(process, first, second):
-    """Send two signals; the second one must end the process soon. Returns the exit code."""
+    """Send two signals; the first must not end the process, the second one soon. Returns the exit code."""
     process.send_signal(first)
-    time.sleep(0.5)
-    assert process.poll() is None, process.communicate()
+    while pending(process.pid) and process.poll() is None:  # a second one of its kind would be none
+        time.sleep(0.01)
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(0.5)
     begin = time.monotonic()
     process.send_signal(second)
     process.wait(20)
@@ -109,9 +119,10 @@ def test_a_second_signal_ends_an_endless_start(gazebo, tmp_path):
 
 def test_a_second_signal_ends_a_long_physics_step(gazebo, tmp_path):
     path = tmp_path / "solids.world"
-    path.write_text(f"{HEAD}<model:GroundPlane/>{SOLIDS}</gz:world>")
+    loop = loop_world(tmp_path, update="pass").read_text().removeprefix(HEAD).removesuffix("</gz:world>")
+    path.write_text(f"{HEAD}<model:GroundPlane/>{SOLIDS}{loop}</gz:world>")
     server = gazebo(path, "-n")
-    time.sleep(0.3)  # it is in the first step, which takes several seconds
+    read_until(server.process.stdout, "looping")  # its update is over, the step's physics take several seconds
     assert end_by_two(server.process, signal.SIGINT, signal.SIGINT) == 130
     assert not server.directory.exists()
 
@@ -169,9 +180,10 @@ def test_a_run_that_ends_after_the_second_signal_ends_as_usual(gazebo, tmp_path)
 
 
 def test_a_long_step_is_reported_once_by_name(gazebo, tmp_path):
-    server = gazebo(loop_world(tmp_path, update="time.sleep(6.5)"), "-n")
+    update = "time.sleep(0.01 if hasattr(self, 'slept') else 6.5)\n        self.slept = True"
+    server = gazebo(loop_world(tmp_path, update=update), "-n")
     text = read_until(server.process.stderr, "running is", 30)
-    time.sleep(1.0)
+    read_until(server.process.stdout, "looping\nlooping")  # the long step is over
     code, _, rest = server.stop(signal.SIGTERM)
     assert code == 0
     line = next(line for line in (text + rest).splitlines() if "running is" in line)

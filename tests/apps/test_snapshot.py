@@ -63,6 +63,16 @@ def wait(client, sim_time):
         time.sleep(0.01)
 
 
+def pause(client):
+    """Pause a server, and wait until its clock stands."""
+    sim = client.sim()
+    sim.data.pause, waited = 1, sim.data.pause_time
+    end = time.monotonic() + 30
+    while sim.data.pause_time <= waited:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
 def test_a_running_server_is_saved_restored_and_rewound(wire, serve, tmp_path):
     serve(gazebo(wire, "--rewind", 60, WORLD))
     control = Path(server_directory(wire)) / CONTROL_SOCKET
@@ -84,9 +94,7 @@ def test_a_running_server_is_saved_restored_and_rewound(wire, serve, tmp_path):
         assert robot.data.pos[0] < moved
         assert robot.data.cmd_vel_pos[0] == 0.0
         wait(client, restored + 1.0)
-        sim.data.pause, waited = 1, sim.data.pause_time
-        while sim.data.pause_time <= waited:  # its clock stands from here on
-            time.sleep(0.01)
+        pause(client)
         before = sim.data.sim_time
         done = run_libgz("snapshot", "rewind", "0.6", "-s", wire)
         assert done.returncode == 0, done.stderr
@@ -94,8 +102,7 @@ def test_a_running_server_is_saved_restored_and_rewound(wire, serve, tmp_path):
         done = run_libgz("snapshot", "rewind", "1000", "-s", wire)
         assert (done.returncode, done.stdout) == (1, "")
         assert "before the oldest state that was kept" in done.stderr
-        sim.data.pause = 1
-        time.sleep(0.1)
+        pause(client)
         done = run_libgz("snapshot", "restore", kept, "-s", wire)
         assert done.returncode == 0, done.stderr  # also while it is paused
         assert "control" not in run_libgz("interfaces", "-s", wire).stdout
@@ -151,7 +158,8 @@ def test_gzserver_with_a_server_id(wire, serve, tmp_path):
     serve([*SERVER, "--server-id", str(wire), "--rewind", "10", str(path)], env=environment)
     kept = tmp_path / "kept.state"
     assert run_libgz("snapshot", "save", kept, "-s", wire).returncode == 0
-    time.sleep(0.3)
+    with libgz.Client(wire, 0) as client:
+        wait(client, client.sim().data.sim_time + 0.1)
     done = run_libgz("snapshot", "restore", kept, "-s", wire)
     assert done.returncode == 0, done.stderr
     with libgz.World.from_file(path) as world:
@@ -181,10 +189,7 @@ def test_a_model_whose_state_cannot_be_saved_ends_a_strict_server_only(wire, ser
     server = serve(gazebo(wire, *["--strict"] * strict, path))
     assert run_libgz("snapshot", "save", kept, "-s", wire).returncode == 0
     with libgz.Client(wire, 0) as client:
-        sim = client.sim()
-        sim.data.pause, waited = 1, sim.data.pause_time
-        while sim.data.pause_time <= waited:
-            time.sleep(0.01)
+        pause(client)
     done = run_libgz("snapshot", "save", tmp_path / "x", "-s", wire)
     assert (done.returncode, done.stderr.count("ValueError: odd"), (tmp_path / "x").exists()) == (1, 1, False)
     if not strict:

@@ -209,8 +209,8 @@ def test_wrong_worlds_are_refused():
         worlds = libgz.Worlds([one, two])
         assert len(worlds) == 2
         assert list(worlds) == [one, two]
-        with pytest.raises(ParameterError, match="world 1 is one of other Worlds"):
-            libgz.Worlds([one.clone(), two])
+        with one.clone() as copy, pytest.raises(ParameterError, match="world 1 is one of other Worlds"):
+            libgz.Worlds([copy, two])
         two.close()
         with pytest.raises(ClosedError, match="world 1 of 2 is closed"):
             worlds.step()

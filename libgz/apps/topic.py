@@ -14,7 +14,7 @@ from libgz.apps.console import read_text
 from libgz.apps.server_link import PATIENCE, publish, receive
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.classic import msgs
-from libgz.classic.transport import Link, Node, TopicManager, connect, getAdvertisedTopics
+from libgz.classic.transport import Link, Node, TopicManager, connect
 from libgz.classic.transport.functions import request
 
 __all__ = ["configure", "run"]
@@ -83,8 +83,8 @@ def run(options: argparse.Namespace) -> int:
         )
     with connect(timeout=PATIENCE) as link, contextlib.suppress(KeyboardInterrupt):
         if options.list:
-            topics = getAdvertisedTopics()
-            print(json.dumps(list(topics)) if options.json else "\n".join(topics))
+            topics = TopicManager.Instance().TopicNames()
+            print(json.dumps(topics) if options.json else "\n".join(topics))
         elif options.request is not None:
             _request(options)
         else:
@@ -105,7 +105,7 @@ def _info(topic: str, as_json: bool) -> None:
     info = TopicManager.Instance().TopicInfo(topic)
     if not info.publisher and not info.subscriber:
         raise NotFoundError(
-            f"topic {topic} has no publishers and no subscribers{nearest(topic, getAdvertisedTopics())}"
+            f"topic {topic} has no publishers and no subscribers{nearest(topic, TopicManager.Instance().TopicNames())}"
         )
     if as_json:
         row = {"topic": topic, "type": info.msg_type}
@@ -113,7 +113,7 @@ def _info(topic: str, as_json: bool) -> None:
             row[title] = [{"host": end.host, "process": end.port} for end in ends]
         print(json.dumps(row))
         return
-    print(f"Type: {info.msg_type or '(no publishers)'}")
+    print(f"Type: {info.msg_type or '(unknown)'}")
     for title, ends in (("Publishers", info.publisher), ("Subscribers", info.subscriber)):
         print(f"\n{title}:")
         for end in ends:
@@ -225,10 +225,13 @@ def _text(options: argparse.Namespace) -> str:
 
 
 def _publish(node: Node, topic: str, options: argparse.Namespace) -> None:
-    text, known = _text(options), options.type or node.GetMsgType(topic)
+    manager, full = TopicManager.Instance(), node.DecodeTopicName(topic)
+    text, known = _text(options), options.type or manager.TopicInfo(full).msg_type
     if not known:
-        meant = nearest(node.DecodeTopicName(topic), getAdvertisedTopics())
-        raise ParameterError(f"topic {topic} has no publishers{meant}; give its type by -t, such as -t Vector3d")
+        others = [name for name in manager.TopicNames() if name != full]
+        raise ParameterError(
+            f"the type of topic {topic} is not known{nearest(full, others)}; give it by -t, such as -t Vector3d"
+        )
     message = msgs.message_type(known)()
     if text.lstrip().startswith("{"):
         try:

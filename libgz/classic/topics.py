@@ -186,23 +186,26 @@ class WorldTopics:
             self._user_commands.Publish,
         )
         handlers = {
-            "~/atmosphere": commands.atmosphere,
-            "~/factory": commands.factory,
-            "~/factory/light": commands.factory_light,
-            "~/light/modify": commands.light_modify,
-            "~/model/modify": commands.model_modify,
-            "~/physics": commands.physics,
-            "~/plugin/reload": commands.plugin_reload,
-            "~/request": commands.request,
-            "~/scene": commands.scene,
-            "~/undo_redo": commands.between_steps("~/undo_redo", user.undo_redo),
-            "~/user_cmd": commands.between_steps("~/user_cmd", user.carry_out),
-            "~/visual": commands.visual,
-            "~/wind": commands.wind,
-            "~/world_control": commands.world_control,
-            "/gazebo/server/control": commands.server_control,
+            "~/atmosphere": (commands.atmosphere, msgs.Atmosphere),
+            "~/factory": (commands.factory, msgs.Factory),
+            "~/factory/light": (commands.factory_light, msgs.Light),
+            "~/light/modify": (commands.light_modify, msgs.Light),
+            "~/model/modify": (commands.model_modify, msgs.Model),
+            "~/physics": (commands.physics, msgs.Physics),
+            "~/plugin/reload": (commands.plugin_reload, msgs.Request),
+            "~/request": (commands.request, msgs.Request),
+            "~/scene": (commands.scene, msgs.Scene),
+            "~/undo_redo": (commands.between_steps("~/undo_redo", user.undo_redo), msgs.UndoRedo),
+            "~/user_cmd": (commands.between_steps("~/user_cmd", user.carry_out), msgs.UserCmd),
+            "~/visual": (commands.visual, msgs.Visual),
+            "~/wind": (commands.wind, msgs.Wind),
+            "~/world_control": (commands.world_control, msgs.WorldControl),
+            "/gazebo/server/control": (commands.server_control, msgs.ServerControl),
         }
-        return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in handlers.items()]
+        return [
+            self._node.Subscribe(topic, commands.guarded(topic, handler), kind=kind)
+            for topic, (handler, kind) in handlers.items()
+        ]
 
     def save(self) -> list[tuple[str, Any]]:
         """The messages of this process that wait for delivery, as plain data.
@@ -267,13 +270,13 @@ class WorldTopics:
         commands, handlers = self._commands, {}
         for part in _with_nested(model):
             if part.GetJoints():
-                handlers[f"~/{part.GetScopedName()}/joint_cmd"] = commands.joint
+                handlers[f"~/{part.GetScopedName()}/joint_cmd"] = commands.joint, msgs.JointCmd
         for link in model.GetLinks() if not model.IsStatic() else ():
             name = link.GetScopedName()
-            handlers[f"~/{name}/wrench"] = functools.partial(commands.wrench, name)
+            handlers[f"~/{name}/wrench"] = functools.partial(commands.wrench, name), msgs.Wrench
         return [
-            self._node.Subscribe(topic.replace("::", "/"), commands.guarded(topic, handler))
-            for topic, handler in handlers.items()
+            self._node.Subscribe(topic.replace("::", "/"), commands.guarded(topic, handler), kind=kind)
+            for topic, (handler, kind) in handlers.items()
         ]
 
     def removed(self, entity: Model | Light) -> None:

@@ -53,14 +53,16 @@ def topic(*words, code=0):
 
 def test_list_and_info(node):
     ends = [node.Advertise(msgs.Pose, "~/b"), node.Advertise(msgs.Int, "~/a"), node.Subscribe("~/b", print)]
-    assert topic("-l").splitlines() == ["/gazebo/w/a", "/gazebo/w/b"]
     assert json.loads(topic("-l", "--json")) == ["/gazebo/w/a", "/gazebo/w/b"]
+    ends += [node.Subscribe("~/c", print, kind=msgs.Wind), node.Subscribe("~/d", print)]
     about = json.loads(topic("-i", "~/b", "--json"))
     assert (about["topic"], about["type"], len(about["publishers"])) == ("/gazebo/w/b", "gazebo.msgs.Pose", 1)
+    assert json.loads(topic("-i", "/gazebo/w/c", "--json"))["type"] == "gazebo.msgs.Wind"
+    assert topic("-l").splitlines() == ["/gazebo/w/a", "/gazebo/w/b", "/gazebo/w/c", "/gazebo/w/d"]
     text = topic("-i", "~/b")
     assert re.fullmatch(r"Type: gazebo.msgs.Pose\n\nPublishers:\n\t.*, process \d+\n\nSubscribers:\n\t.*\n", text)
     assert "did you mean '/gazebo/w/a'" in topic("-i", "~/aa", code=1)
-    assert len(ends) == 3
+    assert len(ends) == 5
 
 
 def test_echo(node):
@@ -89,7 +91,7 @@ def test_rate_and_bandwidth(node):
 def test_publish(node, tmp_path):
     got = []
     sub = node.Subscribe("~/v", got.append)
-    assert "give its type by -t" in topic("-p", "~/v", "-m", "x: 1", code=1)
+    assert "is not known; give it by -t, such as -t Vector3d" in topic("-p", "~/v", "-m", "x: 1", code=1)
     topic("-p", "~/v", "-t", "Vector3d", "-m", "x: 1")
     publisher = node.Advertise(msgs.Vector3d, "~/v")
     topic("-p", "/gazebo/w/v", "-m", '{"y": 2}')
@@ -105,6 +107,16 @@ def test_publish(node, tmp_path):
     assert [(m.x, m.y, m.z) for m in got] == [(1, 0, 0), (0, 2, 0), (3, 0, 4)]
     assert sub
     assert publisher
+
+
+def test_publish_where_only_a_subscriber_names_the_type(node):
+    got = []
+    sub = node.Subscribe("~/commands", got.append, kind="Vector3d")
+    topic("-p", "~/commands", "-m", "x: 1")
+    wait(lambda: got)
+    assert (type(got[0]), got[0].x) == (msgs.Vector3d, 1)
+    assert "did you mean '/gazebo/w/commands'" in topic("-p", "~/comands", "-m", "x: 1", code=1)
+    assert sub
 
 
 def test_request(node):

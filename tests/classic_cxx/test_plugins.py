@@ -204,6 +204,7 @@ def test_topics_and_threads(place, said, caplog):
         node = transport.Node()
         node.Init("default")
         pong = node.Subscribe("~/pong", lambda m: answers.append(m.x))
+        assert transport.TopicManager.Instance().TopicInfo("/gazebo/default/ping").msg_type == "gazebo.msgs.Vector3d"
         ping = node.Advertise(msgs.Vector3d, "~/ping")
         ping.Publish(msgs.Vector3d(x=1.5, y=0, z=0))
         world.step(3)

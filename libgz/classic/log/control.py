@@ -40,7 +40,7 @@ class RecordControl:
         self._node = Node()
         self._node.Init(world.core.topic_space)
         self._status = self._node.Advertise(msgs.LogStatus, "~/log/status")
-        self._subscriber = self._node.Subscribe("~/log/control", self._on_control)
+        self._subscriber = self._node.Subscribe("~/log/control", self._on_control, kind="LogControl")
         self._watch()
 
     def _watch(self) -> None:
@@ -103,7 +103,7 @@ class PlaybackControl:
         self._received: list[Any] = []
         self._node = Node()
         self._node.Init(play.world.core.topic_space)
-        self._subscriber = self._node.Subscribe("~/playback_control", self._received.append)
+        self._subscriber = self._node.Subscribe("~/playback_control", self._received.append, kind="LogPlaybackControl")
 
     def update(self) -> None:
         """Execute the received commands, between steps: within a step, models are added and removed only at its end."""

@@ -22,7 +22,7 @@ class DrivePlugin(ModelPlugin):
         """Subscribe to commands."""
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
+        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg, kind="Pose")
 
     def OnVelMsg(self, message: Any) -> None:
         """A new command."""

@@ -66,7 +66,7 @@ class ElevatorPlugin(ModelPlugin):
         self.Reset()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe(topic, self.OnRequest)
+        self.subscriber = self.node.Subscribe(topic, self.OnRequest, kind="GzString")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:

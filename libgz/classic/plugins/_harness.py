@@ -65,8 +65,8 @@ class HarnessPlugin(ModelPlugin):
         self.node.Init(model.GetWorld().Name())
         topic = f"~/{model.GetName()}/harness"
         self.subscribers = [
-            self.node.Subscribe(f"{topic}/velocity", self.OnVelocity),
-            self.node.Subscribe(f"{topic}/detach", self.OnDetach),
+            self.node.Subscribe(f"{topic}/velocity", self.OnVelocity, kind="GzString"),
+            self.node.Subscribe(f"{topic}/detach", self.OnDetach, kind="GzString"),
         ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 

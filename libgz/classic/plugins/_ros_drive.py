@@ -36,7 +36,9 @@ class RosDrive(PositionDrive):
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
-        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnVelMsg)
+        self.subscriber = self.node.Subscribe(
+            ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnVelMsg, kind="Pose"
+        )
         self.serve(
             model,
             left,

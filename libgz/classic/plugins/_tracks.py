@@ -69,8 +69,8 @@ class TrackedVehiclePlugin(ModelPlugin):
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.Vector2d, f"~/{space}/tracks_speed")
         self.subscribers = [
-            self.node.Subscribe(f"~/{space}/cmd_vel", self.OnVelMsg),
-            self.node.Subscribe(f"~/{space}/cmd_vel_twist", self.OnTwistMsg),
+            self.node.Subscribe(f"~/{space}/cmd_vel", self.OnVelMsg, kind="Pose"),
+            self.node.Subscribe(f"~/{space}/cmd_vel_twist", self.OnTwistMsg, kind="Twist"),
         ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 

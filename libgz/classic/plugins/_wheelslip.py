@@ -103,7 +103,7 @@ class WheelSlipPlugin(ModelPlugin):
             raise NotFoundError(f"{sdf.where}: <wheel> is missing; there must be one for each wheel that slips")
         setters = {"lateral": self.SetSlipComplianceLateral, "longitudinal": self.SetSlipComplianceLongitudinal}
         self.subscribers = [
-            self.node.Subscribe(f"{topic}/{way}_compliance", partial(self._on_compliance, way, setter))
+            self.node.Subscribe(f"{topic}/{way}_compliance", partial(self._on_compliance, way, setter), kind="GzString")
             for way, setter in setters.items()
         ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)

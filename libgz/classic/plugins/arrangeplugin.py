@@ -45,7 +45,7 @@ class ArrangePlugin(WorldPlugin):
         self.node = transport.Node()
         self.node.Init(world.Name())
         topic = sdf.Get(str, "topic_name", "~/arrange")[0].strip()
-        self.subscriber = self.node.Subscribe(topic, self.OnRequest)
+        self.subscriber = self.node.Subscribe(topic, self.OnRequest, kind="GzString")
 
     def Init(self) -> None:
         """Make the initial arrangement; all models are there now."""

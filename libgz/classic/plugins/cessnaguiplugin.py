@@ -54,7 +54,7 @@ class CessnaGUIPlugin(GUIPlugin):
         self.node = transport.Node()
         self.node.Init(gui.get_world())
         self.publisher = self.node.Advertise(msgs.Cessna, f"~/{MODEL}/control")
-        self.subscriber = self.node.Subscribe(f"~/{MODEL}/state", self.OnState)
+        self.subscriber = self.node.Subscribe(f"~/{MODEL}/state", self.OnState, kind="Cessna")
         self.connection = gui.Events.ConnectKeyPress(self.OnKeyPress)
 
     def OnState(self, message: Any) -> None:

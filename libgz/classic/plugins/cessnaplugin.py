@@ -58,7 +58,7 @@ class CessnaPlugin(ModelPlugin):
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.Cessna, f"~/{model.GetName()}/state")
-        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/control", self.OnControl)
+        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/control", self.OnControl, kind="Cessna")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     @staticmethod

@@ -47,7 +47,7 @@ class ContainPlugin(WorldPlugin):
         self.node = transport.Node()
         self.node.Init(space)
         self.publisher = self.node.Advertise(msgs.Int, f"/{space}/contain")
-        self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable)
+        self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable, kind="Int")
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 

@@ -46,7 +46,7 @@ class AckermannDrive(PeriodicPlugin):
         self.node = transport.Node()
         self.node.Init(self.world.Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
-        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnCmd)
+        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnCmd, kind="Pose")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:

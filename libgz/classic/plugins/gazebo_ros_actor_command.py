@@ -62,8 +62,8 @@ class GazeboRosActorCommand(ModelPlugin):
         self.node.Init(self.world.Name())
         topic = sdf.Get(str, "vel_topic", "/cmd_vel")[0].strip()
         self.subscribers = [
-            self.node.Subscribe(topic, self.OnVelocity),
-            self.node.Subscribe(sdf.Get(str, "path_topic", "/cmd_path")[0].strip(), self.OnPath),
+            self.node.Subscribe(topic, self.OnVelocity, kind="Pose"),
+            self.node.Subscribe(sdf.Get(str, "path_topic", "/cmd_path")[0].strip(), self.OnPath, kind="Pose_V"),
         ]
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)

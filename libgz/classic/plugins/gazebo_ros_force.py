@@ -45,7 +45,9 @@ class GazeboRosForce(ModelPlugin):
         self.relative = frame == "link"
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "topicName", "gazebo_ros_force"), self.OnWrench)
+        self.subscriber = self.node.Subscribe(
+            ros_topic(model, sdf, "topicName", "gazebo_ros_force"), self.OnWrench, kind="Wrench"
+        )
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
         self.Reset()
 

@@ -38,8 +38,12 @@ class GazeboRosLinkAttacher(WorldPlugin):
         self.node.Init(world.Name())
         self.publisher = self.node.Advertise(msgs.GzString, f"{SPACE}/status")
         self.subscribers = [
-            self.node.Subscribe(f"{SPACE}/attach", lambda message: self._do("attached", self.attach, message)),
-            self.node.Subscribe(f"{SPACE}/detach", lambda message: self._do("detached", self.detach, message)),
+            self.node.Subscribe(
+                f"{SPACE}/attach", lambda message: self._do("attached", self.attach, message), kind="GzString_V"
+            ),
+            self.node.Subscribe(
+                f"{SPACE}/detach", lambda message: self._do("detached", self.detach, message), kind="GzString_V"
+            ),
         ]
 
     def _do(self, what: str, act: Any, message: Any) -> None:

@@ -64,7 +64,9 @@ class GazeboRosTricycleDrive(PeriodicPlugin):
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
-        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnVelMsg)
+        self.subscriber = self.node.Subscribe(
+            ros_topic(model, sdf, "commandTopic", "cmd_vel"), self.OnVelMsg, kind="Pose"
+        )
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
         self.Reset()
 

@@ -49,7 +49,7 @@ class GazeboRosVacuumGripper(ModelPlugin):
         self.node = transport.Node()
         self.node.Init(self.world.Name())
         self.publisher = self.node.Advertise(msgs.Int, ros_topic(model, sdf, "topicName", "grasping"))
-        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "switchTopic", "switch"), self.OnSwitch)
+        self.subscriber = self.node.Subscribe(ros_topic(model, sdf, "switchTopic", "switch"), self.OnSwitch, kind="Int")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
         self.Reset()
 

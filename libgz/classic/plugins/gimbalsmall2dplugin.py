@@ -45,7 +45,7 @@ class GimbalSmall2dPlugin(ModelPlugin):
         self.node = transport.Node()
         self.node.Init(self.world.Name())
         self.publisher = self.node.Advertise(msgs.GzString, f"~/{model.GetName()}/gimbal_tilt_status")
-        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/gimbal_tilt_cmd", self.OnStringMsg)
+        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/gimbal_tilt_cmd", self.OnStringMsg, kind="GzString")
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 

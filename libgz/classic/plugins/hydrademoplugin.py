@@ -27,7 +27,7 @@ class HydraDemoPlugin(ModelPlugin):
         self.message: Any = None
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe("~/hydra", self.OnHydra)
+        self.subscriber = self.node.Subscribe("~/hydra", self.OnHydra, kind="Hydra")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:

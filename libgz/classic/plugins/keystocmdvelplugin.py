@@ -60,7 +60,7 @@ class KeysToCmdVelPlugin(ModelPlugin):
         self.node.Init(model.GetWorld().Name())
         self.message = msgs.Twist if self.LoadParam(sdf, "publish_as_twist", False) else msgs.Pose
         self.publisher = self.node.Advertise(self.message, topic)
-        self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyPress)
+        self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyPress, kind="Any")
 
     def OnKeyPress(self, message: Any) -> None:
         """A key was pressed."""

@@ -54,7 +54,7 @@ class KeysToJointsPlugin(ModelPlugin):
                 gzwarn(f"{error}; the map has no effect")
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyPress)
+        self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyPress, kind="Any")
 
     def _key(self, model: Model, element: Element) -> Key:
         for name in ("key", "joint", "scale", "type"):

@@ -50,7 +50,7 @@ class MisalignmentPlugin(WorldPlugin):
         self.node = transport.Node()
         self.node.Init(world.Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, f"/{space}/misalignment")
-        self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable)
+        self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable, kind="Int")
         self.initially = self.LoadParam(sdf, "enabled", True)
         self.connection: object | None = None
         self.enabled = False

@@ -125,7 +125,7 @@ class PlaneDemoPlugin(ModelPlugin):
         self.last = self.world.SimTime().Double()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyHit)
+        self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyHit, kind="Any")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def OnKeyHit(self, message: Any) -> None:

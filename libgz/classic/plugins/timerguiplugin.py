@@ -45,7 +45,9 @@ class TimerGUIPlugin(GUIPlugin):
             self.gui.AddButton("Reset", self.timer.Reset)
         self.node = transport.Node()
         self.node.Init(gui.get_world())
-        self.subscriber = self.node.Subscribe(sdf.Get(str, "topic", "~/timer_control")[0], self.OnTimerCtrl)
+        self.subscriber = self.node.Subscribe(
+            sdf.Get(str, "topic", "~/timer_control")[0], self.OnTimerCtrl, kind="GzString"
+        )
         self.OnPreRender()
         self.connection = Events.ConnectPreRender(self.OnPreRender)
 

@@ -47,7 +47,7 @@ class TouchPlugin(ModelPlugin):
         self.node = transport.Node()
         self.node.Init(space)
         self.publisher = self.node.Advertise(msgs.Int, f"/{space}/touched")
-        self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable)
+        self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable, kind="Int")
         self.Reset()
         self.connection = Events.ConnectWorldUpdateEnd(self.OnUpdate)
 

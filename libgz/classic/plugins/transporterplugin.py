@@ -78,7 +78,7 @@ class TransporterPlugin(WorldPlugin):
         if topic:
             self.node = transport.Node()
             self.node.Init(world.Name())
-            self.subscriber = self.node.Subscribe(topic, self.OnActivation)
+            self.subscriber = self.node.Subscribe(topic, self.OnActivation, kind="GzString")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     @staticmethod

@@ -84,7 +84,7 @@ class VehiclePlugin(ModelPlugin):
         self.command: tuple[float, float] | None = None  # speed [m/s], angle of the front wheels [rad]
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
+        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg, kind="Pose")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self) -> None:

@@ -53,6 +53,9 @@ class Remote(Protocol):
     def info(self, topic: str) -> Any:
         """Return a TopicInfo message on a topic in all processes."""
 
+    def topics(self) -> list[str]:
+        """Return the names of the topics that a process publishes or subscribes to."""
+
 
 @takes_names
 class TopicManager:
@@ -152,6 +155,17 @@ class TopicManager:
         found.update({name: topic.type_name() for name, topic in list(self.topics.items()) if topic.live_publishers()})
         return dict(sorted(found.items()))
 
+    def TopicNames(self) -> list[str]:
+        """Return the names of all topics, sorted: those that are published, and those that somebody subscribes to.
+
+        Raises:
+            GazeboError: the master does not answer.
+        """
+        if self.remote is not None:
+            return sorted(self.remote.topics())
+        found = {name for name, one in list(self.topics.items()) if one.live_publishers() or one.live_subscribers()}
+        return sorted(found)
+
     def TopicInfo(self, name: str) -> Any:
         """Return a TopicInfo message: type, publishers, subscribers, with the address at which a process listens.
 
@@ -163,7 +177,8 @@ class TopicManager:
         if self.remote is not None:
             return self.remote.info(name)
         topic = self.topics.get(name)
-        info: Any = message_type("TopicInfo")(msg_type=self.TopicMsgType(name))
+        known = self.TopicMsgType(name) or (topic.expected_type() if topic is not None else "")
+        info: Any = message_type("TopicInfo")(msg_type=known)
         parts = {"topic": name, "msg_type": info.msg_type, "host": "127.0.0.1", "port": 0}
         for _ in topic.live_publishers() if topic is not None else ():
             info.publisher.add(**parts)

@@ -38,6 +38,7 @@ LOOK_UPS = 16  # threads that look up names of machines, which may take seconds 
 MOST_LOOK_UPS, LOOK_UP_AGAIN = 1000, 10.0  # names that wait, and when others have their turn [s]
 NO_ADDRESS = OSError, ValueError, OverflowError  # what names that are none, and their ports, raise
 ANSWER_PATIENCE = 5.0  # [s] for the master
+ANSWERS = {"topic_info_response": "TopicInfo", "topic_list": "GzString_V"}  # and their types
 
 _Key = tuple[str, str, int]  # topic, host, port of a publisher
 
@@ -132,18 +133,28 @@ class Network:
         Raises:
             GazeboError: the master does not answer, or has ended.
         """
-        request = message_type("Request")(id=0, request="topic_info", data=topic)
+        return self._ask("topic_info", topic, "topic_info_response")
+
+    def topics(self) -> list[str]:
+        """Return the names of all topics, those without publishers included.
+
+        Raises:
+            GazeboError: the master does not answer, or has ended.
+        """
+        return list(self._ask("get_topics", "", "topic_list").data)
+
+    def _ask(self, what: str, about: str, answer: str) -> Any:
+        """Return the master's answer, one of the types in ANSWERS."""
+        request = message_type("Request")(id=0, request=what, data=about)
         with self._answered:
-            self._answers.pop("topic_info_response", None)
+            self._answers.pop(answer, None)
             self._loop.call(lambda: self._tell("request", request))
-            self._answered.wait_for(
-                lambda: "topic_info_response" in self._answers or not self._master.open, ANSWER_PATIENCE
-            )
+            self._answered.wait_for(lambda: answer in self._answers or not self._master.open, ANSWER_PATIENCE)
             if not self._master.open:
                 raise GazeboError("The server has ended.")
-            if "topic_info_response" not in self._answers:
+            if answer not in self._answers:
                 raise GazeboError(f"the master at {self.address.uri} did not answer in {ANSWER_PATIENCE:g} s")
-            return self._answers.pop("topic_info_response")
+            return self._answers.pop(answer)
 
     def _receive_packet(self, data: bytes) -> None:
         """Handle a packet of the master.
@@ -172,9 +183,9 @@ class Network:
             if self._unknown.get(key, math.inf) < math.inf:
                 del self._unknown[key]
             self._types = {key[0]: name for key, name in self._publishers.items()}
-        elif kind == "topic_info_response":
+        elif kind in ANSWERS:
             with self._answered:
-                self._answers[kind] = message_type("TopicInfo").FromString(content)
+                self._answers[kind] = message_type(ANSWERS[kind]).FromString(content)
                 self._answered.notify_all()
 
     def _master_closed(self) -> None:
@@ -225,7 +236,7 @@ class Network:
             self._advertised[name] = publish
             self._tell("advertise", publish)
         if topic.subscribers and name not in self._subscribed:
-            known = self._types.get(name) or type_name
+            known = self._types.get(name) or type_name or topic.expected_type()
             subscribe = message_type("Subscribe")(topic=name, host=host, port=port, msg_type=known, latching=False)
             self._subscribed[name] = subscribe
             self._tell("subscribe", subscribe)

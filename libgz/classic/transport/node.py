@@ -107,9 +107,7 @@ class Node:
             NotFoundError: there is no type with this name.
             ClosedError: before Init.
         """
-        kind = message_type(kind) if isinstance(kind, str) else kind
-        if not (isinstance(kind, type) and issubclass(kind, Message) and kind.GetTypeName()):
-            raise ParameterError(f"Advertise takes a message type such as msgs.Vector3d first, not {kind!r}")
+        kind = _message_class(kind, "Advertise")
         manager, name = TopicManager.Instance(), self.DecodeTopicName(topic)
         manager.check_type(name, kind.GetTypeName())
         publisher = Publisher(manager.topic(name), kind, queueLimit, hzRate)
@@ -131,25 +129,43 @@ class Node:
         self.Init()
         return True
 
-    def Subscribe(self, topic: str, callback: Callable[[Any], Any], latching: bool = False) -> Subscriber:
+    def Subscribe(
+        self,
+        topic: str,
+        callback: Callable[[Any], Any],
+        latching: bool = False,
+        kind: type[Message] | str | None = None,
+    ) -> Subscriber:
         """Return a subscriber, which must be kept: the subscription ends when it is dropped.
 
         Args:
             topic: Such as ``~/my_topic``.
             callback: Takes the message. All subscribers of the process get the same object: do not change it.
             latching: Whether to receive the last message of each existing publisher, too.
+            kind: The messages' type, or its name, for those who publish by the topic's name alone, as `gz topic -p`
+                does; messages of other types are received all the same.
 
         Raises:
-            ParameterError: the callback cannot be called, or the topic has no name.
+            ParameterError: the callback cannot be called, the topic has no name, or `kind` is no type of messages.
+            NotFoundError: there is no type with this name.
             ClosedError: before Init.
         """
-        subscriber = Subscriber(TopicManager.Instance().topic(self.DecodeTopicName(topic)), callback, latching)
+        expected = "" if kind is None else _message_class(kind, "Subscribe").GetTypeName()
+        manager = TopicManager.Instance()
+        subscriber = Subscriber(manager.topic(self.DecodeTopicName(topic)), callback, latching, expected)
         self._ends.add(subscriber)
         return subscriber
 
     def GetMsgType(self, topic: str) -> str:
         """Return the full name of the type published on a topic, or an empty string."""
         return TopicManager.Instance().TopicMsgType(self.DecodeTopicName(topic))
+
+
+def _message_class(kind: type[Message] | str, what: str) -> type[Message]:
+    kind = message_type(kind) if isinstance(kind, str) else kind
+    if not (isinstance(kind, type) and issubclass(kind, Message) and kind.GetTypeName()):
+        raise ParameterError(f"{what} takes a message type such as msgs.Vector3d, not {kind!r}")
+    return kind
 
 
 def _open_topics() -> None:

@@ -27,12 +27,15 @@ class Subscriber:
 
     Attributes:
         owner: the plugin that subscribes, which is stopped when the callback raises; None outside plugins.
+        type_name: the full name of the messages' type; empty if the subscriber takes any.
 
     Raises:
         ParameterError: the callback cannot be called.
     """
 
-    def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
+    def __init__(
+        self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False, type_name: str = ""
+    ) -> None:
         checked(callback, f"the callback of {topic.name}")
         self._topic = topic
         self.owner = owner.get()
@@ -44,6 +47,7 @@ class Subscriber:
         compiled = isinstance(callback, types.BuiltinFunctionType)  # its name says nothing
         self._what = "a callback" if compiled else f"the callback {getattr(callback, '__qualname__', repr(callback))}"
         self.latching = latching
+        self.type_name = type_name
         self.since = next(sequence)
         self._born = clock.monotonic()
         topic.subscribers[id(self)] = weakref.ref(self)

@@ -67,6 +67,7 @@ class LocalSubscriber(Protocol):
     since: int  # the number of the subscription: it receives messages with larger ones
     latching: bool
     owner: Owner | None  # the plugin that subscribes
+    type_name: str  # the full name of the messages' type, if it was named
 
     def take(self, message: Message) -> None:
         """Call the callback."""
@@ -124,6 +125,10 @@ class Topic:
     def type_name(self) -> str:
         """Return the full name of the type that this process publishes, or an empty string."""
         return next((publisher.GetMsgType() for publisher in self.live_publishers()), "")
+
+    def expected_type(self) -> str:
+        """Return the full name of the type that a subscriber of this process names, or an empty string."""
+        return next((one.type_name for one in self.live_subscribers() if one.type_name), "")
 
     def deliver(self, number: int, message: Message, latching: bool = True) -> None:
         """Call all subscribers that subscribed before the message got its number; without `latching`, not those."""

@@ -756,8 +756,9 @@ SubscriberPtr Node::SubscribeRaw(const std::string &topic, const google::protobu
     std::function<void(const std::string &)> callback, bool latching)
 {
   libgz::Gil gil;
+  libgz::Ref kind = type != nullptr ? libgz::Ref(PyUnicode_FromString(type->GetTypeName().c_str())) : libgz::Ref();
   if (type != nullptr)
-    libgz::message_type(*type);
+    libgz::message_type(*type);  // Python knows it from now on
   libgz::Ref function(libgz::callable(
       [callback](PyObject *const *args) -> PyObject * {
         libgz::Ref bytes(PyObject_CallMethodNoArgs(args[0], libgz::interned("SerializePartialToString")));
@@ -771,8 +772,8 @@ SubscriberPtr Node::SubscribeRaw(const std::string &topic, const google::protobu
         Py_RETURN_NONE;
       },
       1));
-  libgz::Ref made(PyObject_CallMethod(static_cast<PyObject *>(this->view), "Subscribe", "sOO", topic.c_str(),
-      function.get(), latching ? Py_True : Py_False));
+  libgz::Ref made(PyObject_CallMethod(static_cast<PyObject *>(this->view), "Subscribe", "sOOO", topic.c_str(),
+      function.get(), latching ? Py_True : Py_False, kind ? kind.get() : Py_None));
   if (!made)
     libgz::raise_python();
   return SubscriberPtr(new Subscriber(libgz::Adopt{made.release()}));

@@ -1,5 +1,6 @@
 """Ready plugins in their example worlds, each against a number; those marked Gazebo are what Gazebo 11.1 does."""
 
+import ast
 import contextlib
 import math
 import subprocess
@@ -13,7 +14,7 @@ from plugin_worlds import plugin
 from topics import Heard, send
 
 import libgz
-from libgz.classic import gui, msgs
+from libgz.classic import gui, msgs, plugins
 from libgz.classic.loading import new_plugin
 from libgz.classic.physics import get_world
 from libgz.classic.plugins._tracks import _limited
@@ -41,6 +42,19 @@ def spinning(*names, damping=0.0):
     ]
     base = f"<link name='base'><gravity>0</gravity>{INERTIAL.format(1)}</link>"
     return f"{base}<joint name='f' type='fixed'><parent>world</parent><child>base</child></joint>{''.join(parts)}"
+
+
+def test_plugins_name_the_types_that_they_receive():
+    calls = [
+        (path.name, call)
+        for path in Path(plugins.__file__).parent.glob("*.py")
+        for call in ast.walk(ast.parse(path.read_text()))
+        if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("node.Subscribe")
+    ]
+    assert len(calls) > 20
+    for name, call in calls:
+        kinds = [word.value.value for word in call.keywords if word.arg == "kind"]
+        assert [msgs.message_type(kind).GetTypeName() for kind in kinds] != [], f"{name}: {ast.unparse(call)}"
 
 
 # Images --------------------------------------------------------------------------------------------------------------

@@ -78,6 +78,22 @@ def test_statistics_and_poses_are_published(core, view, node):
     assert len(kept) == 3
 
 
+# What `gz topic -i` of Gazebo 11.1 says of the topics to which only its server subscribes: `gz topic -p` needs that.
+COMMANDED = {
+    "atmosphere": "Atmosphere", "box/link/wrench": "Wrench", "arm/rod/wrench": "Wrench", "arm/joint_cmd": "JointCmd",
+    "factory": "Factory", "log/control": "LogControl", "physics": "Physics", "undo_redo": "UndoRedo",
+    "user_cmd": "UserCmd", "wind": "Wind", "world_control": "WorldControl",
+}  # fmt: skip
+
+
+def test_the_types_of_all_topics_are_known(core):
+    manager = transport.TopicManager.Instance()
+    found = {name: manager.TopicInfo(name).msg_type.removeprefix("gazebo.msgs.") for name in manager.TopicNames()}
+    assert {name.removeprefix("/gazebo/topics/"): kind for name, kind in found.items()}.items() >= COMMANDED.items()
+    assert found["/gazebo/server/control"] == "ServerControl"
+    assert [name for name, kind in found.items() if not kind] == []
+
+
 def test_the_factory_makes_models_from_text_file_and_copy(view, send):
     send("~/factory", msgs.Factory(sdf=f"<sdf version='1.6'>{BOX.format(name='new', pose='3 0 9 0 0 0')}</sdf>"))
     assert view.ModelByName("new").WorldPose().Pos().X() == pytest.approx(3.0)

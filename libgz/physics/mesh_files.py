@@ -294,7 +294,7 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
     groups: dict[tuple[str, str], _Faces] = {}
     name = material = ""
     for line in read_text(path).replace("\\\n", " ").splitlines():
-        key, _, rest = line.strip().partition(" ")
+        key, rest = (*line.split(None, 1), "", "")[:2]  # spaces and tabs, as in Gazebo
         if key == "v":
             vertices.append(rest.split())
         elif key == "vt":

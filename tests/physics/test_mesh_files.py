@@ -184,6 +184,13 @@ def test_a_material_library_is_read_once_however_often_it_is_named(file, monkeyp
     assert len(read_paths) == 1
 
 
+def test_words_of_an_obj_are_separated_by_spaces_and_tabs(file):
+    (part,) = read_mesh(file("tabs.obj", "o\tthing\n v\t0 0\t0\nv  1 0 0\n\tv 0 1 0\nf\t1\t2 3\n"))
+    assert part.name == "thing"
+    assert part.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    assert part.triangles.tolist() == [[0, 1, 2]]
+
+
 def test_damaged_numbers_of_an_obj_are_zero_and_lines_may_be_continued(file):
     (part,) = read_mesh(file("a.obj", "v 0 0\nv 1 \\\n0 0\nv 0 one 1\nf 1 2 3\n"))
     assert part.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 0, 1]]

@@ -163,7 +163,7 @@ SETUP = """\
 # Read by a shell: . {prefix}/setup.sh
 export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}:{prefix}/spare
 export PYTHONPATH={prefix}/python${{PYTHONPATH:+:$PYTHONPATH}}
-export CMAKE_PREFIX_PATH={prefix}${{CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}}
+export CMAKE_PREFIX_PATH={prefix}${{CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}}:{prefix}/spare
 export CPATH={prefix}/include${{CPATH:+:$CPATH}}
 export PATH=$PATH:{prefix}/spare/bin
 """
@@ -178,12 +178,16 @@ set({package}_LIBRARIES "")
 set({package}_LIBRARY_DIRS "")
 set({package}_EXPORTED_TARGETS "")
 """
-# Packages of Gazebo hand on its own API, if it is installed: many plugins name nothing else.
+# Packages that catkin finds where there are no others of these names. They hand on the API of Gazebo, if it is
+# installed, for many plugins need nothing else of them.
 CMAKE_GAZEBO = """\
 find_package(gazebo QUIET)
-list(APPEND {package}_INCLUDE_DIRS ${{GAZEBO_INCLUDE_DIRS}})
-list(APPEND {package}_LIBRARY_DIRS ${{GAZEBO_LIBRARY_DIRS}})
-list(APPEND {package}_LIBRARIES ${{GAZEBO_LIBRARIES}})
+set({package}_FOUND TRUE)
+set({package}_FOUND_CATKIN_PROJECT TRUE)
+set({package}_INCLUDE_DIRS "${{GAZEBO_INCLUDE_DIRS}}")
+set({package}_LIBRARIES "${{GAZEBO_LIBRARIES}}")
+set({package}_LIBRARY_DIRS "${{GAZEBO_LIBRARY_DIRS}}")
+set({package}_EXPORTED_TARGETS "")
 set(CMAKE_CXX_FLAGS "${{CMAKE_CXX_FLAGS}} ${{GAZEBO_CXX_FLAGS}}")
 """
 
@@ -212,8 +216,8 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
         found |= _messages(package)
     found["include/control_toolbox/pid.h"] = PID, False
     for package in PACKAGES:
-        text = CMAKE + (CMAKE_GAZEBO if package.startswith("gazebo_") else "")
-        found[f"share/{package}/cmake/{package}Config.cmake"] = text.format(package=package), False
+        place, text = ("spare/", CMAKE_GAZEBO) if package.startswith("gazebo_") else ("", CMAKE)
+        found[f"{place}share/{package}/cmake/{package}Config.cmake"] = text.format(package=package), False
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False
     found["setup.bash"] = f". {place}/setup.sh\n", False

@@ -176,12 +176,11 @@ def test_the_controller_of_plugins(tmp_path):
 
 
 FINDS = """\
-set(CMAKE_PREFIX_PATH "{prefix}")
 foreach(one gazebo_dev gazebo_ros gazebo_plugins gazebo_ros_control control_toolbox controller_manager)
-  find_package(${{one}} REQUIRED CONFIG)
-  message("${{one}} ${{${{one}}_FOUND_CATKIN_PROJECT}} ${{${{one}}_INCLUDE_DIRS}} ${{${{one}}_LIBRARIES}}")
+  find_package(${one} REQUIRED CONFIG)
+  message("${one} ${${one}_FOUND_CATKIN_PROJECT} ${${one}_INCLUDE_DIRS} ${${one}_LIBRARIES}")
 endforeach()
-message("flags${{CMAKE_CXX_FLAGS}}")
+message("flags =${CMAKE_CXX_FLAGS}")
 """
 
 
@@ -197,16 +196,20 @@ def test_catkin_finds_the_packages_that_plugins_name(tmp_path, monkeypatch, api)
         config.parent.mkdir(parents=True)
         values = {"INCLUDE_DIRS": "/api", "LIBRARY_DIRS": "/lib", "LIBRARIES": "gazebo", "CXX_FLAGS": "-std=c++17"}
         config.write_text("".join(f'set(GAZEBO_{name} "{value}")\n' for name, value in values.items()))
+    own = tmp_path / "devel" / "share" / "gazebo_plugins" / "cmake" / "gazebo_pluginsConfig.cmake"
+    own.parent.mkdir(parents=True)
+    own.write_text("set(gazebo_plugins_FOUND_CATKIN_PROJECT own)\n")
     script = tmp_path / "finds.cmake"
-    script.write_text(FINDS.format(prefix=tmp_path))
-    done = subprocess.run(["cmake", "-P", script], capture_output=True, text=True, check=True)
+    script.write_text(FINDS)
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", f"{tmp_path}/devel")
+    command = f". {tmp_path}/setup.sh && cmake -P {script}"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=True)
     found = {words[0]: words[1:] for words in (line.split() for line in done.stderr.splitlines())}
-    folder = f"{tmp_path}/include"
-    gazebo = [f"{folder};/api", "gazebo"] if api else [folder]
-    for package in ("gazebo_dev", "gazebo_ros", "gazebo_plugins", "gazebo_ros_control"):
-        assert found[package] == ["TRUE", *gazebo]
+    for package in ("gazebo_dev", "gazebo_ros", "gazebo_ros_control"):
+        assert found[package] == ["TRUE", *(["/api", "gazebo"] if api else [])]
     for package in ("control_toolbox", "controller_manager"):
-        assert found[package] == ["TRUE", folder]
+        assert found[package] == ["TRUE", f"{tmp_path}/include"]
+    assert found["gazebo_plugins"] == ["own"]  # what the user has compiled comes first
     assert ("-std=c++17" in found["flags"]) == api
 
 

@@ -20,7 +20,6 @@ from libgz.simulation.watchdog import Watchdog
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 LOOP = """
 import time
-from pathlib import Path
 from libgz import GZ_REGISTER_PLUGIN, Body, Model
 
 class Loop(Model):
@@ -180,8 +179,8 @@ def test_a_run_that_ends_after_the_second_signal_ends_as_usual(gazebo, tmp_path)
 
 
 def test_a_long_step_is_reported_once_by_name(gazebo, tmp_path):
-    update = "time.sleep(0.01 if hasattr(self, 'slept') else 6.5)\n        self.slept = True"
-    server = gazebo(loop_world(tmp_path, update=update), "-n")
+    update = "time.sleep(self.naps.pop() if self.naps else 0.01)"
+    server = gazebo(loop_world(tmp_path, update, init="self.naps = [6.5]"), "-n")
     text = read_until(server.process.stderr, "running is", 30)
     read_until(server.process.stdout, "looping\nlooping")  # the long step is over
     code, _, rest = server.stop(signal.SIGTERM)

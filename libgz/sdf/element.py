@@ -195,6 +195,13 @@ class Element:
 
     def GetElement(self, name: str) -> Element | Any:
         """The first child of this name. If SDF knows it here, a missing one is created with its defaults; else None."""
+        found = self.find_or_imply(name)
+        if found is not None:
+            found.implied = False
+        return found
+
+    def find_or_imply(self, name: str) -> Element | None:
+        """The same, for reading only: `prune` removes what was created unless a value of it is set later."""
         found = self._first(name)
         if found is None and self.description is not None and name in self.description.children:
             found = self.AddElement(name)
@@ -212,12 +219,12 @@ class Element:
         return any(value.given for value in values) or any(child._is_given() for child in self.children)
 
     def child(self, name: str) -> Element:
-        """The same, for a child that must exist.
+        """The same, for reading only, of a child that must exist.
 
         Raises:
             NotFoundError: there is none, and SDF knows none of this name here.
         """
-        found = self.GetElement(name)
+        found = self.find_or_imply(name)
         if found is None:
             names = [child.name for child in self.children]
             raise NotFoundError(f"{self.where}: <{self.name}> has no <{name}>{nearest(name, names)}")

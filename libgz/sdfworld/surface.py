@@ -46,7 +46,7 @@ def set_surface(geom: Geom, element: Element) -> None:
         Surface.GHOST: contact.Get(bool, "collide_without_contact"),
         Surface.GHOST_BITS: contact.Get(int, "collide_without_contact_bitmask") & ALL_BITS,
     }
-    torsional = all_friction.GetElement("torsional")  # from 1.5 on
+    torsional = all_friction.find_or_imply("torsional")  # from 1.5 on
     if torsional is not None:
         values |= {
             Surface.TORSION: _coefficient(torsional, "coefficient"),

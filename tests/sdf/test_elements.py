@@ -6,6 +6,7 @@ import pytest
 
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import upgraded
 from libgz.sdf.value import check
 
 
@@ -55,3 +56,12 @@ def test_lists_have_their_count_of_finite_numbers(kind):
 def test_single_values_are_of_their_kind(kind, right, wrong):
     assert [check(kind, text) for text in right] == [""] * len(right)
     assert all(check(kind, text) for text in wrong)
+
+
+def test_what_a_plugin_made_by_get_element_is_kept():
+    file = SdfFile.from_string("<sdf version='1.6'><model name='m'><link name='l'/></model></sdf>")
+    link = next(file.root.find("link"))
+    link.child("inertial").child("inertia")  # read only
+    assert not upgraded(link).HasElement("inertial")
+    link.GetElement("inertial")
+    assert upgraded(link).HasElement("inertial")

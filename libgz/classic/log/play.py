@@ -74,7 +74,8 @@ class LogPlay(Stateless):
         self.core = CoreWorld() if core is None else core
         self._next: SdfState | None = None
         self._index, self._time, self._iterations = 0, 0.0, 0
-        self._inserted = Budget()
+        self._inserted = Budget()  # of what was inserted and not deleted since
+        self._costs: dict[str, int] = {}  # of each, by its name
         self._parts: dict[str, Entity | None] = {}  # by scoped name
         try:
             self.core.extension(SdfWorld).load(self._first())
@@ -162,6 +163,7 @@ class LogPlay(Stateless):
         """Return to before the first state, with the models and lights of the start."""
         self._states, self._index, self._inserted = read_states(self.reader), 0, Budget()
         self._next = next(self._states, None)
+        self._costs.clear()
         self._parts.clear()
         here = {part.GetName() for part in self.world.children()}
         for name in here - self._at_start.keys():
@@ -172,8 +174,13 @@ class LogPlay(Stateless):
                 self.world.InsertModelSDF(element)
 
     def _insert(self, text: str) -> None:
+        before = self._inserted.used
+        self._inserted.take_xml(text)
         version = file.version if (file := self.core.extension(SdfWorld).file) is not None else "1.6"
-        self.world.InsertModelSDF(self._read(f"<sdf version='{version}'>{text}</sdf>", "insertions"))
+        made = self._read(f"<sdf version='{version}'>{text}</sdf>", "insertions")
+        self.world.InsertModelSDF(made)
+        for part in made.root.children[:1]:
+            self._costs[part.Get(str, "name")] = self._inserted.used - before
 
     def _apply_next(self) -> None:
         state = self._next
@@ -197,8 +204,8 @@ class LogPlay(Stateless):
         for name in state.deletions:
             if self.world.BaseByName(name) is not None:
                 self.world.RemoveModel(name)
+                self._inserted.used -= self._costs.pop(name, 0)
         for text in state.insertions:
-            self._inserted.take_xml(text)
             self._insert(text)
         if state.deletions or state.insertions:
             self._parts.clear()

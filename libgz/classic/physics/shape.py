@@ -209,7 +209,7 @@ class MeshShape(Shape):
         return self._text("uri")
 
     def _text(self, key: str) -> str:
-        geometry = self._sdf.GetElement("geometry") if self._sdf is not None else None
+        geometry = self._sdf.child("geometry") if self._sdf is not None else None
         shape = geometry.GetElement(self.kind) if geometry is not None and geometry.HasElement(self.kind) else None
         return shape.Get(str, key) if shape is not None else ""
 
@@ -302,7 +302,7 @@ KINDS: tuple[tuple[type[Geom], type[Shape]], ...] = (
 
 def shape_of(geom: Geom, sdf: Element | None = None) -> Shape:
     """The shape of a geom, by its class, and by the element of its collision."""
-    geometry = sdf.GetElement("geometry") if sdf is not None else None
+    geometry = sdf.child("geometry") if sdf is not None else None
     by_file = next(
         (s for s in (HeightmapShape, PolylineShape) if geometry is not None and geometry.HasElement(s.kind)), None
     )

@@ -363,6 +363,11 @@ def test_a_played_log_inserts_no_more_than_its_budget_and_forgets_names(tmp_path
         assert len(play.core.models) < 15
         with pytest.raises(WorldFileError):
             play.Forward()
+    gone = "<deletions><name>n{}</name></deletions>"
+    taken = [STATE.format(number, INSERTED.format("", number) + gone.format(number - 1)) for number in range(30)]
+    with LogPlay(log_of_states(tmp_path / "taken.log", [WORLD, *taken])) as play:
+        play.Forward()
+        assert [model.GetName() for model in play.world.Models()] == ["m", "n29"]
 
 
 def test_bad_arguments_and_worlds_that_cannot_be_recorded(load, tmp_path):

@@ -92,7 +92,8 @@ PARENTS = {
 GETTERS: dict[str, list[str]] = {
     "World": [
         "Name()", "Gravity()", "MagneticField()", "ModelCount()", "ModelByIndex(0)", "ModelByIndex(99)", "Models()",
-        "LightCount()", "SimTime()", "IsPaused()", "BaseByName('box0')", "BaseByName('m1')",
+        "LightCount()", "Lights()", "IsLoaded()", "SimTime()", "PauseTime()", "ModelBelowPoint(V(2, 0, 9))",
+        "EntityBelowPoint(V(2, 0, 9))", "EntityBelowPoint(V(2, 0, -9))", "IsPaused()", "BaseByName('box0')", "BaseByName('m1')",
         "ModelByName('m2')", "ModelByName('inner')", "ModelByName('m1::inner')", "EntityByName('m1::inner')",
         "EntityByName('m1::inner::part')", "EntityByName('base')", "EntityByName('m3::base')",
         "EntityByName('m3::base::box')", "EntityByName('sun')", "LightByName('sun')", "PhysicsEnabled()",
@@ -116,7 +117,7 @@ GETTERS: dict[str, list[str]] = {
         "SphericalCoords().GetElevationReference()", "SphericalCoords().HeadingOffset()",
     ],
     "Base": [
-        "GetName()", "GetScopedName()", "GetScopedName(True)", "GetType()", "GetChildCount()", "GetParent()",
+        "GetName()", "GetScopedName()", "GetScopedName(True)", "GetType()", "GetChildCount()", "GetParent()", "HasType(LINK)",
         "GetWorld().Name()", "GetByName('base')", "GetByName('nothing')", "TypeStr()", "GetSaveable()", "IsSelected()",
     ],
     "Entity": [
@@ -131,7 +132,7 @@ GETTERS: dict[str, list[str]] = {
         "GetLink('part')", "GetLink('m1::base')", "GetJoint('hinge')", "GetJoint('nothing')", "GetGripperCount()",
         "GetPluginCount()", "GetSensorCount()", "GetAutoDisable()", "GetSelfCollide()", "Scale()",
         "GetWorldEnergyPotential()", "GetWorldEnergyKinetic()", "GetWorldEnergy()", "WindMode()",
-        "GetChildLink('part')", "GetChildLink('base')", "GetChildCollision('box')", "GetChildCollision('nothing')",
+        "SensorScopedName('imu')", "GetChildLink('part')", "GetChildLink('base')", "GetChildCollision('box')", "GetChildCollision('nothing')",
     ],
     "Link": [
         "GetEnabled()", "GetGravityMode()", "GetKinematic()", "GetSelfCollide()", "WindMode()", "GetLinearDamping()",
@@ -154,6 +155,31 @@ GETTERS: dict[str, list[str]] = {
         "Mass()", "CoG()", "Pose()", "PrincipalMoments()", "ProductsOfInertia()", "IXX()", "IYY()", "IZZ()", "IXY()",
         "IXZ()", "IYZ()", "MOI()", "MOI(P(0.1, 0.2, 0.3, 0.4, 0.5, 0.6))",
     ],
+    "SurfaceParams": [
+        "kp", "kd", "cfm", "erp", "maxVel", "minDepth", "slip1", "slip2", "bounce", "bounceThreshold",
+        "collideWithoutContact", "collideWithoutContactBitmask", "collideBitmask",
+    ],
+    "JointController": [
+        "GetJoints()", "GetPositions()", "GetVelocities()", "GetForces()", "GetPositionPIDs()", "GetVelocityPIDs()",
+        "GetLastUpdateTime()",
+    ],
+    "LinkState": [
+        "GetName()", "Pose()", "Velocity()", "Acceleration()", "Wrench()", "IsZero()", "GetCollisionStateCount()",
+        "GetSimTime()", "GetIterations()",
+    ],
+    "JointState": ["GetName()", "GetAngleCount()", "Position(0)", "Positions()", "IsZero()"],
+    "ModelState": [
+        "GetName()", "Pose()", "Scale()", "IsZero()", "GetLinkStateCount()", "GetJointStateCount()",
+        "HasLinkState('base')", "HasLinkState('no')", "HasJointState('j_child')", "HasJointState('no')",
+        "NestedModelStateCount()", "HasNestedModelState('inner')", "GetSimTime()", "GetIterations()",
+    ],
+    "WorldState": [
+        "GetName()", "GetModelStateCount()", "HasModelState('m1')", "HasModelState('no')", "LightStateCount()",
+        "HasLightState('sun')", "IsZero()", "GetSimTime()", "GetIterations()",
+    ],
+    "PresetManager": [
+        "CurrentProfile()", "AllProfiles()", "HasProfile('first')", "HasProfile('no')",
+    ],
     "Shape": ["GetType()", "HasType(SHAPE)", "HasType(BOX_SHAPE)", "GetParent()", "Scale()", "ComputeVolume()"],
     "BoxShape": ["Size()"],
     "SphereShape": ["GetRadius()"],
@@ -162,7 +188,7 @@ GETTERS: dict[str, list[str]] = {
     "RayShape": ["Start()", "End()", "GetLength()", "GetRetro()", "GetFiducial()", "CollisionName()"],
     "Joint": [
         "DOF()", "GetMsgType()", "Anchor(0)", "GetJointLink(0)", "GetJointLink(1)", "GetParent()", "GetChild()",
-        "InitialAnchorPose()", "WorldPose()", "ParentWorldPose()", "AnchorErrorPose()",
+        "InitialAnchorPose()", "WorldPose()", "ParentWorldPose()", "AnchorErrorPose()", "GetForceTorque(0)",
     ],
     "Axis": [
         "Position({n})", "GetVelocity({n})", "GetForce({n})", "LowerLimit({n})", "UpperLimit({n})",
@@ -433,8 +459,8 @@ def _joint_changes(kind: str) -> list[str]:
         "SetUpperLimit(1, 1.2)", "SetDamping(1, 0.01)", "SetStiffnessDamping(1, 0.2, 0.02, 0.1)", STILL,
         "SetStiffnessDamping(1, 0.0, 0.0)",
     ]  # fmt: skip
-    if kind == "screw":  # libgz's is a coupling, equal after many steps
-        first, second = ["SetPosition(0, 0.3)", "SetUpperLimit(0, 1.2)", "SetEffortLimit(0, 0.2)", STILL], []
+    if kind == "screw":  # libgz's is a coupling, equal after many steps; SetPosition has no effect in Gazebo
+        first, second = ["SetUpperLimit(0, 1.2)", "SetEffortLimit(0, 0.2)", STILL], []
     if AXES[KINDS[kind][0]] == 2:  # Gazebo's parameters of motors are those of the other axis
         first = [c for c in first if "SetParam" not in c or "_stop" in c]
     if kind == "revolute2":  # Gazebo's have no SetPosition, and SetVelocity sets their motor
@@ -577,6 +603,39 @@ SENSOR_CHANGES = [
     "load AddTorque(V(0.01, 0.02, 0.03))",
 ]
 
+MORE_CHANGES = [
+    "",
+    "m SetJointPosition('m{i}::j_child', 0.2)",
+    STILL,
+    "controller SetForce('m{i}::j_child', 0.05)",
+    STILL,
+    "controller SetPositionPID('m{i}::j_child', PID(2.0, 0.1, 0.2, 3.0, -3.0, 5.0, -5.0))",
+    "controller SetVelocityPID('m{i}::j_child', PID(0.2, 0.0, 0.0))",
+    "controller Reset()",
+    "controller SetJointPosition('m{i}::j_child', 0.1)",
+    STILL,
+    "base SetStatic(True)",
+    "base SetStatic(False)",
+    "presets CreateProfile('own')",
+    "presets SetProfileParam('own', 'iters', 33)",
+    "presets CurrentProfile('own')",
+    "presets SetCurrentProfileParam('iters', 44)",
+    "presets RemoveProfile('own')",
+    "still SetWorldPose(P(1, 2, 3, 0.1, 0.2, 0.3))",
+]
+PRESETS = (
+    """<gravity>0 0 0</gravity><physics type='ode' name='first' default='1'><max_step_size>0.001</max_step_size>
+<ode><solver><type>world</type></solver><constraints><cfm>1e-10</cfm></constraints></ode></physics>
+<physics type='ode' name='second'><ode><solver><iters>60</iters></solver></ode></physics>
+<model name='still'><static>1</static><pose>0 0 0.5 0 0 0.2</pose><link name='link'><pose>0 0 0 0.1 0 0</pose>"""
+    + INERTIAL
+    + """
+<collision name='c'><geometry><box><size>1 1 1</size></box></geometry><surface><bounce><restitution_coefficient>0.3</restitution_coefficient><threshold>2</threshold></bounce>
+ <contact><collide_bitmask>7</collide_bitmask><ode><kp>1e7</kp><kd>3</kd><max_vel>0.2</max_vel><min_depth>0.001</min_depth><soft_cfm>0.1</soft_cfm><soft_erp>0.3</soft_erp></ode></contact>
+ <friction><ode><mu>2</mu><mu2>3</mu2><slip1>0.1</slip1><slip2>0.2</slip2></ode></friction></surface></collision></link></model>"""
+)
+
+
 SCENES: dict[str, Scene] = {kind: _joint_scene(kind) for kind in KINDS} | {
     "entities": Scene(
         MODELS | LINKS | COLLISIONS, ENTITY_CHANGES, each=BODY, world="<gravity>0 0 0</gravity>"
@@ -594,7 +653,8 @@ SCENES: dict[str, Scene] = {kind: _joint_scene(kind) for kind in KINDS} | {
     ),
     "inertials": Scene(
         LINKS | {"inertial": ("Inertial", LINKS["base"][1] + ".GetInertial()")}, INERTIAL_CHANGES, each=UNEVEN_BODY,
-        world="<gravity>0 0 0</gravity>",
+        world="<gravity>0 0 0</gravity><physics type='ode'><ode><solver><explicit_gyroscopic>true</explicit_gyroscopic>"
+        "</solver></ode></physics>",
     ),
     "world": Scene(
         {
@@ -604,6 +664,23 @@ SCENES: dict[str, Scene] = {kind: _joint_scene(kind) for kind in KINDS} | {
             "m1": ("Model", "world.ModelByName('m1')"),
         },
         WORLD_CHANGES, each=NESTING_BODY, world=BOX,
+    ),
+    "more": Scene(
+        {
+            "m": MODELS["m"], "base": LINKS["base"], "child": ("Link", "world.ModelByName('m{i}').GetLink('child')"),
+            "joint": ("HingeJoint", "world.ModelByName('m{i}').GetJoint('j_child')"),
+            "controller": ("JointController", "world.ModelByName('m{i}').GetJointController()"),
+            "linkstate": ("LinkState", "link_state(world.ModelByName('m{i}').GetLink('child'))"),
+            "modelstate": ("ModelState", "model_state(world.ModelByName('m{i}'))"),
+            "worldstate": ("WorldState", "world_state(world)"), "presets": ("PresetManager", "world.PresetMgr()"),
+            "world": ("World", "world"),
+            "still": ("Model", "world.ModelByName('still')"),
+            "stilllink": ("Link", "world.ModelByName('still').GetLink('link')"),
+            "inertia": ("Inertial", "world.ModelByName('still').GetLink('link').GetInertial()"),
+            "surface": ("SurfaceParams", "world.ModelByName('still').GetLink('link').GetCollision('c').GetSurface()"),
+        },
+        MORE_CHANGES, world=PRESETS, tolerance=5e-3,
+        each=JOINTED + CHILD.format(name="child", pose="0.3 0.1 0.5 0.1 0.2 -0.2", kind="revolute", inside=LIMITED) + "</model>",
     ),
     "sensors": Scene(
         {
@@ -630,6 +707,7 @@ CXX_HEAD = r"""// Written by tests/classic_values.py.
 #include <gazebo/gazebo.hh>
 #include <gazebo/common/common.hh>
 #include <gazebo/physics/physics.hh>
+#include <gazebo/physics/ode/ODESurfaceParams.hh>
 #include <gazebo/sensors/sensors.hh>
 using namespace gazebo;
 using namespace gazebo::physics;
@@ -642,7 +720,12 @@ typedef std::string S;
 static ignition::math::Matrix3d M(double xx, double yy, double zz, double xy, double xz, double yz)
 { return ignition::math::Matrix3d(xx, xy, xz, xy, yy, yz, xz, yz, zz); }
 const bool True = true, False = false;
-const auto SHAPE = Base::SHAPE, BOX_SHAPE = Base::BOX_SHAPE;
+const auto SHAPE = Base::SHAPE, BOX_SHAPE = Base::BOX_SHAPE, LINK = Base::LINK;
+typedef common::PID PID;
+static std::shared_ptr<LinkState> link_state(LinkPtr p) { return std::make_shared<LinkState>(p); }
+static std::shared_ptr<JointState> joint_state(JointPtr p) { return std::make_shared<JointState>(p); }
+static std::shared_ptr<ModelState> model_state(ModelPtr p) { return std::make_shared<ModelState>(p); }
+static std::shared_ptr<WorldState> world_state(WorldPtr p) { return std::make_shared<WorldState>(p); }
 typedef std::ostream O;
 static void number(O &o, double v) { if (std::isnan(v)) o << "\"nan\""; else if (std::isinf(v)) o << (v > 0 ? "\"inf\"" : "\"-inf\""); else o << std::setprecision(12) << v; }
 static void put(O &o, double v) { number(o, v); }
@@ -661,6 +744,9 @@ static void put(O &o, const ignition::math::Angle &v) { number(o, v.Radian()); }
 static void put(O &o, const common::Time &v) { number(o, v.Double()); }
 static void put(O &o, const ignition::math::AxisAlignedBox &b) { o << '['; put(o, b.Min()); o << ','; put(o, b.Max()); o << ']'; }
 template<class B> typename std::enable_if<std::is_base_of<Base, B>::value>::type put(O &o, const boost::shared_ptr<B> &b) { if (b) put(o, b->GetScopedName()); else o << "null"; }
+static void put(O &o, const PID &v) { o << '['; for (double x : {v.GetPGain(), v.GetIGain(), v.GetDGain(), v.GetIMax(), v.GetIMin(), v.GetCmdMax()}) { number(o, x); o << ','; } number(o, v.GetCmdMin()); o << ']'; }
+static void put(O &o, const JointWrench &w) { o << '['; for (const V &v : {w.body1Force, w.body2Force, w.body1Torque}) { put(o, v); o << ','; } put(o, w.body2Torque); o << ']'; }
+template<class B> void put(O &o, const std::map<std::string, B> &m) { o << '['; bool more = false; for (auto &one : m) { if (more) o << ','; more = true; put(o, one.first); o << ','; put(o, one.second); } o << ']'; }
 template<class B> void put(O &o, const std::vector<B> &v) { o << '['; for (size_t i = 0; i < v.size(); ++i) { if (i) o << ','; put(o, v[i]); } o << ']'; }
 static void put(O &o, const boost::any &v)
 {
@@ -724,7 +810,7 @@ def cxx_source() -> str:
         )
         if PARENTS.get(kind) == "Sensor":
             lines.append("o->Update(true);")
-        lines += [f'GET(k + ".{_quoted(getter)}", {_cxx(f"o.{getter}")})' for getter in getters(kind)]
+        lines += [f'GET(k + ".{_quoted(getter)}", o->{_cxx(getter)})' for getter in getters(kind)]
         lines.append("}")
     for title, scene in SCENES.items():
         lines.append(f"void change_{title}(unsigned at) {{ switch (at) {{")
@@ -762,16 +848,19 @@ def _quoted(text: str) -> str:
 
 def _in_cxx(kind: str) -> str:
     """The class in C++; all joints are Joint."""
-    kind = "Joint" if kind.endswith("Joint") else kind
+    kind = {"SurfaceParams": "ODESurfaceParams"}.get(kind, "Joint" if kind.endswith("Joint") else kind)
     return f"{'sensors' if kind.endswith(('Sensor', 'Transmitter')) else 'physics'}::{kind}"
 
 
 def _pointer(kind: str) -> str:
-    return f"{'std' if _in_cxx(kind).startswith('sensors') else 'boost'}::shared_ptr<{_in_cxx(kind)}>"
+    if kind == "PresetManager":
+        return "PresetManagerPtr"
+    standard = _in_cxx(kind).startswith("sensors") or kind.endswith("State")
+    return f"{'std' if standard else 'boost'}::shared_ptr<{_in_cxx(kind)}>"
 
 
 def _cast(kind: str, expression: str) -> str:
-    if kind in ("World", "Inertial"):
+    if kind in ("World", "Inertial", "PresetManager", "JointController") or kind.endswith("State"):
         return _cxx(expression)
     return f"as<{_in_cxx(kind)}>({_cxx(expression)})"
 
@@ -815,6 +904,12 @@ def probe() -> Any:
         "S": str,
         "SHAPE": physics.Base.SHAPE,
         "BOX_SHAPE": physics.Base.BOX_SHAPE,
+        "LINK": physics.Base.LINK,
+        "PID": common.PID,
+        "link_state": physics.LinkState,
+        "joint_state": physics.JointState,
+        "model_state": physics.ModelState,
+        "world_state": physics.WorldState,
         "sensors": sensors,
     }
 
@@ -880,6 +975,13 @@ def plain(value: Any) -> Any:
         return plain([value(i, j) for i in range(3) for j in range(3)])
     if isinstance(value, (common.Time, classic_math.Angle)):
         return plain(float(value) if isinstance(value, common.Time) else value.Radian())
+    if isinstance(value, common.PID):
+        gains = (value.GetPGain(), value.GetIGain(), value.GetDGain())
+        return plain([*gains, value.GetIMax(), value.GetIMin(), value.GetCmdMax(), value.GetCmdMin()])
+    if isinstance(value, physics.JointWrench):
+        return plain([value.body1Force, value.body2Force, value.body1Torque, value.body2Torque])
+    if isinstance(value, dict):
+        return [part for key in sorted(value) for part in (key, plain(value[key]))]
     if isinstance(value, physics.Base):
         return value.GetScopedName()
     if isinstance(value, (str, bool)) or value is None:

@@ -204,10 +204,10 @@ def _link_message(link: Link) -> Any:
 
 def _fill_inertial(message: Any, link: Link) -> None:
     """Describe mass and moments of inertia; those of static models are 0, as in Gazebo."""
-    inertial, there = link.GetInertial(), 0.0 if link.IsStatic() else 1.0
-    message.mass = there * inertial.Mass()
+    inertial = link.GetInertial()
+    message.mass = inertial.Mass()
     for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
-        setattr(message, name, there * getattr(inertial, name.upper())())
+        setattr(message, name, getattr(inertial, name.upper())())
     msgs.Set(message.pose, inertial.Pose())
 
 
@@ -271,7 +271,7 @@ def _fill_surface(message: Any, collision: Collision) -> None:
 
 def _fill_as_declared(message: Any, surface: Element) -> None:
     """Describe what has no setter, as the file has it: elasticity, and what contacts do not use."""
-    contact, torsional = surface.child("contact"), surface.child("friction").GetElement("torsional")
+    contact, torsional = surface.child("contact"), surface.child("friction").find_or_imply("torsional")
     ode = contact.child("ode")
     message.soft_cfm, message.soft_erp = ode.Get(float, "soft_cfm"), ode.Get(float, "soft_erp")
     message.elastic_modulus = contact.Get(float, "elastic_modulus")

@@ -47,6 +47,7 @@ EXPECTED = {
         *(f"{kind}Sensor.Topic" for kind in ("Imu", "Altimeter", "Gps", "Magnetometer", "Contact")),
     },
     "collisions": {"Collision.GetChild", "Collision.GetChildCount"},
+    "inertials": {*(f"Link.{name}" for name in GYROSCOPIC), "Link.WorldTorque", "Link.RelativeTorque"},
 }
 
 

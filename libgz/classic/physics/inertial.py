@@ -29,15 +29,17 @@ class Inertial:
     object has the new values, and the link the old ones.
 
     Args:
-        body: the body of a link, whose values it has. None: values of its own, 1 kg and unit moments.
+        body: the body of a link, whose values it has; of a static model, all 0, as in Gazebo. None: values of its own,
+            1 kg and unit moments.
         sdf: the element of the link, which has the axes of the frame.
     """
 
     STATE = ("_changed", "_mass", "_pose", "_held", "_before")
 
     def __init__(self, body: Body | None = None, sdf: Element | None = None) -> None:
-        self._body = body if body is not None and not body.dummy else None
-        self._sdf, self._stale = sdf, False
+        self._static = body is not None and body.dummy
+        self._body, self._sdf = (None, None) if self._static else (body, sdf)
+        self._stale = False
         self._begin()
 
     def forget(self) -> None:
@@ -46,7 +48,8 @@ class Inertial:
 
     def _begin(self) -> None:
         self._changed = self._stale = False
-        self._mass, self._pose = MassMatrix3d(1.0, (1.0, 1.0, 1.0)), Pose3d()
+        own = 0.0 if self._static else 1.0
+        self._mass, self._pose = MassMatrix3d(own, (own, own, own)), Pose3d()
         self._held = b""  # the body's mass matrix and centre of mass, of which these values are
         self._before = self._mass, self._pose  # the values before the changes
         if self._sdf is not None:

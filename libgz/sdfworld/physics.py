@@ -151,6 +151,8 @@ def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> N
     model = solver.Get(str, "friction_model") or FRICTION_MODELS[0]
     if model not in FRICTION_MODELS:
         diagnostics.warn(solver, f"friction_model {model!r} is not supported; {' and '.join(FRICTION_MODELS)} are")
+    if solver.Get(int, "precon_iters") > 0:
+        diagnostics.warn(solver, "precon_iters has no effect; the quick solver has no preconditioner")
     for key, value in read_physics(physics).items():
         parameter = PHYSICS[key]
         try:

@@ -20,10 +20,11 @@ from libgz.base.geometry import (
     GzVector,
     rotate,
 )
+from libgz.sdf.description import NEWEST, describe
 from libgz.sdf.element import Element
 from libgz.sdf.value import exact_pose, format_value
 
-__all__ = ["merge", "resolve_frames"]
+__all__ = ["add_frame", "merge", "prefix_names", "resolve_frames"]
 
 NAMED = ("link", "frame", "joint", "model")  # what a name can mean; of several with one name the first kind
 SCOPES = ("model", "world", "sdf")
@@ -65,11 +66,44 @@ def _needed(element: Element) -> bool:
     return False
 
 
-def merge(model: Element, parent: Element, diagnostics: Diagnostics) -> None:
-    """Move what is in an included model into the model that includes it; a frame takes the place of its own frame."""
-    name = f"_merged__{model.Get(str, 'name')}{MODEL}"
-    frame = parent.AddElement("frame")
+def prefix_names(model: Element) -> None:
+    """Put a model's name before those of its links, joints and frames, wherever they stand in it, as Gazebo does."""
+    own = model.Get(str, "name")
+    parts = [part.Get(str, "name") for part in model.children if part.name in ("link", "joint", "frame")]
+    names = {part: f"{own}::{part}" for part in parts}
+    waiting = list(model.children)
+    while waiting:
+        element = waiting.pop()
+        waiting += element.children
+        for value in (element.value, *element.attributes.values()):
+            if value is not None and value.given and value.text in names:
+                value.SetFromString(names[value.text])
+
+
+def add_frame(model: Element, name: str, attached_to: str = "") -> Element:
+    """Add a frame to a model, whose own version may have none yet."""
+    description = describe(NEWEST)["model"].children["frame"]
+    frame = model.InsertElement(Element("frame", description, file=model.file, line=model.line))
     frame.set_attribute("name", name)
+    if attached_to:
+        frame.set_attribute("attached_to", attached_to)
+    return frame
+
+
+def merge(model: Element, parent: Element, diagnostics: Diagnostics, name: str = "") -> Element:
+    """Move what is in an included model into the model that includes it; a frame takes the place of its own frame.
+
+    Args:
+        model: the included model.
+        parent: the model around it.
+        diagnostics: takes warnings.
+        name: the frame's name; "" for one that no document names.
+
+    Returns:
+        the frame.
+    """
+    name = name or f"_merged__{model.Get(str, 'name')}{MODEL}"
+    frame = add_frame(parent, name)
     scope = _Scope(model, None, diagnostics)
     pose, place = next(model.named("pose"), None), _attribute(model, "placement_frame")
     target = frame.child("pose")
@@ -78,8 +112,7 @@ def merge(model: Element, parent: Element, diagnostics: Diagnostics) -> None:
     except _Unresolved:
         placed = IDENTITY
     target.value.SetFromString(exact_pose(GzCoordPoseAdd(GzCoordPoseSub(IDENTITY, placed), _pose(model))))
-    if pose is not None and _reference(model):
-        target.set_attribute("relative_to", _reference(model))
+    target.set_attribute("relative_to", (_reference(model) if pose is not None else "") or MODEL)
     for element in scope._inside(model):
         if element.name in ("link", "model", "frame") and element.parent is model:
             own = element.child("pose")
@@ -102,6 +135,7 @@ def merge(model: Element, parent: Element, diagnostics: Diagnostics) -> None:
         if child.name in ("link", "joint", "frame", "model", "gripper", "plugin"):
             model.RemoveChild(child)
             parent.InsertElement(child)
+    return frame
 
 
 def _reference(element: Element) -> str:
@@ -355,7 +389,7 @@ class _Scope:
             given = next(joint.named(end), None)
             name = given.Get(str).strip() if given is not None else ""
             found = self.find(name) if name else None
-            if given is None or (name != MODEL and (found is None or found[1].name == "link")):
+            if given is None or name == WORLD or (name != MODEL and (found is None or found[1].name == "link")):
                 continue
             link = self.link_of(name, given)
             if link is not None:

@@ -19,7 +19,7 @@ from libgz.base.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
 from libgz.sdf.bounds import in_bounds
 from libgz.sdf.description import NEWEST, OLDEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
-from libgz.sdf.frames import merge, resolve_frames
+from libgz.sdf.frames import MODEL, add_frame, merge, prefix_names, resolve_frames
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
 from libgz.sdf.value import check, exact_pose, parse, repaired
@@ -47,6 +47,7 @@ JOINTS = {"continuous": "revolute", "hinge": "revolute", "hinge2": "revolute2", 
 # (parent, child) up to SDF 1.6 -> what 1.7 has in its place.
 REPLACED = {(axis, "use_parent_model_frame"): "the attribute expressed_in of <xyz>" for axis in ("axis", "axis2")}
 NEEDED = (("joint", "parent"), ("joint", "child"))  # without which an element has no meaning
+FLAT = "1.7"  # the last version in which models that a model includes have no place of their own, as in Gazebo 11
 HOLDERS = ("world", "model")  # of includes, in all versions
 
 
@@ -476,9 +477,28 @@ class SdfFile:
         included.root.RemoveChild(entity)
         if xml.get("merge", "").strip().lower() in ("true", "1") and entity.name == parent.name == "model":
             merge(entity, parent, self.diagnostics)
+            return
+        self._share_static(entity, parent)
+        if parent.name == entity.name == "model" and self.version <= FLAT and next(entity.named("model"), None) is None:
+            self._flatten(entity, parent)
         else:
-            self._share_static(entity, parent)
             parent.InsertElement(entity)
+
+    def _flatten(self, entity: Element, parent: Element) -> None:
+        """Make the parts of an included model parts of the model around it, as Gazebo does: `included::link`.
+
+        Two frames are where the included model is: that which has Gazebo's name, and one of the model's.
+        """
+        name = entity.Get(str, "name")
+        prefix_names(entity)
+        links = [link.Get(str, "name") for link in entity.named("link")]
+        frame = merge(entity, parent, self.diagnostics, f"{name}::{MODEL}")
+        if links:
+            frame.set_attribute("attached_to", links[0])
+        add_frame(parent, name, f"{name}::{MODEL}")
+        for child in entity.children:  # such as <self_collide>
+            if child.name != "pose" and next(parent.named(child.name), None) is None:
+                parent.InsertElement(child.Clone())
 
     def _share_static(self, entity: Element, parent: Element) -> None:
         """Make a model static as a whole if one that it includes is, and itself states nothing, as in Gazebo."""
@@ -488,7 +508,7 @@ class SdfFile:
         self.diagnostics.warn(
             parent,
             f"is static as a whole, because the included model {entity.Get(str, 'name')!r} is; "
-            "with <static>false</static> before the include only that one is",
+            "with <static>false</static> before the include nothing in it is",
         )
         parent.InsertElement(given.Clone())
 

@@ -303,6 +303,11 @@ class FixedMechanism(Mechanism):
     ode_class = FixedJoint
     joint: FixedJoint
 
+    @classmethod
+    def check(cls, plan: JointPlan) -> None:
+        super().check(plan)
+        plan.axes.clear()  # one in the file has no effect
+
     def number(self, key: str, index: int) -> int | None:
         return None
 

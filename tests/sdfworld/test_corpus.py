@@ -46,7 +46,7 @@ def run(path, steps, caplog):
             assert max((max(map(abs, body.GetLinearVel())) for body in bodies), default=0.0) < 0.01
         for expected in expectations(text, "place"):
             scoped, *place = expected.rsplit(" ", 3)
-            model, _, link = scoped.rpartition("::")
+            model, _, link = scoped.partition("::")
             assert tuple(world.model(model).GetBody(link).GetPosition()) == pytest.approx(numbers(place), abs=0.01)
         for expected in expectations(text, "range"):
             sensor, index, distance = expected.split()

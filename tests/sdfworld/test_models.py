@@ -25,8 +25,56 @@ def test_a_model_that_includes_a_static_one_is_static_unless_it_states_otherwise
     made = load(world(model("cell", own, include, link("crate", inertial()), pose="0 0 5 0 0 0")))
     made.run(0.1)
     assert (made.body("cell", "crate").GetPosition().z == 5.0) == static
-    assert made.model("cell::shelf").static
+    assert made.model("cell").static == static
+    assert [body.bodyName for body in made.model("cell").bodies] == ["shelf::frame", "crate"]
     assert ("is static as a whole" in caplog.text) == (own == "")
+
+
+ARM = """<link name='base'/><link name='hand'/>
+<joint name='turn' type='revolute'><parent>world</parent><child>hand</child>
+<axis><xyz>0 1 0</xyz><use_parent_model_frame>1</use_parent_model_frame></axis></joint>
+<plugin name='base' filename='libnone.so'><link_name>hand</link_name><size>hands</size></plugin>"""
+
+
+@pytest.mark.parametrize("version", ["1.4", "1.6", "1.8"])
+def test_parts_of_an_included_model_belong_to_the_model_around_it_up_to_version_1_7(load, tmp_path, version):
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm" / "model.config").write_text("<model><name>arm</name><sdf version='1.6'>m.sdf</sdf></model>")
+    (tmp_path / "arm" / "m.sdf").write_text(f"<sdf version='1.6'>{model('arm', ARM)}</sdf>")
+    include = f"<include><name>left</name><uri>file://{tmp_path}/arm</uri><pose>0 0 1 0 0 .5</pose></include>"
+    tip = link("tip", inertial()) + joint("hold", "fixed", "left::hand", "tip")
+    text = world(model("robot", include, tip, pose="1 2 3 0 0 .3"), gravity="0 0 0")
+    made = load(text, version)
+    robot = made.model("robot")
+    assert place(robot.GetBody("left::hand")) == pytest.approx((1, 2, 4))
+    assert "hold" in robot.sdf_joints
+    if version == "1.8":
+        assert [one.GetId() for one in made.entities] == ["robot", "robot::left"]
+        return
+    assert [one.GetId() for one in made.entities] == ["robot"]
+    assert [body.bodyName for body in robot.bodies] == ["left::base", "left::hand", "tip"]
+    assert tuple(robot.sdf_joints["left::turn"].axis(0)) == pytest.approx((-math.sin(0.8), math.cos(0.8), 0))
+    plugin = next(SdfFile.from_string(f"<sdf version='{version}'>{text}</sdf>").root.find("plugin"))
+    assert (plugin.Get(str, "name"), plugin.Get(str, "link_name"), plugin.Get(str, "size")) == (
+        "left::base", "left::hand", "hands",
+    )  # fmt: skip
+
+
+def test_a_joint_may_be_named_world(load):
+    named = "<frame name='f' attached_to='leaf'/>" + joint("world", "fixed", "world", "f")
+    made = load(world(model("door", link("leaf", inertial()), named)))
+    assert set(made.model("door").sdf_joints) == {"world"}
+
+
+@pytest.mark.parametrize("iterations", [0, 5])
+def test_iterations_with_a_preconditioner_are_a_warning(load, caplog, iterations):
+    load(world(physics=f"<ode><solver><precon_iters>{iterations}</precon_iters></solver></ode>"))
+    assert ("w0.world:1: <solver>: precon_iters has no effect" in caplog.text) == (iterations > 0)
+
+
+def test_an_axis_of_a_fixed_joint_has_no_effect(load):
+    made = load(world(model("m", link("a"), link("b"), joint("j", "fixed", "a", "b", "0 0 1"))))
+    assert made.model("m").sdf_joints["j"].dof == 0
 
 
 def test_a_model_of_models_alone(load):

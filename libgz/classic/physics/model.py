@@ -274,8 +274,8 @@ class Model(Entity):
         return part.GetScopedName().removeprefix(f"{self.GetScopedName()}::")
 
     def GetJointCount(self) -> int:
-        """The number of joints, those of nested models included."""
-        return sum(1 for _ in self.all_joints())
+        """The number of its joints, without those of nested models."""
+        return len(self.GetJoints())
 
     def CreateJoint(
         self, name: str | Element, kind: str = "", parent: Link | None = None, child: Link | None = None

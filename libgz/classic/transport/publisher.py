@@ -7,6 +7,7 @@ import threading
 import time as clock
 import weakref
 from collections import deque
+from contextlib import suppress
 from typing import Any
 
 from libgz.base.errors import ClosedError, ParameterError
@@ -25,7 +26,13 @@ class _Outbox(deque[tuple[int, Message]]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.lock = threading.Lock()  # held while either changes: threads publish while another one delivers
+        # Held while either changes: threads publish while another one delivers. A handler of signals may publish, too.
+        self.lock = threading.RLock()
+
+    def entries(self) -> list[tuple[int, Message]]:
+        """Return what waits now."""
+        with self.lock:
+            return list(self)
 
     def empty(self) -> None:
         """Drop all messages."""
@@ -188,12 +195,14 @@ def waiting_messages(prefix: str) -> list[tuple[str, Message]]:
     if not queue:
         return []
     found: dict[int, tuple[str, Message]] = {}
+    outboxes: dict[int, tuple[Topic, _Outbox]] = {}  # each once: threads may publish meanwhile
     for deliver in list(queue):
         if isinstance(deliver, functools.partial) and deliver.func is _send_one:
-            topic, outbox = deliver.args
-            found.update({number: (topic.name, message) for number, message in outbox})
+            outboxes[id(deliver.args[1])] = deliver.args
         elif isinstance(deliver, _Waiting):
             found[deliver.number] = deliver.topic, deliver.message
+    for topic, outbox in outboxes.values():
+        found.update({number: (topic.name, message) for number, message in outbox.entries()})
     return [entry for _, entry in sorted(found.items()) if entry[0].startswith(prefix)]
 
 
@@ -206,7 +215,8 @@ def drop_waiting(prefix: str) -> None:
             if topic.name.startswith(prefix):
                 outbox.empty()
         elif isinstance(deliver, _Waiting) and deliver.topic.startswith(prefix):
-            queue.remove(deliver)
+            with suppress(ValueError):  # another thread delivers it
+                queue.remove(deliver)
 
 
 def queue_message(topic: str, message: Message) -> None:

@@ -4,6 +4,7 @@ import gc
 import logging
 import sys
 import threading
+from collections import deque
 
 import pytest
 
@@ -11,6 +12,7 @@ import libgz
 from libgz.base.errors import ClosedError, GazeboError, NotFoundError, ParameterError
 from libgz.classic import msgs
 from libgz.classic.transport import Node, TopicManager, getAdvertisedTopics, getTopicMsgType, request, requestNoReply
+from libgz.classic.transport.publisher import drop_waiting, queue_message, waiting_messages
 
 manager = TopicManager.Instance()
 
@@ -371,6 +373,59 @@ def test_threads_may_publish(node, fast_switches, limit):
     for n in range(8):
         heard = [m.y for m in got if m.x == n]
         assert heard == list(range(200)) if limit == 200 else heard[-1] == 199  # older ones may be dropped
+    assert sub
+
+
+def test_waiting_messages_are_read_while_threads_publish(node, fast_switches):
+    sub = node.Subscribe("~/a", lambda _: None)
+    pub, ended = node.Advertise(msgs.Vector2d, "~/a", 50), threading.Event()
+
+    def work():
+        while not ended.is_set():
+            pub.Publish(msgs.Vector2d())
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        for _ in range(300):
+            assert len(waiting_messages("/gazebo/here/")) <= 50
+    finally:
+        ended.set()
+        thread.join()
+    assert len(waiting_messages("/gazebo/here/")) == pub.GetOutgoingCount()
+    assert sub
+
+
+def test_waiting_messages_are_dropped_although_a_thread_delivers_them(node, monkeypatch):
+    class Delivered(deque):
+        def remove(self, entry):
+            self.clear()
+            super().remove(entry)
+
+    monkeypatch.setattr(manager, "queue", Delivered())
+    queue_message("/gazebo/here/a", msgs.Vector2d())
+    drop_waiting("/gazebo/here/")
+    assert waiting_messages("/gazebo/here/") == []
+
+
+def test_a_handler_of_signals_may_publish_while_its_thread_does(node, monkeypatch):
+    got = []
+    sub = node.Subscribe("~/a", got.append)
+    pub = node.Advertise(msgs.Vector2d, "~/a")
+
+    class Interrupted(deque):
+        def append(self, entry):
+            super().append(entry)
+            if len(self) == 1:
+                pub.Publish(msgs.Vector2d(x=2))
+
+    monkeypatch.setattr(manager, "queue", Interrupted())
+    thread = threading.Thread(target=pub.Publish, args=(msgs.Vector2d(x=1),), daemon=True)
+    thread.start()
+    thread.join(10.0)
+    assert not thread.is_alive()
+    manager.ProcessNodes()
+    assert sorted(xs(got)) == [1.0, 2.0]
     assert sub
 
 

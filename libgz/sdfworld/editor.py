@@ -78,7 +78,8 @@ class _Include(NamedTuple):
     def reason(self) -> str:
         """Why it cannot set others."""
         file = self.built.file
-        return f"it is in {file}, which is included: copy it into the world to edit it here, or `libgz edit {file}`"
+        copied = "copy it into the world to edit it here, or " if self.built.name in BUILT else ""
+        return f"it is in {file}, which is included: {copied}`libgz edit {file}`"
 
 
 class _Place(NamedTuple):
@@ -262,7 +263,7 @@ class SdfEditor:
         self._blocks(text)
         element, path = text.holder, self._path(entity)
         for number, built in enumerate(path):
-            step = built.name, built.Get(str, "name")
+            step = _step(built)
             found = text.find([step], element)
             if found is None:
                 found = text.include(built, element)
@@ -270,11 +271,17 @@ class SdfEditor:
                     why = "it is made by another element, or included in a way that is not clear"
                     raise NotFoundError(f"{entity.GetId()!r} has no element of its own in {text.label}: {why}")
                 include = _Include(text, found, built, number == len(path) - 1 and not part)
-                text = SdfText(f"<sdf version='{NEWEST}'>{upgraded(built).ToString()}</sdf>".encode(), built.file)
+                text = _written(built, built.file)
                 found = text.find([step])
             if found is None:
                 raise NotFoundError(f"{entity.GetId()!r} has no element in {text.label}")
             element = found
+        merged = _merged(path[-1], part) if path else None
+        if merged is not None and text.find([_step(merged)], element) is None:
+            include = include or _Include(text, element, merged, False)
+            text = _written(path[-1], merged.file)
+            found = text.find([_step(path[-1])])
+            element = element if found is None else found
         about = self._blocks(text)[local_name(element)]
         for step in _parts(element, part, kind):
             below = next((one for one in children(element, step[0]) if one.get("name") == step[1]), None)
@@ -364,6 +371,21 @@ def _top(entity: Entity) -> Entity:
     return entity
 
 
+def _step(element: Element) -> Step:
+    return element.name, element.Get(str, "name")
+
+
+def _written(element: Element, label: str) -> SdfText:
+    """An element as a document of its own."""
+    return SdfText(f"<sdf version='{NEWEST}'>{upgraded(element).ToString()}</sdf>".encode(), label)
+
+
+def _merged(model: Element, part: str) -> Element | None:
+    """The link or joint that a part of a model is or is in, if the model has it of one that it includes."""
+    parts = (one for one in model.children if one.name in ("link", "joint") and one.file != model.file)
+    return next((one for one in parts if f"{part}::".startswith(f"{one.Get(str, 'name')}::")), None)
+
+
 def _included(values: list[Value], include: _Include) -> list[Value]:
     """The values of what is included, and first where that is."""
     file, place = include.built.file, include.text
@@ -389,6 +411,13 @@ def _parts(element: etree._Element, part: str, kind: str) -> Iterator[Step]:
     tag = {"body": "link"}.get(kind, kind) or "link"
     if tag not in ("link", "joint", "sensor", "light", "model"):
         raise ParameterError(f"kind {kind!r} is not allowed; it must be link, joint, sensor or light")
+    for holder in ("link", tag):  # names of what was included have `::` in them
+        for own in (one.get("name", "") for one in children(element, holder)):
+            if "::" in own and f"{part}::".startswith(f"{own}::"):
+                yield holder, own
+                if part != own:
+                    yield tag, part.removeprefix(f"{own}::")
+                return
     *above, name = part.split("::")
     if (
         tag == "link"

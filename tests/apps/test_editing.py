@@ -380,6 +380,24 @@ def test_what_an_include_cannot_set_says_where_it_is(including):
 
 
 @pytest.mark.parametrize(
+    ("part", "kind", "key"), [("l", "link", "inertial/mass"), ("turn", "joint", "axis/limit/upper")]
+)
+def test_parts_that_an_included_model_gives_to_the_one_around_say_where_they_are(including, part, kind, key):
+    with including() as ask:
+        content = {"name": "pile", "part": f"inner::{part}", "kind": kind}
+        shown = ask.value(key, **content)
+        assert shown["value"] == (3 if kind == "link" else 1)
+        assert shown["reason"].endswith("model.sdf`")
+        with pytest.raises(GazeboError, match=r"is in .*stone/model\.sdf, which is included: `libgz edit"):
+            ask("edit", key=key, value=0.5, **content)
+        ask("edit", name="pile", part="own", kind="link", key="inertial/mass", value=7)
+        assert ask.world.body("pile", "own").mass == 7
+        (copied,) = ask("duplicate", name="pile")
+        ask("edit", name=copied, part="inner::l", kind="link", key="inertial/mass", value=4)
+        assert ask.world.body(copied, "inner::l").mass == 4
+
+
+@pytest.mark.parametrize(
     ("version", "model", "axis"),
     [
         ("1.6", "1.6", ""),

@@ -22,7 +22,6 @@ __all__ = [
     "installed_worlds",
     "is_file",
     "is_folder",
-    "make_private",
     "open_file",
     "own_cache",
     "read_file",
@@ -216,16 +215,23 @@ def _write_and_rename(folder: int, name: str, data: bytes, mode: int) -> None:
         raise
 
 
-def own_cache(*parts: str) -> Path:
-    """A folder in the user's cache, below XDG_CACHE_HOME or ~/.cache; it need not exist. It may hold code that is run.
+def own_cache(*parts: str, create: bool = False) -> Path:
+    """A folder in the user's cache, below XDG_CACHE_HOME or ~/.cache. It may hold code that is run.
+
+    Args:
+        parts: names of folders, each in the one before.
+        create: make those that do not exist, for this user only, whatever the umask is; else they need not exist.
 
     Raises:
-        LibraryError: it, or a link to it, belongs to another user, or all users may write there.
+        LibraryError: one, or a link to it, belongs to another user, or all users may write there.
+        OSError: one cannot be made.
     """
     place = Path(os.environ.get("XDG_CACHE_HOME", ""))
     folder = place if place.is_absolute() else Path.home() / ".cache"
     for part in parts:
         folder /= part
+        if create:  # before it is checked: another user may make it at any moment
+            _make_private(folder)
         with contextlib.suppress(FileNotFoundError):
             link, about = folder.lstat(), folder.stat()
             problem = ""
@@ -238,10 +244,10 @@ def own_cache(*parts: str) -> Path:
     return folder
 
 
-def make_private(folder: Path) -> None:
-    """Create a folder, and those above it that do not exist, for this user only, whatever the umask is."""
+def _make_private(folder: Path) -> None:
+    """Create a folder, and those above it that do not exist, for this user only."""
     if not folder.parent.exists():
-        make_private(folder.parent)
+        _make_private(folder.parent)
     folder.mkdir(mode=0o700, exist_ok=True)
 
 

@@ -26,7 +26,7 @@ from pathlib import Path
 
 import libgz.cxx
 from libgz.base.errors import LibraryError
-from libgz.base.files import make_private, own_cache, write_whole
+from libgz.base.files import own_cache, write_whole
 from libgz.classic.api import TABLE as CLASSIC
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
@@ -133,13 +133,14 @@ def _toolchain_key() -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def cache_folder() -> Path:
+def cache_folder(*, create: bool = False) -> Path:
     """Where libraries are kept.
 
     Raises:
-        LibraryError: it belongs to another user.
+        LibraryError: it belongs to another user, or all users may write there.
+        OSError: it cannot be made.
     """
-    return own_cache("libgz", "classic-cxx")
+    return own_cache("libgz", "classic-cxx", create=create)
 
 
 def default_prefix() -> Path:
@@ -249,13 +250,14 @@ def built(progress: Progress = lambda _line: None) -> Library:
     """
     check_needs()
     key = f"{source_key()}-{_toolchain_key()}"
-    folder = cache_folder() / key
+    cache = cache_folder()
+    folder = cache / key
     try:
-        make_private(cache_folder())
-        with (cache_folder() / f"{key}.lock").open("w") as lock:
+        cache_folder(create=True)
+        with (cache / f"{key}.lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # one process builds, the others wait for it
             if not (folder / "lib" / SONAME).exists():
-                with tempfile.TemporaryDirectory(dir=cache_folder(), prefix=".build-") as place:
+                with tempfile.TemporaryDirectory(dir=cache, prefix=".build-") as place:
                     made = Path(place) / key
                     _build(made, key, folder / "lib", progress)
                     made.rename(folder)
@@ -264,7 +266,7 @@ def built(progress: Progress = lambda _line: None) -> Library:
     except LibraryError:  # which is an OSError, too
         raise
     except OSError as error:
-        raise LibraryError(f"cannot build in {cache_folder()}: {error.strerror}") from None
+        raise LibraryError(f"cannot build in {cache}: {error.strerror}") from None
     return Library(folder, key)
 
 

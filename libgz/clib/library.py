@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from libgz.base.errors import LibraryError
-from libgz.base.files import make_private, own_cache
+from libgz.base.files import own_cache
 from libgz.clib import FOLDER
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
@@ -52,15 +52,18 @@ def library_folder(version: int = LIBGAZEBO_VERSION, *, i386: bool = False) -> P
     if i386:
         command += [FOR_I386, "-D_FILE_OFFSET_BITS=64"]  # for files with large numbers
         _check_i386(command)
-    folder = own_cache(f"libgz-{_fingerprint(command)}")
+    name = f"libgz-{_fingerprint(command)}"
+    folder = own_cache(name)
     if not ((folder / ARCHIVE).exists() and (folder / SHARED).exists()):
         try:
-            make_private(folder)
+            own_cache(name, create=True)
             with tempfile.TemporaryDirectory(dir=folder) as temporary:
                 _compile(command, Path(temporary))
                 # Atomically, so that no program links an incomplete library.
-                for name in (ARCHIVE, SHARED):
-                    (Path(temporary) / name).replace(folder / name)
+                for file in (ARCHIVE, SHARED):
+                    (Path(temporary) / file).replace(folder / file)
+        except LibraryError:  # which is an OSError, too
+            raise
         except OSError as error:
             raise LibraryError(f"the C library cannot be stored in {folder}: {error}; set XDG_CACHE_HOME") from None
     return folder

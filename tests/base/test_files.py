@@ -13,7 +13,7 @@ import pytest
 from libgz import WorldFile
 from libgz.base import files
 from libgz.base.errors import LibraryError, WorldFileError
-from libgz.base.files import make_private, own_cache, write_whole
+from libgz.base.files import own_cache, write_whole
 from libgz.classic_cxx import library as classic_cxx
 from libgz.sdf.reader import SdfFile
 
@@ -70,11 +70,22 @@ def test_what_is_kept_in_the_cache_is_nobody_elses_whatever_the_umask(tmp_path, 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     before = os.umask(0)
     try:
-        make_private(own_cache("libgz", "code"))
+        own_cache("libgz", "code", create=True)
     finally:
         os.umask(before)
     folder = own_cache("libgz", "code")
     assert [one.stat().st_mode & 0o777 for one in (folder, folder.parent, tmp_path / "cache")] == [0o700] * 3
+
+
+def test_a_folder_that_another_user_makes_at_the_same_moment_is_refused(tmp_path, monkeypatch):
+    def of_another(path, mode=0o777, parents=False, exist_ok=False):
+        os.mkdir(path)  # noqa: PTH102
+        path.chmod(0o777)
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(Path, "mkdir", of_another)
+    with pytest.raises(LibraryError, match="can be written by all users"):
+        own_cache("libgz", "code", create=True)
 
 
 def test_pipes_and_devices_are_written_to_and_never_replaced(tmp_path):

@@ -347,7 +347,7 @@ def test_sources_of_classic_are_recognised(tmp_path):
 def test_installation(library, tmp_path, monkeypatch, capsys):
     cache = library_module.cache_folder()
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setattr(library_module, "cache_folder", lambda: cache)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache.parents[1]))
     prefix = tmp_path / "prefix"
     assert main(["config", "--install-classic", str(prefix)]) == 0
     assert "export PKG_CONFIG_PATH=" in capsys.readouterr().err

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import threading
+from pathlib import Path
 from typing import Any
 
 from libgz.base.errors import ServerError
+from libgz.base.files import exists
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 from libgz.transport.control import ask
+from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 __all__ = ["ServerControls"]
 
@@ -33,12 +36,17 @@ class ServerControls:
 
     @property
     def abilities(self) -> frozenset[str]:
-        """The requests that the server answers: a log that is played has others than a world that runs."""
+        """The requests that the server answers: a log that is played has others than a world that runs.
+
+        A server that takes requests, but does not answer in time, has none.
+        """
         if self._abilities is None:
             try:
                 self._abilities = frozenset(json.loads(ask(self.server_id, "abilities", timeout=PATIENCE)))
             except ServerError:
-                self._abilities = ALONE
+                # One that takes requests, and is slow to answer, may be one that is only watched.
+                slow = exists(Path(server_directory(self.server_id), CONTROL_SOCKET))
+                self._abilities = frozenset() if slow else ALONE
         return self._abilities
 
     def ask(self, verb: str, argument: str = "-", **content: Any) -> Any:

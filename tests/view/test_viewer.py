@@ -18,9 +18,10 @@ from libgz.apps.world_control import WorldControl
 from libgz.base.errors import GazeboError, ServerGoneError
 from libgz.base.files import installed_worlds
 from libgz.rendering.image import depth_text, jpeg_text
-from libgz.transport.control import Request
-from libgz.view import driving
+from libgz.transport.control import Control, Request
+from libgz.view import driving, server as server_module
 from libgz.view.local import LocalSource
+from libgz.view.server import ServerControls
 from libgz.view.viewer import PORT, Viewer
 
 ROBOT = """<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane><id>ground</id></model:GroundPlane>
@@ -190,6 +191,14 @@ def test_a_page_that_only_watches_drives_nothing():
         page.ask("pause")
         time.sleep(0.1)
         assert world.interface("position", "robot1").data.cmd_vel_pos[0] == 0.0
+
+
+def test_a_server_that_does_not_say_in_time_what_it_does_is_only_watched(server, monkeypatch):
+    """It may be one of --watch-only, whose first step takes long."""
+    monkeypatch.setattr(server_module, "PATIENCE", 0.01)
+    assert ServerControls(server.server_id).abilities == {"interfaces"}
+    with contextlib.closing(Control(server.path)):
+        assert ServerControls(server.server_id).abilities == frozenset()
 
 
 def test_fields_of_interfaces_are_listed_and_sent():

@@ -10,6 +10,7 @@ import sys
 from libgz.apps.console import Parser
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError
+from libgz.base.visible import visible
 from libgz.reference.check import check
 
 __all__ = ["configure", "run"]
@@ -49,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps([dataclasses.asdict(error) for error in diagnostics], indent=2))
     else:
         for error in diagnostics:
-            print(_line(error))
+            print(visible(_line(error)))
     return int(any(error.severity == "error" for error in diagnostics))
 
 

@@ -244,7 +244,8 @@ def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., in
                 _discard_output()
                 with contextlib.suppress(OSError):
                     where = error.filename or ("its output" if error.errno in DISK_FULL else None)
-                    print(f"{name}: {where}: {error.strerror}" if where else f"{name}: {error}", file=sys.stderr)
+                    text = f"{name}: {where}: {error.strerror}" if where else f"{name}: {error}"
+                    print(visible(text), file=sys.stderr)
                 return failed
 
         return command

@@ -10,6 +10,7 @@ from pathlib import Path
 from libgz.apps.console import writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.files import write_whole
+from libgz.base.visible import visible
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
 from libgz.front import World
 from libgz.worldfile.file import WorldFile
@@ -57,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     with writing():
         _write(converted, output, options.report)
     for note in converted.notes:
-        print(note, file=sys.stderr)
+        print(visible(str(note)), file=sys.stderr)
     return 0
 
 

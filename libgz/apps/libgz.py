@@ -13,6 +13,7 @@ from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
 from libgz.apps.untrusted import confined
 from libgz.base.errors import GazeboError
+from libgz.base.visible import visible
 
 __all__ = ["main", "run_words"]
 
@@ -110,7 +111,7 @@ def _print_reference(prog: str, name: str) -> int:
     try:
         print(reference_of(name), end="")
     except GazeboError as error:
-        print(f"{prog}: {error}", file=sys.stderr)
+        print(visible(f"{prog}: {error}"), file=sys.stderr)
         return USAGE_ERROR
     return 0
 
@@ -146,7 +147,7 @@ def run_words(prog: str, words: list[str]) -> int:
         with confined(prog, options):
             return int(command.run(options))
     except GazeboError as error:
-        print(f"{prog}: {error}", file=sys.stderr)
+        print(visible(f"{prog}: {error}"), file=sys.stderr)
         return 1
     finally:
         if owned:

@@ -19,6 +19,7 @@ from libgz._version import __version__
 from libgz.base.errors import LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.base.python import run_module
+from libgz.base.visible import visible
 from libgz.reference.language import Completion, completions, meaning
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class _OneLine(logging.Formatter):
         text = record.getMessage().partition("\n")[0]
         if record.exc_info and (error := record.exc_info[1]) is not None:
             text = f"{text}: {error or type(error).__name__}"
-        return f"libgz: {' '.join(text.split())[:LONGEST_HEADER]}"
+        return visible(f"libgz: {' '.join(text.split())[:LONGEST_HEADER]}")
 
 
 class _Input:

@@ -13,6 +13,7 @@ from libgz.apps.console import Parser, finite_number, read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.visible import visible
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.transport import Node
@@ -103,7 +104,7 @@ def _model_text(filename: str, arguments: Mapping[str, str]) -> str:
     file = SdfFile.load(filename, arguments=arguments)
     file.diagnostics.raise_errors()
     for warning in file.diagnostics.warnings:
-        print(warning, file=sys.stderr)
+        print(visible(str(warning)), file=sys.stderr)
     return f"<sdf version='{NEWEST}'>{''.join(upgraded(part).ToString() for part in file.root.children)}</sdf>"
 
 

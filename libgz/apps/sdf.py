@@ -13,6 +13,7 @@ from libgz.apps import upgrade
 from libgz.apps.console import Parser
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError, WorldFileError, nearest
+from libgz.base.visible import visible
 from libgz.reference.check import check_sdf
 from libgz.reference.sdf_elements import sdf_block, sdf_blocks
 from libgz.reference.sdf_format import sdf_page, sdf_text
@@ -103,7 +104,7 @@ def _print(filename: str, arguments: Mapping[str, str]) -> int:
     try:
         file = SdfFile.load(filename, arguments=arguments)
     except WorldFileError as unreadable:
-        print(f"error   : {unreadable}", file=sys.stderr)
+        print(visible(f"error   : {unreadable}"), file=sys.stderr)
         return 1
     _report([*file.diagnostics.errors, *file.diagnostics.warnings])
     print("<?xml version='1.0'?>")
@@ -113,4 +114,4 @@ def _print(filename: str, arguments: Mapping[str, str]) -> int:
 
 def _report(found: Iterable[Diagnostic]) -> None:
     for error in found:
-        print(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}", file=sys.stderr)
+        print(visible(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}"), file=sys.stderr)

@@ -11,6 +11,7 @@ from libgz.apps.console import Parser, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Remark, WorldFileError
 from libgz.base.files import read_limited, write_whole
+from libgz.base.visible import visible
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.recognition import is_sdf
 from libgz.sdf.xml import ROBOT
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     if options.in_place and any(change.element == ROBOT for change in changes):
         raise WorldFileError(f"{options.worldfile} is a robot description; name the SDF file to write with -o")
     for change in changes:
-        print(change, file=sys.stderr)
+        print(visible(str(change)), file=sys.stderr)
     target = options.worldfile if options.in_place else options.output
     if target is None:
         sys.stdout.buffer.write(text)

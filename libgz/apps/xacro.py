@@ -10,6 +10,7 @@ from libgz.apps.console import Parser, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostics, WorldFileError
 from libgz.base.files import read_limited, write_whole
+from libgz.base.visible import visible
 from libgz.sdf.xacro.expansion import expand
 from libgz.sdf.xml import document_text, parse_document
 
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     diagnostics.raise_errors()
     if not options.quiet:
         for warning in diagnostics.warnings:
-            print(warning, file=sys.stderr)
+            print(visible(str(warning)), file=sys.stderr)
     if options.output is None:
         sys.stdout.buffer.write(text)
     else:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
+
 __all__ = ["one_line", "visible"]
 
-KEPT = "\n\t"
+# Controls other than tabs and line breaks, separators of lines, changes of the direction of writing, and surrogates.
+# Not all that Python calls unprintable: texts of many languages have joiners and wide spaces.
+_COMMANDS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
 def visible(text: str) -> str:
     """A text whose control characters are escaped, so that it cannot command a terminal; lines stay apart."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() or c in KEPT else c.encode("unicode_escape").decode() for c in text)
+    return _COMMANDS.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 def one_line(text: str) -> str:

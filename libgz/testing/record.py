@@ -9,6 +9,7 @@ from pathlib import Path
 
 from libgz.base.errors import GazeboError
 from libgz.base.geometry import GzQuaternToEuler
+from libgz.base.visible import visible
 from libgz.front import World
 from libgz.recording.images import FreeView, ImageSource, cameras_of
 from libgz.rendering.framing import overview
@@ -70,7 +71,7 @@ class _Lines(logging.Handler):
         self.setFormatter(logging.Formatter("%(levelname)-8s%(name)s: %(message)s"))
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._lines.append(self.format(record))
+        self._lines.append(visible(self.format(record)))
 
 
 def _describe(world: World) -> list[str]:

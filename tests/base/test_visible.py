@@ -5,6 +5,7 @@ import logging
 import pytest
 
 from libgz.apps.console import PREFIXES, _ConsoleFormatter
+from libgz.apps.libgz import main
 from libgz.base.visible import one_line, visible
 
 
@@ -12,14 +13,26 @@ from libgz.base.visible import one_line, visible
     ("text", "shown"),
     [
         ("plain ä 日本", "plain ä 日本"),
+        ("می\u200cرود, 👩\u200d🚀, 12\u00a0m, 日本\u3000語", "می\u200cرود, 👩\u200d🚀, 12\u00a0m, 日本\u3000語"),
         ("two\nlines\tand a tab", "two\nlines\tand a tab"),
         ("\x1b]0;title\x07\x9b2J\r\0\x7f", "\\x1b]0;title\\x07\\x9b2J\\r\\x00\\x7f"),
+        ("a\x85b\u2028c", "a\\x85b\\u2028c"),
         ("turned \u202eround, broken \udcff", "turned \\u202eround, broken \\udcff"),
     ],
 )
 def test_control_characters_are_escaped(text, shown):
     assert visible(text) == shown
     assert one_line(text) == shown.replace("\n", "\\n")
+
+
+@pytest.mark.parametrize("command", ["check", "sdf --check", "sdf --print", "xacro", "upgrade", "convert"])
+def test_no_command_prints_control_characters_of_files(tmp_path, capsys, command):
+    path = tmp_path / "a\x1b[2J.world"
+    path.write_text("<sdf version='1.6'><world name='w'><gravity>\x9b2J</gravity><a\x85/></world></sdf>")
+    main([*command.split(), str(path), *(["-o", str(tmp_path / "out")] if command == "convert" else [])])
+    printed = "".join(capsys.readouterr())
+    assert "a\\x1b[2J.world" in printed
+    assert "\x1b" not in printed
 
 
 def test_commands_print_no_control_characters():

@@ -16,7 +16,7 @@ from typing import Any, TextIO
 
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
-from libgz.base.files import exists, is_file, read_limited, write_whole
+from libgz.base.files import exists, is_file, open_file, read_limited, write_whole
 from libgz.sweep.study import MOST_RUNS, Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
@@ -320,10 +320,11 @@ def _csv_rows(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _part_rows(path: Path, columns: list[str] | None = None) -> list[dict[str, Any]]:
-    with _damage_named(path):
-        if _parquet().read_metadata(path).num_rows > MOST_PART_ROWS:
+    with _damage_named(path), open_file(path) as file:
+        part = _parquet().ParquetFile(file)
+        if part.metadata.num_rows > MOST_PART_ROWS:
             raise ValueError("it has more rows than a part")
-        rows: list[dict[str, Any]] = _parquet().read_table(path, columns=columns).to_pylist()
+        rows: list[dict[str, Any]] = part.read(columns=columns).to_pylist()
         if not all(isinstance(row["run"], int) and isinstance(row["state"], str) for row in rows):
             raise ValueError("runs without numbers")
     return rows

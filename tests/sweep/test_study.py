@@ -1,5 +1,6 @@
 """Studies: which runs there are, and what is wrong in a file."""
 
+import os
 import tomllib
 
 import pytest
@@ -184,6 +185,14 @@ def test_a_part_of_more_rows_than_a_sweep_writes_is_not_held(folder, monkeypatch
     assert len(read_results(folder / "results")[1]) == 3
     monkeypatch.setattr(results, "MOST_PART_ROWS", 2)
     with pytest.raises(ParameterError, match="ValueError: it has more rows than a part"):
+        read_results(folder / "results")
+
+
+def test_a_part_that_is_a_pipe_is_not_waited_for(folder):
+    study = Study.load(folder / "push.toml")
+    open_results(folder / "results", study, "x", "parquet").close()
+    os.mkfifo(folder / "results" / "part-000000.parquet")
+    with pytest.raises(GazeboError, match="it is a pipe, not a file"):
         read_results(folder / "results")
 
 

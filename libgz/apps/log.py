@@ -14,6 +14,7 @@ from libgz.apps.server_link import add_world, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.budget import ELEMENT, Budget, BudgetError
 from libgz.base.errors import ParameterError, WorldFileError
+from libgz.base.visible import one_line
 from libgz.classic import msgs
 from libgz.classic.log import ENCODINGS, LogReader, LogState, LogWriter, NamePattern, read_states
 from libgz.sdf.upgrade import NEWEST
@@ -144,8 +145,8 @@ def _print_info(reader: LogReader, as_json: bool) -> None:
         }
         print(json.dumps(row))
         return
-    print(f"Log Version:    {header.log_version}")
-    print(f"Gazebo Version: {header.gazebo_version}")
+    print(f"Log Version:    {one_line(header.log_version)}")
+    print(f"Gazebo Version: {one_line(header.gazebo_version)}")
     print(f"Random Seed:    {header.rand_seed}")
     print(f"Start Time:     {first or 0.0:.6f} s")
     print(f"End Time:       {last:.6f} s")
@@ -153,4 +154,4 @@ def _print_info(reader: LogReader, as_json: bool) -> None:
     print(f"Steps:          {count}")
     print(f"Size:           {reader.path.stat().st_size / 2**20:.3f} MB")
     print(f"Encoding:       {encoding}")
-    print(f"Models:         {', '.join(sorted(models)) or 'none'}")
+    print(f"Models:         {one_line(', '.join(sorted(models))) or 'none'}")

@@ -22,6 +22,7 @@ from libgz.apps.view import make_viewer
 from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, ParameterError, ServerError
 from libgz.base.files import write_whole
+from libgz.base.visible import one_line
 from libgz.classic.transport import serve
 from libgz.recording.capture import check_packages
 from libgz.transport.control import ask
@@ -236,13 +237,14 @@ def _print_info(path: str) -> int:
         about = reader.about
         print(f"{path}: {reader.end - reader.begin:.3f} s" + ("" if reader.complete else ", without an end"))
         if about:
-            print(f"world {about.get('world')}, {about.get('era')}, recorded by libgz {about.get('libgz')}")
+            text = f"world {about.get('world')}, {about.get('era')}, recorded by libgz {about.get('libgz')}"
+            print(one_line(text))
         counts: dict[str, int] = {}
         for message in reader.messages():
             counts[message.channel.topic] = counts.get(message.channel.topic, 0) + 1
         width = max((len(topic) for topic in counts), default=0) + 2
         for channel in reader.channels.values():
-            print(f"{channel.topic:{width}}{counts.get(channel.topic, 0):8d}  {channel.schema}")
+            print(one_line(f"{channel.topic:{width}}{counts.get(channel.topic, 0):8d}  {channel.schema}"))
     return 0
 
 

@@ -35,6 +35,15 @@ def test_no_command_prints_control_characters_of_files(tmp_path, capsys, command
     assert "\x1b" not in printed
 
 
+def test_no_command_prints_control_characters_of_logs(tmp_path, capsys):
+    path = tmp_path / "state.log"
+    header = "<log_version>1.0\x9b2J</log_version><gazebo_version>\x9b2J</gazebo_version><rand_seed>1</rand_seed>"
+    path.write_text(f"<gazebo_log><header>{header}</header></gazebo_log>")
+    assert main(["log", "-f", str(path)]) == 0
+    assert "Gazebo Version: \\x9b2J" in (printed := capsys.readouterr().out)
+    assert "\x9b" not in printed
+
+
 def test_commands_print_no_control_characters():
     record = logging.LogRecord("libgz", logging.ERROR, "x.py", 1, "%s: wrong", ("a\x1b[2J.world",), None)
     assert _ConsoleFormatter("%(message)s").format(record) == f"{PREFIXES[logging.ERROR]}a\\x1b[2J.world: wrong"

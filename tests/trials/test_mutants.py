@@ -3,6 +3,7 @@
 import os
 import random
 import re
+import shlex
 from collections.abc import Callable
 
 import pytest
@@ -20,6 +21,7 @@ pytestmark = pytest.mark.trial
 SEED = int(os.environ.get("TRIAL_SEED") or random.SystemRandom().randrange(1 << 32))
 WORLDS = int(os.environ.get("TRIAL_WORLDS") or 100_000)  # of both eras together, and of robots in macros
 ASSET_COUNT = int(os.environ.get("TRIAL_ASSETS") or 10_000)  # of each kind
+FURTHER = f"TRIAL_SEEDS={shlex.quote(os.environ['TRIAL_SEEDS'])} " if os.environ.get("TRIAL_SEEDS") else ""
 FIRST = int(os.environ.get("TRIAL_FIRST") or 0)  # number of the first mutant
 PROCESSES = int(os.environ.get("TRIAL_PROCESSES") or os.cpu_count() or 1)
 SHOWN = 12  # failures in a message
@@ -71,7 +73,7 @@ def test_mutated_worldfiles_load_or_name_file_and_line(era, tmp_path, monkeypatc
         path.write_bytes(mutant(SEED, number, sources[number % len(sources)], text=True, donors=donors))
         return problem(era, path, after_load)
 
-    repeat = f"TRIAL_SEED={SEED} TRIAL_WORLDS=2 TRIAL_FIRST=NUMBER make trials"
+    repeat = f"{FURTHER}TRIAL_SEED={SEED} TRIAL_WORLDS=2 TRIAL_FIRST=NUMBER make trials"
     check(action, (WORLDS + 1) // 2, f"{era} worldfiles", repeat)
 
 

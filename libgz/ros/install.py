@@ -163,14 +163,14 @@ SETUP = """\
 # Read by a shell: . {prefix}/setup.sh
 export ROS_PACKAGE_PATH={prefix}/share${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}:{prefix}/spare
 export PYTHONPATH={prefix}/python${{PYTHONPATH:+:$PYTHONPATH}}
-export CMAKE_PREFIX_PATH={prefix}${{CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}}:{prefix}/spare
+export CMAKE_PREFIX_PATH=${{CMAKE_PREFIX_PATH:+$CMAKE_PREFIX_PATH:}}{prefix}/spare
 export CPATH={prefix}/include${{CPATH:+:$CPATH}}
 export PATH=$PATH:{prefix}/spare/bin
 """
 
-# What find_package(catkin COMPONENTS ...) reads; messages are headers alone.
+# What find_package(catkin COMPONENTS ...) reads where there are no others of these names; messages are headers alone.
 CMAKE = """\
-get_filename_component(_prefix "${{CMAKE_CURRENT_LIST_DIR}}/../../.." ABSOLUTE)
+get_filename_component(_prefix "${{CMAKE_CURRENT_LIST_DIR}}/../../../.." ABSOLUTE)
 set({package}_FOUND TRUE)
 set({package}_FOUND_CATKIN_PROJECT TRUE)
 set({package}_INCLUDE_DIRS "${{_prefix}}/include")
@@ -178,8 +178,7 @@ set({package}_LIBRARIES "")
 set({package}_LIBRARY_DIRS "")
 set({package}_EXPORTED_TARGETS "")
 """
-# Packages that catkin finds where there are no others of these names. They hand on the API of Gazebo, if it is
-# installed, for many plugins need nothing else of them.
+# The same of packages that hand on the API of Gazebo, if it is installed: many plugins need nothing else of them.
 CMAKE_GAZEBO = """\
 find_package(gazebo QUIET)
 set({package}_FOUND TRUE)
@@ -215,9 +214,9 @@ def _contents(prefix: Path) -> dict[str, tuple[str, bool]]:
     for package in MESSAGES:
         found |= _messages(package)
     found["include/control_toolbox/pid.h"] = PID, False
-    for package in PACKAGES:
-        place, text = ("spare/", CMAKE_GAZEBO) if package.startswith("gazebo_") else ("", CMAKE)
-        found[f"{place}share/{package}/cmake/{package}Config.cmake"] = text.format(package=package), False
+    for package in (*PACKAGES, *MESSAGES):
+        text = CMAKE_GAZEBO if package in PACKAGES and package.startswith("gazebo_") else CMAKE
+        found[f"spare/share/{package}/cmake/{package}Config.cmake"] = text.format(package=package), False
     place = shlex.quote(str(prefix))
     found["setup.sh"] = SETUP.format(prefix=place), False
     found["setup.bash"] = f". {place}/setup.sh\n", False
@@ -254,7 +253,6 @@ def _messages(package: str) -> dict[str, tuple[str, bool]]:
     parts = {"msg/": MESSAGE_MODULE.format(package=package), "srv/": SERVICE_MODULE.format(package=package)}
     for path, text in {"": own, **parts}.items():
         found[f"python/{package}/{path}__init__.py"] = text, False
-    found[f"share/{package}/cmake/{package}Config.cmake"] = CMAKE.format(package=package), False
     return found
 
 

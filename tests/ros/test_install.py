@@ -176,12 +176,25 @@ def test_the_controller_of_plugins(tmp_path):
 
 
 FINDS = """\
-foreach(one gazebo_dev gazebo_ros gazebo_plugins gazebo_ros_control control_toolbox controller_manager)
+foreach(one ${PACKAGES})
   find_package(${one} REQUIRED CONFIG)
   message("${one} ${${one}_FOUND_CATKIN_PROJECT} ${${one}_INCLUDE_DIRS} ${${one}_LIBRARIES}")
 endforeach()
 message("flags =${CMAKE_CXX_FLAGS}")
 """
+
+
+GAZEBO = ("gazebo_dev", "gazebo_plugins", "gazebo_ros", "gazebo_ros_control")
+HEADERS = ("control_msgs", "control_toolbox", "controller_manager", "controller_manager_msgs", "gazebo_msgs")
+
+
+def found_by_cmake(folder):
+    """What cmake finds in a shell with the packages: by their names, and "flags"."""
+    script = folder / "finds.cmake"
+    script.write_text(FINDS)
+    command = f". {folder}/setup.sh && cmake -D 'PACKAGES={';'.join((*GAZEBO, *HEADERS))}' -P {script}"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=True)
+    return {words[0]: words[1:] for words in (line.split() for line in done.stderr.splitlines())}
 
 
 @pytest.mark.parametrize("api", [True, False])
@@ -191,26 +204,31 @@ def test_catkin_finds_the_packages_that_plugins_name(tmp_path, monkeypatch, api)
         pytest.skip("needs cmake")
     monkeypatch.setenv("HOME", str(tmp_path))  # cmake knows packages of the user there
     install(tmp_path)
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", f"{tmp_path}/devel")
     if api:
-        config = tmp_path / "lib" / "cmake" / "gazebo" / "gazebo-config.cmake"
+        config = tmp_path / "devel" / "lib" / "cmake" / "gazebo" / "gazebo-config.cmake"
         config.parent.mkdir(parents=True)
         values = {"INCLUDE_DIRS": "/api", "LIBRARY_DIRS": "/lib", "LIBRARIES": "gazebo", "CXX_FLAGS": "-std=c++17"}
         config.write_text("".join(f'set(GAZEBO_{name} "{value}")\n' for name, value in values.items()))
-    own = tmp_path / "devel" / "share" / "gazebo_plugins" / "cmake" / "gazebo_pluginsConfig.cmake"
-    own.parent.mkdir(parents=True)
-    own.write_text("set(gazebo_plugins_FOUND_CATKIN_PROJECT own)\n")
-    script = tmp_path / "finds.cmake"
-    script.write_text(FINDS)
-    monkeypatch.setenv("CMAKE_PREFIX_PATH", f"{tmp_path}/devel")
-    command = f". {tmp_path}/setup.sh && cmake -P {script}"
-    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=True)
-    found = {words[0]: words[1:] for words in (line.split() for line in done.stderr.splitlines())}
-    for package in ("gazebo_dev", "gazebo_ros", "gazebo_ros_control"):
+    found = found_by_cmake(tmp_path)
+    for package in GAZEBO:
         assert found[package] == ["TRUE", *(["/api", "gazebo"] if api else [])]
-    for package in ("control_toolbox", "controller_manager"):
+    for package in HEADERS:
         assert found[package] == ["TRUE", f"{tmp_path}/include"]
-    assert found["gazebo_plugins"] == ["own"]  # what the user has compiled comes first
     assert ("-std=c++17" in found["flags"]) == api
+
+
+def test_catkin_finds_what_users_have_compiled_first(tmp_path, monkeypatch):
+    if shutil.which("cmake") is None:
+        pytest.skip("needs cmake")
+    install(tmp_path)
+    for package in (*GAZEBO, *HEADERS):
+        own = tmp_path / "devel" / "share" / package / "cmake" / f"{package}Config.cmake"
+        own.parent.mkdir(parents=True)
+        own.write_text(f"set({package}_FOUND_CATKIN_PROJECT own)\n")
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", f"{tmp_path}/devel")
+    found = found_by_cmake(tmp_path)
+    assert [found[package] for package in (*GAZEBO, *HEADERS)] == [["own"]] * len(GAZEBO + HEADERS)
 
 
 def test_packages_are_installed_and_removed_by_their_manifest(tmp_path, capsys):

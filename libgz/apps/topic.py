@@ -13,6 +13,7 @@ from typing import Any
 from libgz.apps.console import read_text
 from libgz.apps.server_link import PATIENCE, publish, receive
 from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.visible import one_line
 from libgz.classic import msgs
 from libgz.classic.transport import Link, Node, TopicManager, connect
 from libgz.classic.transport.functions import request
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     with connect(timeout=PATIENCE) as link, contextlib.suppress(KeyboardInterrupt):
         if options.list:
             topics = TopicManager.Instance().TopicNames()
-            print(json.dumps(topics) if options.json else "\n".join(topics))
+            print(json.dumps(topics) if options.json else "\n".join(map(one_line, topics)))
         elif options.request is not None:
             _request(options)
         else:
@@ -113,11 +114,11 @@ def _info(topic: str, as_json: bool) -> None:
             row[title] = [{"host": end.host, "process": end.port} for end in ends]
         print(json.dumps(row))
         return
-    print(f"Type: {info.msg_type or '(unknown)'}")
+    print(f"Type: {one_line(info.msg_type) or '(unknown)'}")
     for title, ends in (("Publishers", info.publisher), ("Subscribers", info.subscriber)):
         print(f"\n{title}:")
         for end in ends:
-            print(f"\t{end.host}, process {end.port}")
+            print(f"\t{one_line(end.host)}, process {end.port}")
 
 
 class _Echo:

@@ -58,11 +58,12 @@ def test_list_and_info(node):
     about = json.loads(topic("-i", "~/b", "--json"))
     assert (about["topic"], about["type"], len(about["publishers"])) == ("/gazebo/w/b", "gazebo.msgs.Pose", 1)
     assert json.loads(topic("-i", "/gazebo/w/c", "--json"))["type"] == "gazebo.msgs.Wind"
-    assert topic("-l").splitlines() == ["/gazebo/w/a", "/gazebo/w/b", "/gazebo/w/c", "/gazebo/w/d"]
+    ends.append(node.Subscribe("~/e\x1b[2J\nf", print))  # peers name topics, too: none commands a terminal
+    assert topic("-l").splitlines() == [f"/gazebo/w/{name}" for name in ("a", "b", "c", "d", "e\\x1b[2J\\nf")]
     text = topic("-i", "~/b")
     assert re.fullmatch(r"Type: gazebo.msgs.Pose\n\nPublishers:\n\t.*, process \d+\n\nSubscribers:\n\t.*\n", text)
     assert "did you mean '/gazebo/w/a'" in topic("-i", "~/aa", code=1)
-    assert len(ends) == 5
+    assert len(ends) == 6
 
 
 def test_echo(node):

@@ -79,6 +79,7 @@ class Network:
         self._ready = threading.Event()
         self._answers: dict[str, Any] = {}
         self._answered = threading.Condition()
+        self._asking = threading.RLock()  # answers do not say what was asked: one question at a time
         listeners = listening_sockets(address) if serve else []
         if listeners:
             address = Address(address.host, listeners[0].getsockname()[1])
@@ -146,7 +147,7 @@ class Network:
     def _ask(self, what: str, about: str, answer: str) -> Any:
         """Return the master's answer, one of the types in ANSWERS."""
         request = message_type("Request")(id=0, request=what, data=about)
-        with self._answered:
+        with self._asking, self._answered:
             self._answers.pop(answer, None)
             self._loop.call(lambda: self._tell("request", request))
             self._answered.wait_for(lambda: answer in self._answers or not self._master.open, ANSWER_PATIENCE)

@@ -377,6 +377,25 @@ def test_a_server_may_announce_many_topics(uri, node):
         assert len(kept) == 1200
 
 
+def test_threads_that_ask_the_master_get_their_own_answers(uri, node):
+    with serve():
+        kept = [node.Advertise(kind, f"~/{kind.__name__}") for kind in (msgs.Pose, msgs.Int, msgs.Wind)]
+        wrong = []
+
+        def ask(publisher):
+            for _ in range(50):
+                found = manager.TopicInfo(publisher.GetTopic()).msg_type
+                if found != publisher.GetMsgType():
+                    wrong.append(found)
+
+        threads = [threading.Thread(target=ask, args=(publisher,)) for publisher in kept]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert wrong == []
+
+
 @pytest.mark.trial
 def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, node, monkeypatch):
     monkeypatch.setattr("libgz.classic.transport.loop.STALLED", 0.05)

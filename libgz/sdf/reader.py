@@ -456,8 +456,7 @@ class SdfFile:
             included._around, included._included = around, self._included
             included._read_file(path)
         except BudgetError:
-            self._included.used = self._included.limit  # further ones are not looked for
-            self._error(xml, f"includes have more than {MOST_INCLUDED >> 20} MiB together")
+            self._end_includes(xml)
             return
         except (NotFoundError, WorldFileError, OSError) as error:
             self._warn(xml, f"{error}; it is left out")
@@ -480,9 +479,19 @@ class SdfFile:
             return
         self._share_static(entity, parent)
         if parent.name == entity.name == "model" and self.version <= FLAT and next(entity.named("model"), None) is None:
+            try:
+                self._included.take(len(entity.Get(str, "name")) * len(entity.children))  # each part gets the name
+            except BudgetError:
+                self._end_includes(xml)
+                return
             self._flatten(entity, parent)
         else:
             parent.InsertElement(entity)
+
+    def _end_includes(self, xml: etree._Element) -> None:
+        """Report that includes hold too much; further ones are not looked for."""
+        self._included.used = self._included.limit
+        self._error(xml, f"includes have more than {MOST_INCLUDED >> 20} MiB together")
 
     def _flatten(self, entity: Element, parent: Element) -> None:
         """Make the parts of an included model parts of the model around it, as Gazebo does: `included::link`.

@@ -60,6 +60,16 @@ def test_parts_of_an_included_model_belong_to_the_model_around_it_up_to_version_
     )  # fmt: skip
 
 
+def test_a_long_name_of_an_included_model_is_bounded_with_those_of_its_parts(tmp_path):
+    (tmp_path / "many").mkdir()
+    (tmp_path / "many" / "model.config").write_text("<model><name>many</name><sdf version='1.6'>m.sdf</sdf></model>")
+    many = model("many", "".join(f"<link name='l{number}'/>" for number in range(300)))
+    (tmp_path / "many" / "m.sdf").write_text(f"<sdf version='1.6'>{many}</sdf>")
+    include = f"<include><name>{'n' * (1 << 20)}</name><uri>file://{tmp_path}/many</uri></include>"
+    read = SdfFile.from_string(f"<sdf version='1.6'>{world(model('robot', include))}</sdf>")
+    assert [one.message for one in read.diagnostics.errors] == ["includes have more than 256 MiB together"]
+
+
 def test_a_joint_may_be_named_world(load):
     named = "<frame name='f' attached_to='leaf'/>" + joint("world", "fixed", "world", "f")
     made = load(world(model("door", link("leaf", inertial()), named)))

@@ -488,6 +488,8 @@ static int take_out(const context *c, island *w, int acts)
         const tree_joint *j = w->joints + i;
         feedback *f = dJointGetFeedback(j->joint);
         double effort[2][MOTIONS];
+        if (acts && !j->rows)
+            continue; /* without effect, but for the order in which ODE moves bodies */
         if (f || acts)
             find_efforts(c, w, j, effort);
         if (f)

@@ -121,7 +121,7 @@ static void find_sides(void *joint, void *bodies[2])
     }
 }
 
-/* Write a joint's rows behind the others; 0 without memory. */
+/* Write a joint's rows behind the others; one without rows belongs to the island, too. 0 without memory. */
 static int add_joint(const context *c, island *w, void *joint, void *const *bodies)
 {
     double block[MOST_ROWS][16], rate = 1.0 / c->step, cfm = dWorldGetCFM(c->world);
@@ -131,8 +131,6 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
     if (type < 0 || type >= JOINT_KINDS || !counters[type] || !writers[type])
         return 0;
     counters[type](joint, &found);
-    if (found.rows <= 0)
-        return 1;
     if (found.rows > MOST_ROWS)
         return 0;
     GROW(joints, joint_capacity, w->joint_count + 1);

@@ -2,12 +2,15 @@
 
 import resource
 import threading
+from collections import deque
 
 from sensor_worlds import box, get, imu, model, ray, sensor, world_of
 
 import libgz
 from libgz.classic import physics, transport
 from libgz.classic.server import attach
+from libgz.classic.transport.received import Received
+from libgz.classic.transport.topic import Incoming, Topic
 from libgz.simulation.pacing import Pacer
 
 SCENE = (
@@ -100,11 +103,17 @@ def test_steps_of_a_world_at_rest_share_a_wake_up(monkeypatch):
         assert resource.getrusage(resource.RUSAGE_THREAD).ru_nvcsw - before <= 15
 
 
-def test_whoever_wants_a_world_that_waits_for_its_next_step_has_it_at_once(monkeypatch):
+def waiting_world(monkeypatch):
+    """A world, and a pacer by which its next step but one is due in a minute."""
     monkeypatch.setattr("libgz.ode.step.LONGEST", 1e9)
-    with libgz.World.from_string(EMPTY) as world:
-        world.step(3)
-        pacer = started(world, 1e-9)  # the next step but one is due in days
+    world = libgz.World.from_string(EMPTY)
+    world.step(3)
+    return world, started(world, 1e-3 / 60.0)
+
+
+def test_whoever_wants_a_world_that_waits_for_its_next_step_has_it_at_once(monkeypatch):
+    world, pacer = waiting_world(monkeypatch)
+    with world:
         found, ended = [], threading.Event()
 
         def look():
@@ -119,3 +128,21 @@ def test_whoever_wants_a_world_that_waits_for_its_next_step_has_it_at_once(monke
         looker.join()
         assert set(found) <= {3, 4}
         assert found[-1] == 4
+
+
+def test_a_message_of_another_process_wakes_a_world_that_waits_for_its_next_step(monkeypatch):
+    world, pacer = waiting_world(monkeypatch)
+    manager, topic, ended = transport.TopicManager.Instance(), Topic("~/none"), threading.Event()
+    monkeypatch.setattr(manager, "locks", {world.lock})
+    monkeypatch.setattr(manager, "received", Received())
+    with world:
+
+        def send():
+            while not ended.wait(1e-3):
+                manager.receive(topic, Incoming(0, "t", b"", None), deque())
+
+        sender = threading.Thread(target=send)
+        sender.start()
+        assert world.step_on(10, pacer) == 1
+        ended.set()
+        sender.join()

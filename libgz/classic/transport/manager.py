@@ -231,7 +231,7 @@ class TopicManager:
         if self.received.add(topic, message):
             (self.queue if queue is None else queue).append(functools.partial(_receive, topic, self.received))
             for lock in list(self.locks):
-                lock.wanted.value = 1
+                lock.interrupt()
 
     def watch(self, watcher: Callable[[Topic], None]) -> None:
         """Call a function with each topic that there is, and with each whose publishers or subscribers change."""

@@ -301,8 +301,7 @@ class SdfJoint:
                 setattr(axis, key, number)
         self.record.given, self._stop_turns, self._spring_stops = map(dict, tables)
         present = type(self._mechanism).__name__ if self._mechanism is not None else None
-        holds = [place_of(self.parent), place_of(self.child)]
-        if (present, holds) != (name, [None if place is None else tuple(place) for place in ends]):
+        if (present, [place_of(self.parent), place_of(self.child)]) != (name, ends):
             self._rejoin(name is not None, Links(*map(find, ends)))
         if plan.feedback != feedback:
             self.provide_feedback(feedback)

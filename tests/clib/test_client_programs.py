@@ -338,9 +338,11 @@ def test_the_library_is_compiled_once(tmp_path):
     assert config("--libs", XDG_CACHE_HOME=str(tmp_path)).stdout == first.stdout
     assert [a.stat().st_mtime_ns for a in tmp_path.rglob("libgazebo.a")] == [before]
     assert config("--cflags").stdout == f"-I{FOLDER}\n"
-    folder = archives[0].parent.rename(tmp_path / "of-others")
+    folder = archives[0].parent.rename(tmp_path / "elsewhere")
     archives[0].parent.symlink_to(folder)
-    assert "is no directory of user" in config("--libs", XDG_CACHE_HOME=str(tmp_path)).stderr
+    assert config("--libs", XDG_CACHE_HOME=str(tmp_path)).stdout == first.stdout
+    folder.chmod(0o777)
+    assert "can be written by all users" in config("--libs", XDG_CACHE_HOME=str(tmp_path)).stderr
 
 
 def test_a_missing_compiler_is_reported():

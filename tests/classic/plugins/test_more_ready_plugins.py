@@ -846,5 +846,5 @@ def test_plugins_of_actors_and_of_includes_at_any_depth_are_loaded(run, tmp_path
     )
     core.step(2)
     assert sorted(capsys.readouterr().out.splitlines()) == [
-        "m Model d", "m::crate Model c", "own Actor b", "walker Actor a",
+        "m Model c", "m Model d", "own Actor b", "walker Actor a",
     ]  # fmt: skip

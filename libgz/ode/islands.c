@@ -68,8 +68,8 @@ static void set_aside(const context *c, int quick)
 void bring_back(const context *c)
 {
     member *members = c->work->members;
-    int64_t i;
-    for (i = 0; i < c->body_count; i++) {
+    int64_t i, known = c->work->member_capacity; /* less where a process that forked in a step has made bodies since */
+    for (i = 0; i < c->body_count && i < known; i++) {
         void *body = c->bodies[i];
         int steps;
         double time;

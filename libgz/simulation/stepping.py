@@ -74,7 +74,10 @@ class Stepping:
         rows = self.world.rows
         if not rows.valid or self._laws is not self._begin.entries:
             self._build_rows()
-        self.world.lock.wanted.value = 0
+        lock = self.world.lock
+        lock.wanted.value = 0
+        if lock.waiting:  # one of them may have begun to just before that
+            most = 1
         if not rows.native or (free := min(most, self._free_steps())) <= 0:
             return 0
         self.world.engine.enter()

@@ -130,6 +130,14 @@ def test_whoever_wants_a_world_that_waits_for_its_next_step_has_it_at_once(monke
         assert found[-1] == 4
 
 
+def test_whoever_waited_before_steps_were_begun_is_not_kept_until_the_next_step(monkeypatch):
+    world, pacer = waiting_world(monkeypatch)
+    with world:
+        world.lock.waiting[0] = 0.0  # its `interrupt` came before the steps
+        assert world.step_on(10, pacer) == 1
+        del world.lock.waiting[0]
+
+
 def test_a_message_of_another_process_wakes_a_world_that_waits_for_its_next_step(monkeypatch):
     world, pacer = waiting_world(monkeypatch)
     manager, topic, ended = transport.TopicManager.Instance(), Topic("~/none"), threading.Event()

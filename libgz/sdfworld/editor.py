@@ -280,8 +280,7 @@ class SdfEditor:
         if merged is not None and text.find([_step(merged)], element) is None:
             include = include or _Include(text, element, merged, False)
             text = _written(path[-1], merged.file)
-            found = text.find([_step(path[-1])])
-            element = element if found is None else found
+            element = text.root[0]
         about = self._blocks(text)[local_name(element)]
         for step in _parts(element, part, kind):
             below = next((one for one in children(element, step[0]) if one.get("name") == step[1]), None)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from lxml import etree
-
 from libgz.base.errors import Diagnostics, NotFoundError
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdf.state import SdfState
+from libgz.sdf.xml import parse_document
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
@@ -22,7 +21,8 @@ def apply_state(world: World, element: Element, diagnostics: Diagnostics) -> Non
     Raises:
         ParameterError: a number is invalid.
     """
-    state = SdfState.parse(etree.fromstring(element.ToString()))
+    text = element.ToString().encode()  # names with prefixes are read without those declarations, as in the file
+    state = SdfState.parse(parse_document(text, element.file, Diagnostics()))
     if element.HasElement("sim_time"):
         world.set_sim_time(state.sim_time)
     parts = _Parts(world, element, diagnostics)

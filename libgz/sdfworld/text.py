@@ -42,15 +42,18 @@ class SdfText:
 
     def __init__(self, source: bytes, label: str) -> None:
         self.source, self.label = source, label
+        parser = xml_parser(recover=True)  # prefixes need no xmlns, as in Gazebo
         try:
-            self.root = etree.fromstring(source, xml_parser())
+            self.root = etree.fromstring(source, parser)
             self._spans = element_spans(source)
-        except etree.XMLSyntaxError as error:
-            raise WorldFileError(
-                f"{label}:{error.lineno or 1}: {error.msg}; a file with this cannot be edited"
-            ) from None
-        except expat.ExpatError as error:
-            raise WorldFileError(f"{label}:{error.lineno}: {error}; a file with this cannot be edited") from None
+        except (etree.XMLSyntaxError, expat.ExpatError) as error:
+            slips = [(error.lineno, str(error))]
+        else:
+            log = parser.error_log
+            slips = [(entry.line, entry.message) for entry in log if entry.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
+        if slips:
+            line, message = slips[0]
+            raise WorldFileError(f"{label}:{line or 1}: {message}; a file with this cannot be edited")
         self.elements = [element for element in self.root.iter() if isinstance(element.tag, str)]
         self._numbers = {element: number for number, element in enumerate(self.elements)}
 

@@ -538,6 +538,15 @@ def test_the_file_of_a_model_is_edited_too(including, tmp_path):
     assert path.read_text() == MODEL.format(version="1.6", axis="").replace("<mass>3<", "<mass>7<")
 
 
+def test_a_file_that_has_prefixes_without_xmlns_is_edited(tmp_path):
+    path = tmp_path / "my.world"
+    path.write_text(SDF.replace("<!-- above -->", "<old:more/>"))
+    with libgz.World.from_file(path) as world:
+        Asker(world)("edit", name="box", key="pose", value=[1, 1, 3, 0, 0, 1])
+        Asker(world)("write")
+    assert "<pose>1 1 3 0 0 1</pose>  <old:more/>" in path.read_text()
+
+
 def test_worldfiles_include_nothing(ask, box):
     with pytest.raises(GazeboError, match="include nothing" if ask.world.sdf is None else "already"):
         ask("embed", name=box)

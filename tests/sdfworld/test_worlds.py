@@ -321,6 +321,13 @@ def test_a_state_with_a_wrong_number_has_no_effect_from_there_on(load, caplog):
     assert "w0.world:1: <state>: <sim_time>: 'soon' is not allowed; it must be seconds" in caplog.text
 
 
+@pytest.mark.parametrize("xmlns", ["", " xmlns:old='http://old'"])
+def test_a_state_may_have_names_with_prefixes(load, xmlns):
+    state = f"<state world_name='w'><model name='m'><pose>9 0 0 0 0 0</pose><old:more{xmlns}/></model></state>"
+    made = load(f"<world name='w'><model name='m'><link name='l'/></model>{state}</world>")
+    assert made.model("m").GetPose().pos.x == 9.0
+
+
 @pytest.mark.parametrize(
     "key", ["max_step_size", "real_time_update_rate", "real_time_factor", "sor", "erp", "kp", "mu"]
 )

@@ -216,11 +216,11 @@ _Main: TypeAlias = Callable[[Sequence[str] | None], int]
 
 
 def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., int]]:
-    """Make a function a command: errors of its streams and files end it with one sentence, or none, and an exit code.
+    """Make a function a command: an error of a stream, a file or memory ends it with a sentence, or none, and a code.
 
     Args:
         name: of the command.
-        failed: exit code after an error of a file or stream.
+        failed: exit code after such an error.
     """
 
     def decorate(main: _Main) -> Callable[..., int]:
@@ -240,6 +240,9 @@ def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., in
             except BrokenPipeError:  # the reader has closed the pipe, such as `| head`
                 _discard_output()
                 return NO_READER
+            except MemoryError:
+                print(f"{name}: there is not enough memory", file=sys.stderr)
+                return failed
             except OSError as error:
                 _discard_output()
                 with contextlib.suppress(OSError):

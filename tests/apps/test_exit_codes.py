@@ -118,6 +118,7 @@ def test_an_interrupt_is_an_exit_code():
         (OSError(errno.EACCES, "Permission denied", "a.txt"), "gz: a.txt: Permission denied\n"),
         (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), f"gz: [Errno {errno.ECONNREFUSED}] refused\n"),
         (TimeoutError("too late"), "gz: too late\n"),
+        (MemoryError(), "gz: there is not enough memory\n"),
     ],
 )
 def test_errors_of_the_system_are_one_sentence(capsys, error, sentence):

@@ -107,7 +107,7 @@ def _start_error(error: OSError) -> ServerError:
         text += " There is probably another Gazebo process running."
         return ServerError(f"{text} GAZEBO_MASTER_URI sets another port; http://localhost:0 takes a free one.")
     uri = os.environ.get("GAZEBO_MASTER_URI")
-    return ServerError(f"{text} The address comes from GAZEBO_MASTER_URI, which is {uri!r}.")
+    return ServerError(f"{text} The address comes from GAZEBO_MASTER_URI, which is {uri!r}." if uri else text)
 
 
 def _no_master(address: Address, timeout: float, error: OSError) -> str:

@@ -6,6 +6,7 @@ import argparse
 import json
 
 from libgz.base.errors import ParameterError
+from libgz.base.visible import one_line
 from libgz.transport.stale_files import remove_stale
 
 __all__ = ["configure", "run"]
@@ -31,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     for item in remove_stale(options.server_id):
         removed.append(item.name)
         if not options.json:
-            print(f"removed {item.name}")
+            print(one_line(f"removed {item.name}"))
     if options.json:
         print(json.dumps(removed))
     elif not removed:

@@ -15,6 +15,7 @@ from libgz.apps.plot import pyplot, save_plot
 from libgz.apps.series import InterfaceValues, Series
 from libgz.apps.target import add_target, connect, element_values, find_field, open_target, values_of
 from libgz.base.errors import GazeboError, ParameterError, ServerGoneError
+from libgz.base.visible import one_line
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
 
@@ -149,7 +150,7 @@ def _line(
         values = values_of(interface, everything=options.json)
     if options.json:
         return json.dumps({name: _json(value) for name, value in values.items()})
-    return "  ".join(f"{name} {_text(value)}" for name, value in values.items())
+    return one_line("  ".join(f"{name} {_text(value)}" for name, value in values.items()))
 
 
 def _json(value: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 
 from libgz.apps.target import add_server, connect
 from libgz.base.errors import InterfaceError, ParameterError
+from libgz.base.visible import one_line
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 
@@ -33,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     width = max([len(row["interface"]) for row in rows], default=0) + 2
     for row in rows:
-        print(f"{row['interface']:{width}}{row['model'] or '-':16}{row['about']}")
+        print(one_line(f"{row['interface']:{width}}{row['model'] or '-':16}{row['about']}"))
     return 0
 
 

@@ -348,8 +348,9 @@ def _remove(prefix: Path, paths: Sequence[str]) -> None:
         (prefix / path).unlink(missing_ok=True)
     folders = {folder for path in paths for folder in (prefix / path).parents if folder.is_relative_to(prefix)}
     for source in (prefix / path for path in paths if path.endswith(".py")):
-        for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
+        cache = source.parent / "__pycache__"
+        for compiled in () if cache.is_symlink() else cache.glob(f"{source.stem}.*.pyc"):
             compiled.unlink()
     for folder in sorted({*folders, *(folder / "__pycache__" for folder in folders)} - {prefix}, reverse=True):
-        if folder.is_dir() and not any(folder.iterdir()):
+        if folder.is_dir() and not folder.is_symlink() and not any(folder.iterdir()):
             folder.rmdir()

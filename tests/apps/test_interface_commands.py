@@ -71,6 +71,13 @@ def test_interfaces_are_listed(capsys, server):
     (Path(server.path) / "strange.thing").unlink()
 
 
+def test_texts_of_other_processes_command_no_terminal(capsys, server):
+    served(server, "position", "robot1").head.model_type = b"\x1b[2J\nposition.none"
+    served(server, "factory", "f").string[:5] = b"\x1b[2J\n"
+    assert r"\x1b[2J\nposition.none" in command(capsys, "interfaces", "-s", server.server_id)[1]
+    assert r"\x1b[2J\n" in command(capsys, "echo", "-s", server.server_id, "factory.f", "--once")[1]
+
+
 def test_a_missing_server_is_reported(capsys, wire):
     for words in (["interfaces"], ["echo", "sim", "--once"], ["set", "sim", "pause=1"]):
         code, out, err = command(capsys, *words, "-s", wire)

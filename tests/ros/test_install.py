@@ -308,6 +308,18 @@ def test_nothing_is_removed_behind_a_link(tmp_path):
     assert not (prefix / "setup.sh").exists()
 
 
+def test_no_compiled_file_is_removed_behind_a_link(tmp_path):
+    prefix, elsewhere = tmp_path / "ros", tmp_path / "cache"
+    install(prefix)
+    source = next(prefix.rglob("*.py"))
+    elsewhere.mkdir()
+    mine = elsewhere / f"{source.stem}.mine.pyc"
+    mine.touch()
+    (source.parent / "__pycache__").symlink_to(elsewhere)
+    uninstall(prefix)
+    assert mine.exists()
+
+
 @pytest.mark.parametrize("source", ["file", "param"])
 def test_spawn_model_inserts_a_model(master, start, tmp_path, source):
     core, _ = start("<sdf version='1.6'><world name='default'/></sdf>")

@@ -28,8 +28,8 @@ class Row:
 
 
 def seed() -> int:
-    """SEED of the environment, which repeats a failure, or a new one."""
-    return int(os.environ.get("SEED") or random.SystemRandom().randrange(10**9))
+    """TRIAL_SEED of the environment, which repeats a failure, or a new one."""
+    return int(os.environ.get("TRIAL_SEED") or random.SystemRandom().randrange(10**9))
 
 
 def commit() -> str:

@@ -73,9 +73,11 @@ def test_interfaces_are_listed(capsys, server):
 
 def test_texts_of_other_processes_command_no_terminal(capsys, server):
     served(server, "position", "robot1").head.model_type = b"\x1b[2J\nposition.none"
-    served(server, "factory", "f").string[:5] = b"\x1b[2J\n"
+    new_interface("wifi").create(server, "w", "Tester", 7)
+    wifi = served(server, "wifi", "w")
+    wifi.link_count, wifi.links[0].ip = 1, b"\x1b[2J\n"
     assert r"\x1b[2J\nposition.none" in command(capsys, "interfaces", "-s", server.server_id)[1]
-    assert r"\x1b[2J\n" in command(capsys, "echo", "-s", server.server_id, "factory.f", "--once")[1]
+    assert r"\x1b[2J\n" in command(capsys, "echo", "-s", server.server_id, "wifi.w", "--once")[1]
 
 
 def test_a_missing_server_is_reported(capsys, wire):

@@ -396,15 +396,22 @@ class SdfFile:
                     self._warn(xml, f"<{name}> is missing")
 
     def _check_names(self) -> None:
-        """Warn of two elements of one kind and name in one parent: only the first is found by its name."""
+        """Warn of two elements of one kind and name in one parent: only the first is found by its name.
+
+        Of two models of a world, only the first is built, as in Gazebo.
+        """
         for holder in (*self.root.find("world"), *self.root.find("link")):
             first: dict[tuple[str, str], Element] = {}
             for element in holder.children:
                 name = element.Get(str, "name") if element.name in UNIQUE else ""
                 before = first.setdefault((element.name, name), element)
                 if name and before is not element:
-                    message = f"{name!r} is the name of another <{element.name}>, at {before.where}; names must differ"
+                    left = holder.name == "world" and element.name == "model"
+                    end = "it is left out" if left else "names must differ"
+                    message = f"{name!r} is the name of another <{element.name}>, at {before.where}; {end}"
                     self.diagnostics.warn(element, message)
+                    if left:
+                        holder.RemoveChild(element)
         for model in self.root.find("model"):
             self._rename_parts(model)
 

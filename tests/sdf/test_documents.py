@@ -364,7 +364,7 @@ def test_elements_of_one_kind_and_name_in_one_parent_are_a_warning():
     link = f"<link name='l'>{parts}</link>"
     found = texts(world(f"<model name='m'>{link}</model>\n<model name='m'/>\n<light name='m' type='point'/>"))
     assert found == [
-        "<string>:2: <model>: 'm' is the name of another <model>, at <string>:1; names must differ",
+        "<string>:2: <model>: 'm' is the name of another <model>, at <string>:1; it is left out",
         "<string>:1: <visual>: 'v' is the name of another <visual>, at <string>:1; names must differ",
     ]
 

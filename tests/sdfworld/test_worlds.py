@@ -8,6 +8,7 @@ import pytest
 import libgz
 from libgz.base.errors import WorldFileError
 from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.world import SdfWorld
 
 GROUND = "<include><uri>model://ground_plane</uri></include>"
@@ -299,6 +300,14 @@ def test_joints_that_cannot_be_made_are_left_out_and_names_that_are_taken_replac
     ):
         assert said in caplog.text
     made.step(10)
+
+
+def test_of_two_models_of_a_name_in_a_world_the_first_is_built(load, caplog):
+    parts = model("m", "box", "0 0 4 0 0 0"), model("m", "sphere", "3 0 4 0 0 0"), "<light name='m' type='point'/>"
+    made = load(world(*parts, "<include><uri>model://ground_plane</uri><name>m</name></include>"))
+    assert [entity.GetPose().pos.x for entity in made.entities if isinstance(entity, SdfModel)] == [0.0]
+    assert caplog.text.count("<model>: 'm' is the name of another <model>, at ") == 2
+    assert caplog.text.count("; it is left out") == 2
 
 
 def test_a_joint_of_the_world_that_cannot_be_made_is_left_out(load, caplog):

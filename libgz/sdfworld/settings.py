@@ -40,9 +40,10 @@ def default_settings() -> SdfSettings:
 def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> SdfSettings:
     """Read the settings of a `<world>`, and apply them."""
     found = list(element.named("physics")) or [element.child("physics")]
-    profiles = {p.Get(str, "name") or "default_physics": p for p in reversed(found)}
-    chosen = next((p for p in found if p.Get(bool, "default")), found[0])
-    settings = SdfSettings(element, chosen, dict(reversed(profiles.items())))
+    names = [p.Get(str, "name") or "default_physics" for p in found]
+    profiles = dict(zip(names, found, strict=True))  # of one name, as in Gazebo, the last
+    chosen = profiles[next((name for name, p in zip(names, found, strict=True) if p.Get(bool, "default")), names[0])]
+    settings = SdfSettings(element, chosen, profiles)
     # Gravity and magnetic field moved out of <physics> in 1.6.
     outside = element.description is None or "gravity" in element.description.children
     holder = element if outside or element.HasElement("gravity") else chosen

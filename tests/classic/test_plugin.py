@@ -428,6 +428,28 @@ def test_animations_keep_time_when_others_begin(run):
     del kept
 
 
+# The <physics> elements (name, default, step), and what Gazebo 11.1 answered.
+@pytest.mark.parametrize(
+    ("given", "profiles", "current", "step"),
+    [
+        ("zz 0 0.002,aa 1 0.003,mid 0 0.001", ["aa", "mid", "zz"], "aa", 0.003),
+        ("zz 0 0.002,aa 0 0.003, 0 0.001", ["aa", "default_physics", "zz"], "zz", 0.002),
+        (" 0 0.001, 0 0.004", ["default_physics"], "default_physics", 0.004),
+        ("x 0 0.002,y 0 0.007,x 0 0.004", ["x", "y"], "x", 0.004),
+        ("x 0 0.002,y 1 0.007,x 0 0.004", ["x", "y"], "y", 0.007),
+        ("x 0 0.002,x 1 0.007,x 0 0.004", ["x"], "x", 0.004),
+    ],
+)
+def test_of_profiles_of_one_name_the_last_is_taken(run, given, profiles, current, step):
+    text = "<physics {name} default='{default}' type='ode'><max_step_size>{step}</max_step_size></physics>"
+    parts = [part.split(" ") for part in given.split(",")]
+    world = run(*(text.format(name=f"name='{n}'" if n else "", default=d, step=s) for n, d, s in parts))
+    presets = physics.get_world().PresetMgr()
+    assert (presets.AllProfiles(), presets.CurrentProfile(), world.engine.step_time) == (profiles, current, step)
+    presets.RemoveProfile(current)
+    assert (current in presets.AllProfiles(), presets.CurrentProfile(), world.engine.step_time) == (False, "", step)
+
+
 def test_a_profile_applies_all_of_its_element(run):
     cone = "<ode><solver><type>quick</type><friction_model>cone_model</friction_model></solver></ode>"
     world = run(
@@ -437,7 +459,7 @@ def test_a_profile_applies_all_of_its_element(run):
     )
     view = physics.get_world()
     presets = view.PresetMgr()
-    assert (presets.AllProfiles(), presets.CurrentProfile()) == (["plain", "cone"], "plain")
+    assert (presets.AllProfiles(), presets.CurrentProfile()) == (["cone", "plain"], "plain")
     presets.SetProfileParam("cone", "iters", 77)
     presets.CurrentProfile("cone")
     assert (world.engine.step_time, world.engine.cone, world.engine.iterations) == (0.005, True, 77)

@@ -33,15 +33,15 @@ class PresetManager:
                 self._current = name
 
     def AllProfiles(self) -> list[str]:
-        """The names of all profiles."""
-        return list(self._profiles)
+        """The names of all profiles, sorted."""
+        return sorted(self._profiles)
 
     def HasProfile(self, name: str) -> bool:
         """Whether there is a profile of this name."""
         return name in self._profiles
 
     def CurrentProfile(self, name: str | None = None) -> str | bool:
-        """The name of the current profile; with a name, switch to that one, and return True.
+        """The name of the current profile, empty once it was removed; with a name, switch to that one, and return True.
 
         Raises:
             NotFoundError: there is no such profile.
@@ -72,6 +72,8 @@ class PresetManager:
     def RemoveProfile(self, name: str) -> None:
         """Remove a profile."""
         self._profiles.pop(name, None)
+        if name == self._current:
+            self._current = ""
 
     def ProfileParam(self, name: str, key: str) -> Any:
         """A parameter of a profile."""

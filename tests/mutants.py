@@ -136,9 +136,10 @@ def _tree(rng: random.Random, data: bytes, donors: Sequence[bytes]) -> bytes:
                 element.append(copy.deepcopy(above))
     elif kind == 2 and inner:
         wrapped, place = element, element.getparent()
-        index = place.index(element)
+        index, empty = place.index(element), copy.deepcopy(element)
+        del empty[:]
         for _ in range(rng.choice((1, 2, 30, 300))):
-            around = etree.Element(element.tag, element.attrib)
+            around = copy.deepcopy(empty)  # not made anew: the tag may have a prefix without xmlns
             around.append(wrapped)
             wrapped = around
         place.insert(index, wrapped)
@@ -147,7 +148,7 @@ def _tree(rng: random.Random, data: bytes, donors: Sequence[bytes]) -> bytes:
     elif kind == 4 and inner:
         element.addnext(copy.deepcopy(stranger))
     elif kind == 5:
-        element.tag = rng.choice((*TAGS, stranger.tag))
+        element.tag = rng.choice((*TAGS, stranger.tag if stranger.tag[0] == "{" else stranger.tag.replace(":", "")))
     elif kind == 6 and inner:
         element.getparent().remove(element)
     elif kind == 7:

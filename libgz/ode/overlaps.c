@@ -1,7 +1,7 @@
 /* Bodies that overlap are set apart without velocity, as in Gazebo: by what max_vel withholds from their contacts, and
  * together with all that joints connect them with, which is not turned. What touches from both sides is a compromise:
- * each contact yields, by YIELDING of what it weighs. Springs keep the depth at which they carry SPARED times the weight;
- * without it bodies would fall on, and be set apart in each step. */
+ * each contact yields by its softness, and by YIELDING of what it weighs at least. Springs keep the depth at which they
+ * carry SPARED times the weight; without it bodies would fall on, and be set apart in each step. */
 #include "memory.h"
 #include "step.h"
 
@@ -24,7 +24,8 @@ void note_overlap(context *c, const touching *t, const contact *point)
     o->body2 = t->body2;
     memcpy(o->normal, point->geom.normal, sizeof o->normal);
     o->depth = t->withheld;
-    o->softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP];
+    o->softness = t->erp * (1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP]);
+    o->yielding = t->cfm / c->step;
     o->share = 0.0;
 }
 
@@ -92,13 +93,15 @@ static void balance(const context *c, overlap_record *o)
 {
     group *one = group_of(c, o->body1), *two = group_of(c, o->body2);
     double lightness = (one ? 1.0 / one->mass : 0.0) + (two ? 1.0 / two->mass : 0.0), missing = o->depth, share;
+    double yielding;
     if (one == two)
         return;
+    yielding = larger(YIELDING, o->yielding / lightness);
     if (one)
         missing -= dot(o->normal, one->shift);
     if (two)
         missing += dot(o->normal, two->shift);
-    share = larger(0.0, o->share + (missing / lightness - YIELDING * o->share) / (1.0 + YIELDING));
+    share = larger(0.0, o->share + (missing / lightness - yielding * o->share) / (1.0 + yielding));
     if (one)
         add_shift(one, o->normal, (share - o->share) / one->mass);
     if (two)

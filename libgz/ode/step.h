@@ -227,7 +227,8 @@ typedef struct {
     void *body1, *body2;
     double normal[3]; /* into body1 */
     double depth;     /* [m] by which they are set apart */
-    double softness;  /* [m/N] */
+    double softness;  /* [m/N], of what its spring corrects in this step */
+    double yielding;  /* [1/kg] to what weighs on it */
     double share;     /* of the shift, found by iteration */
 } overlap_record;
 
@@ -350,6 +351,7 @@ typedef struct {
     int rigid;   /* 1: the springs stand for rigid surfaces */
     const double *aim; /* direction in which mu applies, in the frame of a geom; NULL: none */
     void *aiming;
+    double erp, cfm; /* of a point whose springs are no rigid surface, without max_vel; else 1 and 0 */
 } touching;
 
 /* A body as a member of an island. */

@@ -405,6 +405,8 @@ static void limit_speed(const context *c, touching *t, surface_parameters *s, do
     if (most >= s->soft_erp)
         return;
     t->withheld = (s->soft_erp - most) * depth;
+    t->erp = t->rigid ? 1.0 : s->soft_erp;
+    t->cfm = t->rigid ? 0.0 : s->soft_cfm;
     s->soft_cfm = larger(s->soft_cfm * (most / s->soft_erp), REST_CFM / lighter(t->body1, t->body2));
     s->soft_erp = most;
 }

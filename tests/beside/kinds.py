@@ -313,6 +313,7 @@ FINGERS += "".join(
 RESTITUTION = "<bounce><restitution_coefficient>{}</restitution_coefficient><threshold>0</threshold></bounce>"
 RESTITUTION += "<contact><ode><max_vel>100</max_vel><min_depth>{}</min_depth></ode></contact>"
 
+SPRUNG = "<contact><ode><kp>{}</kp><kd>{}</kd><min_depth>{}</min_depth></ode></contact>"
 SURFACES = {
     **{
         f"ball that bounces by {restitution}, min_depth {depth}": near(
@@ -321,6 +322,19 @@ SURFACES = {
             tolerance=1e-6,
         )
         for restitution, depth in ((0.7, 0), (0.5, 0.001))
+    },
+    # In the ground, on springs with dampers, from which Gazebo takes them without velocity, a share of the depth in each step.
+    **{
+        f"sunk {name} of {mass} kg on springs of {kp:g}, {kd:g}": near(
+            GROUND,
+            body("a", f"0 0 {high} 0 0 0", shape, SPRUNG.format(kp, kd, depth), mass, 0.0066 * mass),
+            tolerance=2e-4,
+        )
+        for name, shape, high, mass, kp, kd, depth in (
+            ("cube", a_box(".2 .2 .2"), 0.08, 1, 1e4, 1e3, 0.0),
+            ("ball", a_ball(0.1), 0.08, 1, 1e4, 1e3, 0.0),
+            ("lumber", a_box("1.2 .04 .09"), 0.0, 1.5, 1e4, 1e3, 0.001),
+        )
     },
     "links that do not collide": near(GROUND, rolling("m", BASE.replace("0 0 2", "0 0 1") + FINGERS)),
     "groove of two planes": near(
@@ -502,6 +516,14 @@ FILES = {
     "steps of 1.3": settled("1.3", f"<physics type='ode'><gravity>0 0 -5</gravity><max_contacts>10</max_contacts>{FAST}</physics>"),
     **{f"population along {name}": populated(f"linear-{name}") for name in "xy"},
     "population on a grid": populated("grid", "<rows>2</rows><cols>3</cols><step>.5 .4 0</step>"),
+    "two models of a name": near(
+        GROUND, body("a", "0 0 1 0 0 0", BOX), body("a", "2 0 1 0 0 0", BALL), body("ground", "4 0 1 0 0 0", BALL)
+    ),
+    "two kinds of physics of a name": settled(
+        "1.6",
+        f"<physics name='p' type='ode'><max_step_size>.002</max_step_size>{FAST}</physics><physics name='p' type='ode'>"
+        f"<max_step_size>.0005</max_step_size>{FAST}</physics>",
+    ),
     "includes": near(
         GROUND,
         "<include><name>one</name><uri>model://mb</uri><pose>0 0 1 0 0 0</pose><static>1</static></include>",

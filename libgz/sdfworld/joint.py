@@ -622,6 +622,8 @@ class SdfJoint:
             ParameterError: there is no such key, or this kind of joint has none.
         """
         if key in ("hi_stop", "lo_stop", "friction"):
+            if index == 1 and self.kind == "screw":
+                return 0.0
             axis = self.axis_at(index)
             return {"hi_stop": axis.upper, "lo_stop": axis.lower, "friction": axis.friction}[key]
         if key in ("thread_pitch", "gearbox_ratio"):

@@ -15,11 +15,13 @@ from libgz.classic.api import classic_api
 EVERYWHERE = {"Link.DirtyPose", "Model.DirtyPose", "Collision.DirtyPose", "Light.DirtyPose"}
 JOINT = {"Joint.GetParam", "Joint.LowerLimit", "Joint.UpperLimit", "Model.GetAutoDisable"}
 GYROSCOPIC = {"WorldAngularAccel", "RelativeAngularAccel"}
+STILL = ("WorldLinear", "WorldAngular", "RelativeLinear", "RelativeAngular")
 EXPECTED = {
     "revolute": JOINT,
     "prismatic": JOINT | {"Joint.Anchor"},
     "universal": JOINT,
     "revolute2": JOINT | {"Joint.LocalAxis"},
+    "screw": JOINT | {"Joint.LocalAxis"},
     "ball": JOINT,
     "fixed": JOINT | {"Joint.Anchor"},
     "entities": {
@@ -35,6 +37,11 @@ EXPECTED = {
         *("World.MagneticField", "World.GetAutoDisableFlag", "World.GetParam", "World.Pressure", "World.MassDensity"),
         *("Light.BoundingBox", "Model.GetLink", "Model.GetAutoDisable"),
         *("Model.WorldLinearAccel", "Model.RelativeLinearAccel"),
+    },
+    "more": {
+        *("Joint.GetParam", "Joint.GetForceTorque", "Model.GetAutoDisable", "Link.GetKinematic", "World.PauseTime"),
+        *("ModelState.GetJointStateCount", "ModelState.HasJointState"),
+        *(f"{kind}.{name}Accel" for kind in ("Model", "Link") for name in STILL),  # of what is static, nan in Gazebo
     },
     "sensors": {
         *("World.GetAutoDisableFlag", "Model.GetAutoDisable", "Link.WorldTorque", "Link.RelativeTorque"),
@@ -65,7 +72,8 @@ def names_of(scene, key):
     kind = scene.all_objects()[holder][0]
     kind = "Joint" if kind.endswith("Joint") else kind
     last = re.findall(r"(\w+)\((?:[^()]|\([^()]*\))*\)", getter)
-    return f"{kind}.{last[-1] if last else ''}", last[-1] if last else ""
+    name = last[-1] if last else getter  # of an attribute
+    return f"{kind}.{name}", name
 
 
 @pytest.fixture(scope="module")

@@ -91,6 +91,10 @@ class Joint(Base):
             return Axis(GzVector(), True, math.nan, math.nan, 0.0, 0.0, stop_stiffness=0.0, stop_dissipation=0.0)
         return self.core.axis_at(self._number(index))
 
+    def _limits(self, index: int) -> Axis:
+        """The axis with the limits of a motion: those of a screw are of its angle, the way along the axis has none."""
+        return Axis(GzVector()) if index == 1 and self.core.kind == "screw" else self._axis(index)
+
     # Motion ------------------------------------------------------------------------------------------------------
 
     @law
@@ -179,11 +183,11 @@ class Joint(Base):
 
     def LowerLimit(self, index: int = 0) -> float:
         """The lower limit; -1e16: none."""
-        return self._axis(index).lower
+        return self._limits(index).lower
 
     def UpperLimit(self, index: int = 0) -> float:
         """The upper limit; 1e16: none."""
-        return self._axis(index).upper
+        return self._limits(index).upper
 
     def SetLowerLimit(self, index: int, limit: float) -> None:
         """Set the lower limit."""
@@ -199,7 +203,7 @@ class Joint(Base):
 
     def GetEffortLimit(self, index: int) -> float:
         """The effort limit of SetForce; negative: none."""
-        return self._axis(index).effort
+        return self._limits(index).effort
 
     def SetEffortLimit(self, index: int, effort: float) -> None:
         """Set the effort limit of SetForce; negative: none."""

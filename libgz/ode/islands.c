@@ -172,6 +172,9 @@ static int sort_islands(context *c)
     member *members = c->work->members;
     int64_t i;
     int exact = 0, quick = 0;
+    /* Nothing touches, and whether they are fast or calm, all islands are small. */
+    if (!c->touch_count && ROWS_OF_JOINT * c->joint_count <= FAST_ROWS)
+        return ALL_EXACT;
     for (i = 0; i < c->body_count; i++) {
         if (!c->bodies[i])
             continue;

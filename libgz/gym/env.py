@@ -264,6 +264,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             raise ParameterError(f"observations is a Box; {type(self).__name__} must have a method `measure` then")
         if self._law is None:
             self.outcome = Outcome(len(self._commands), int(np.prod(box.shape, dtype=int)))
+            self._seen, self._kind = self.outcome.seen.reshape(box.shape), box.dtype
         if self._law is None or self._law.world is not self.world:
             self._law = LawCall(self.world, self.measure)
 
@@ -283,8 +284,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _observation(self) -> NDArray[Any]:
         """The one that `measure` computed last."""
-        space: Any = self._observations
-        return self.outcome.seen.astype(space.dtype).reshape(space.shape)
+        return self._seen.astype(self._kind)
 
     def _space(self) -> spaces.Space[Any]:
         if "" in self._made:

@@ -7,7 +7,7 @@ both, positive rates roll the wheel forward and positive angles steer it left.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from libgz.base.geometry import GzColor, GzQuaternFromAxis, VectorLike
 from libgz.legacy.model import Model
@@ -35,8 +35,7 @@ HARD = (1e5, 0.0)  # [N/m], [N s/m]: ten times the default, with which heavy rob
 SUSPENSION_ERP, SUSPENSION_CFM = 0.4, 1e-4
 
 
-@dataclass(frozen=True)
-class Tire:
+class Tire(NamedTuple):
     """A kind of wheel: radius and width [m], mass [kg], colour, and whether its contacts have the hardness `HARD`."""
 
     radius: float

@@ -12,9 +12,8 @@ import csv
 import functools
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from libgz.base.errors import nearest
 
@@ -23,8 +22,7 @@ __all__ = ["ApiName", "classic_api", "serves_instead", "without"]
 TABLE = Path(__file__).with_name("api.tsv")
 
 
-@dataclass(frozen=True)
-class ApiName:
+class ApiName(NamedTuple):
     """A row of the table.
 
     Attributes:

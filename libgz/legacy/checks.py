@@ -6,7 +6,7 @@ import bisect
 import itertools
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from libgz.base.geometry import rotate
 from libgz.legacy.model import Model
@@ -28,8 +28,7 @@ STACK = 4  # solids; three hold
 GAP = 0.005  # [m] between solids of a stack as it is loaded
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(NamedTuple):
     """A geom that can touch others, with its model and the box around it."""
 
     model: Model
@@ -125,8 +124,7 @@ def warn_of_contacts(models: Iterable[Model]) -> None:
     _warn_of_stacks(solids)
 
 
-@dataclass(frozen=True)
-class _Solid:
+class _Solid(NamedTuple):
     """A model of one body that nothing but contacts holds."""
 
     node: WorldFileNode

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from libgz.base.errors import StateError
 from libgz.base.geometry import GzColor, GzPose, GzQuatern, GzVector
@@ -20,8 +20,7 @@ RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT = range(3)
 SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # the matrix of textures that are neither scaled, turned nor moved
 
 
-@dataclass(frozen=True)
-class Surface:
+class Surface(NamedTuple):
     """How a surface reflects, by SDF's `<pbr>`: shares from 0 to 1, and images. Only pages show it."""
 
     metalness: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,7 @@ __all__ = ["MeshPart", "NamedImage", "Texture"]
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class NamedImage:
+class NamedImage(NamedTuple):
     """An image: its name, as it is written in a file, which is the mesh or its material library."""
 
     name: str

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
+from typing import NamedTuple
 
 from libgz.base.errors import ParameterError
 
@@ -38,8 +39,7 @@ POSE_ATTRIBUTES = {
 }
 
 
-@dataclass(frozen=True)
-class AttributeDescription:
+class AttributeDescription(NamedTuple):
     """One XML attribute."""
 
     name: str

@@ -7,8 +7,8 @@ import functools
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,7 @@ TEXTURES = ("", "../textures", "textures", "../materials/textures")  # of a scri
 Color = tuple[float, float, float, float]
 
 
-@dataclass(frozen=True)
-class Material:
+class Material(NamedTuple):
     """Colours as red, green, blue, alpha; shininess of highlights; a texture and its matrix; whether it is lit.
 
     The matrix (a, b, c, d, e, f) is that of texture coordinates, (0, 0) is the lower left: u' = a u + b v + c,
@@ -86,7 +85,7 @@ def find_material(name: str, uris: Iterable[str] = (), beside: Path | None = Non
 
 def _of_table(name: str) -> Material | None:
     material, texture = _known().get(name.removeprefix(PREFIX), (None, ""))
-    return replace(material, texture=own_texture(texture)) if material is not None and texture else material
+    return material._replace(texture=own_texture(texture)) if material is not None and texture else material
 
 
 def _of_scripts(name: str, uris: Iterable[str], beside: Path | None) -> Material | None:
@@ -138,9 +137,8 @@ def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
         if line == "{":
             if not blocks:
                 current, _, parent = (part.strip(' "') for part in header.partition(":"))
-                found[current] = replace(
-                    found.get(parent, _known().get(parent.removeprefix(PREFIX), (Material(), ""))[0]), has_image=False
-                )
+                basis = found.get(parent, _known().get(parent.removeprefix(PREFIX), (Material(), ""))[0])
+                found[current] = basis._replace(has_image=False)
             blocks.append(header.split()[0] if header.split() else "")
             if blocks[-1] == UNIT:
                 unit = _Unit()
@@ -184,7 +182,7 @@ class _Unit:
         """A material with the image of this unit, if it is the first one that was found."""
         if self.file is None or material.has_image:
             return material
-        return replace(material, texture=self.file, texture_matrix=self.matrix(), has_image=True)
+        return material._replace(texture=self.file, texture_matrix=self.matrix(), has_image=True)
 
     def matrix(self) -> tuple[float, ...]:
         """Of texture coordinates that grow upwards; Ogre's grow downwards."""
@@ -201,18 +199,18 @@ def _with(material: Material, words: list[str]) -> Material:
     """A material after one line of a script that is not about its image."""
     key, values = words[0], words[1:]
     if key == "lighting" and values:
-        return replace(material, lit=values[0] != "off")
+        return material._replace(lit=values[0] != "off")
     numbers = [_number(value) for value in values]
     if key == "alpha_rejection" and len(numbers) > 1 and numbers[1] is not None and values[0] in REJECTIONS:
-        return replace(material, alpha_rejection=min(max(numbers[1] - REJECTIONS[values[0]], 0.0), 254.0) / 255.0)
+        return material._replace(alpha_rejection=min(max(numbers[1] - REJECTIONS[values[0]], 0.0), 254.0) / 255.0)
     if key == "alpha_op_ex" and "src_manual" in values and numbers[-1] is not None:
-        return replace(material, diffuse=(*material.diffuse[:3], numbers[-1]))
+        return material._replace(diffuse=(*material.diffuse[:3], numbers[-1]))
     if key not in COLORS or len(numbers) < 3 or None in numbers:
         return material
     if key == "specular" and len(numbers) > 3:
         *color, shininess = values
-        return replace(material, specular=_color(color), shininess=float(shininess))
-    return replace(material, **{key: _color(values)})  # type: ignore[arg-type]
+        return material._replace(specular=_color(color), shininess=float(shininess))
+    return material._replace(**{key: _color(values)})  # type: ignore[arg-type]
 
 
 def _number(word: str) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bisect
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from libgz.base.geometry import GzPose, GzVector
 from libgz.physics.engine import Engine
@@ -19,8 +19,7 @@ OVERLAP = 1e-9  # [m] of solids that touch
 STRAIGHT = 1.0 - 1e-12  # of the vertical component of a ground's normal
 
 
-@dataclass(frozen=True)
-class Solid:
+class Solid(NamedTuple):
     """A model of one body of bounded size that nothing but contacts holds."""
 
     model: SdfModel

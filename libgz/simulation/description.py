@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -166,7 +165,7 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
             "matrix": look.texture_matrix,
             "alpha_rejection": look.alpha_rejection,
         },
-        "pbr": None if look.surface is None else asdict(look.surface),
+        "pbr": None if look.surface is None else look.surface._asdict(),
         "skin": None
         if look.skin_file is None
         else {"file": look.skin_file, "pose": pose_list(look.skin_pose), "scale": look.skin_scale},

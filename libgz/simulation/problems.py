@@ -7,8 +7,8 @@ import threading
 import traceback
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from weakref import WeakSet
 
 from libgz.base.errors import Severity, StrictError
@@ -23,8 +23,7 @@ NOTED = {"noted": True}  # extra of log messages whose problem was noted by `not
 NOT_THE_WORLDS = ("libgz.transport", "libgz.classic.transport", "libgz.gazebo")  # loggers
 
 
-@dataclass(frozen=True)
-class Problem:
+class Problem(NamedTuple):
     """An error or warning of a running world.
 
     Attributes:

@@ -17,9 +17,8 @@ from __future__ import annotations
 import ctypes
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -98,8 +97,7 @@ class Array(Protocol[T_co]):
         """The elements in order."""
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """One field of a struct."""
 
     ctype: Any  # of one element
@@ -224,7 +222,7 @@ def for_abi(struct: type[Any], abi: str) -> type[Any]:
     if abi != I386:
         raise ParameterError(f"ABI is {abi!r}; allowed are {', '.join(ABIS)}")
     declared = {
-        name: replace(field, ctype=for_abi(field.ctype, abi)) if issubclass(field.ctype, Struct) else field
+        name: field._replace(ctype=for_abi(field.ctype, abi)) if issubclass(field.ctype, Struct) else field
         for name, field in fields_of(struct).items()
     }
     head = [("head", GzData32)] if issubclass(struct, Data) else []

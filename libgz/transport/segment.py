@@ -5,15 +5,14 @@ from __future__ import annotations
 import errno
 import mmap
 import resource
-from dataclasses import dataclass
+from typing import NamedTuple
 
 __all__ = ["Segment", "file_limit_hint", "raise_file_limit"]
 
 _SPARE = 128  # open files, for what else a process opens
 
 
-@dataclass(frozen=True)
-class Segment:
+class Segment(NamedTuple):
     """Memory that holds an interface's struct, and the file it is mapped from."""
 
     memory: mmap.mmap | bytearray

@@ -6,8 +6,8 @@ import logging
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from libgz.base.errors import WorldFileError, nearest
 from libgz.base.files import exists, expand, installed_worlds, is_file
@@ -21,8 +21,7 @@ SDF_WORLDS = Path(__file__).parent.parent / "sdf" / "worlds"
 _COMMENT = re.compile(r"<!--\s*(.*?)\s*-->", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class ReadyWorld:
+class ReadyWorld(NamedTuple):
     """A world that is installed with libgz."""
 
     path: Path

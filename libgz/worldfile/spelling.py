@@ -6,7 +6,7 @@ Each element's own tags decide, whatever the file's age. Where both spellings ar
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from libgz.worldfile.number import atof
 
@@ -25,8 +25,7 @@ __all__ = [
 DEFAULT_STEP = 0.02  # [s]
 
 
-@dataclass(frozen=True)
-class Renamed:
+class Renamed(NamedTuple):
     """An older place of an attribute: its path below the model, and the conversion of its text to the newer form."""
 
     path: tuple[str, ...]

@@ -59,7 +59,7 @@ def _needed(element: Element) -> bool:
         elif name in ENDS and element.name == "joint":
             end, above = child.value.text, element.parent
             links = above.named("link") if above is not None else ()
-            if end != WORLD and not any(link.attributes["name"].text == end for link in links):
+            if end != WORLD and not any(_attribute(link, "name") == end for link in links):
                 return True
         if child.children and _needed(child):
             return True

@@ -79,6 +79,12 @@ def test_poses_of_names_that_lead_nowhere_stay_as_they_are_written():
     assert [found.Get(GzPose, "pose").pos.x for found in model.named("link")] == [1, 2, 3, 4, 5]
 
 
+@pytest.mark.parametrize("link", ["<link/>", "<link name='l'/>"])
+def test_links_of_a_world_are_warnings_beside_its_joints(link):
+    body = f"<joint name='j' type='fixed'><parent>l</parent><child>m::l</child></joint>\n{link}"
+    assert any(w.startswith("w.sdf:4: <link>: is not part of SDF 1.8 in <world>") for w in warnings(body))
+
+
 def test_a_canonical_link_that_is_not_there_is_replaced_by_the_first_one(caplog):
     frame = "<frame name='f'/><joint name='j' type='fixed'><parent>world</parent><child>f</child></joint>"
     text = f"<sdf version='1.7'><model name='m' canonical_link='x'>{LINK}{frame}</model></sdf>"

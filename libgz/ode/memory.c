@@ -36,6 +36,8 @@ void gz_close(context *c)
         free(w->resting_points);
         free(w->movable_boxes);
         free(w->far);
+        free(w->stops);
+        free(w->kept_bodies);
         gz_free_resting(&w->resting);
         gz_free_calls(&w->calls);
         free_trees(w->trees);

@@ -118,6 +118,7 @@ static int solve(context *c)
     gz_drop_calls(&c->work->calls);
     recover_trees(c);
     bring_back_parted(c);
+    restore_stops(c);
     request_feedback(c);
     apply_springs(c);
     c->reset_row = 0;
@@ -130,8 +131,9 @@ static int solve(context *c)
     if (SET_JUMP(escape))
         c->abandoned = 1;
     else
-        done = move_bodies(c);
+        done = move_from_stops(c);
     guarded = 0;
+    restore_stops(c); /* the step was abandoned meanwhile */
     end_iterations(c);
     release_trees(c);
     bring_back_parted(c); /* the step was abandoned meanwhile */

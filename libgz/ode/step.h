@@ -146,6 +146,10 @@ typedef struct {
     X(double, dJointGetHingeAngleRate, (void *))                                \
     X(void, dJointAddHingeTorque, (void *, double))                             \
     X(void, dJointAddSliderForce, (void *, double))                             \
+    X(double, dJointGetHingeParam, (void *, int))                               \
+    X(void, dJointSetHingeParam, (void *, int, double))                         \
+    X(double, dJointGetSliderParam, (void *, int))                              \
+    X(void, dJointSetSliderParam, (void *, int, double))                        \
     X(double, dJointGetSliderPosition, (void *))                                \
     X(double, dJointGetSliderPositionRate, (void *))                            \
     X(double, dJointGetHinge2Angle1, (void *))                                  \
@@ -380,6 +384,19 @@ typedef struct {
 } group;
 
 /* Memory of the step of a world, which is kept from step to step; memory.c frees it. */
+/* A joint that is far beyond a stop; see stops.c. */
+typedef struct {
+    void *joint;
+    int slides; /* else it turns */
+    double erp;  /* of its stops */
+    double slow; /* with which they send it back at the largest speed, or at none */
+} far_stop;
+
+/* A body in a step that is solved twice. */
+typedef struct {
+    double position[3], quaternion[4], linear[3], angular[3], force[3], torque[3];
+} kept_body;
+
 struct workspace {
     call_queue calls;
     member *members; /* by row of body, like the next two */
@@ -396,6 +413,9 @@ struct workspace {
     int64_t movable_capacity, far_capacity, far_count;
     struct trees *trees;
     int stepped; /* 1: ODE has the memory of its own step */
+    far_stop *stops;
+    kept_body *kept_bodies; /* by row */
+    int64_t stop_count, stop_capacity, kept_capacity;
 };
 
 static inline double smaller(double a, double b) { return a < b ? a : b; }
@@ -508,6 +528,10 @@ int solve_tree(const context *c, int64_t row);
 void release_trees(const context *c);
 void recover_trees(const context *c);
 void free_trees(struct trees *w);
+
+/* stops.c */
+int move_from_stops(context *c);
+void restore_stops(context *c);
 
 /* overlaps.c */
 void note_overlap(context *c, const touching *t, const contact *point);

@@ -151,7 +151,48 @@ NESTED = (
     + hinged("k", "universal", "a", "i::b", axis(), axis("0 0 1", number="2"), pose="-.2 0 0 0 0 0")
 )  # fmt: skip
 
+SLOW = "<physics type='ode'><max_step_size>.001</max_step_size><real_time_update_rate>0</real_time_update_rate><ode><constraints><contact_max_correcting_vel>10</contact_max_correcting_vel></constraints></ode></physics>"
+LEG = (
+    link("hip", "0 0 2 0 0 0", 1.2, 0.01, "") + link("calf", "0 0 1.8 0 0 0", 0.2, 0.002)
+    + hinged("h", "revolute", "trunk", "hip", axis("1 .2 0", between(-1, 1), damped(0.3)), pose="0 0 .1 0 0 0")
+    + hinged("k", "revolute", "hip", "calf", axis("0 1 0", between(-2.7, -0.84), damped(0.01)), pose="0 0 .1 0 0 0")
+)  # fmt: skip
+# Beyond a stop by so much that it would be left faster than contact_max_correcting_vel.
+FAR = {
+    "hinge far beyond its stop": near(
+        rolling(
+            "m",
+            link("b", "0 0 2 0 0 0")
+            + hinged("j", "revolute", "world", "b", axis("0 0 1", between(-3, -0.84), damped(0.01))),
+        ),
+        tolerance=1e-6,
+    ),
+    "slider far beyond its stop": near(
+        rolling(
+            "m",
+            link("b", "0 0 2 0 0 0")
+            + hinged("j", "prismatic", "world", "b", axis("1 1 0", between(0.8, 4), damped(0.1))),
+        ),
+    ),
+    "slider beyond its stop, corrected at 10 m/s": near(
+        SLOW,
+        rolling(
+            "m",
+            link("b", "0 0 2 0 0 0")
+            + hinged("j", "prismatic", "world", "b", axis("1 0 0", between(0.2, 4), damped(1))),
+        ),
+        tolerance=1e-5,
+    ),
+    "leg whose knee is far beyond its stop": near(
+        rolling("m", link("trunk", "0 0 2.1 0 0 0", 8, 0.1) + hinged("f", "fixed", "world", "trunk") + LEG)
+    ),
+    "falling leg whose knee is far beyond its stop": near(
+        rolling("m", link("trunk", "0 0 2.1 0 0 0", 8, 0.1) + LEG, "0 0 30 0 0 0")
+    ),
+}
+
 JOINTS = {
+    **FAR,
     "screw with limits": threaded("1.6", axis("0 0 1", between(-1, 0.5)), "<thread_pitch>-8</thread_pitch>"),
     "screw with a spring": threaded("1.6", axis("0 .3 1", dynamics=sprung(5, 0.5, 1)), "<thread_pitch>-8</thread_pitch>"),
     "screw of 1.7": threaded("1.7", axis("0 0 1"), "<thread_pitch>-10</thread_pitch>"),

@@ -377,11 +377,13 @@ def test_stops_about_half_a_turn_hold(load, limit):
 
 @pytest.mark.parametrize("lower", [1.0, 4.0, 10.0])
 def test_a_joint_that_begins_below_its_limits_turns_towards_them(load, lower):
-    """However many half turns away they are; the other way round, too."""
+    """However many half turns away they are; the other way round, too, with less speed, as in Gazebo."""
     hinges = [joint("j", "revolute", "world", "l", inside=limits(*ends)) for ends in ((lower, 12), (-12, -lower))]
     parts = [model(name, link("l", inertial(1.0, (1.0,) * 3)), hinge) for name, hinge in zip("ab", hinges, strict=True)]
     made = load(world(*parts, gravity="0 0 0"))
     made.run(1.0)
     low, high = (made.model(name).sdf_joints["j"].position() for name in "ab")
-    assert low == pytest.approx(-high)
     assert lower < low < 12.0
+    assert lower < -high < 12.0
+    if lower == 1.0:
+        assert (low, high) == pytest.approx((1.5043, -1.2622), abs=1e-3)  # in Gazebo 11.1

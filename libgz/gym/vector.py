@@ -165,8 +165,9 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _joined(self, infos: list[dict[str, Any]]) -> dict[str, Any]:
         """The infos of all environments as Gymnasium has them: an array of each entry, and a mask of who has it."""
         joined: dict[str, Any] = {}
-        if all(info.keys() == infos[0].keys() for info in infos):
-            columns = {key: [info[key] for info in infos] for key in infos[0]}
+        names = infos[0].keys()
+        if all(info.keys() == names for info in infos):
+            columns = {key: [info[key] for info in infos] for key in names}
             kinds = {key: {*map(type, column)} for key, column in columns.items()}
             if all(len(found) == 1 and _PLAIN.issuperset(found) for found in kinds.values()):
                 for key, column in columns.items():

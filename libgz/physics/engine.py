@@ -407,19 +407,19 @@ class Engine:
         """Contact points in the last step."""
         return int(self._context.contact_count)
 
-    @exclusive
     def hold(self, efforts: ctypes.Array[HeldEffort] | None) -> None:
         """Apply efforts in each step from now on, in this order, and no others; None for none.
 
         See `Joint.write_held`. They may be written again between two steps.
         """
-        context = self._context
-        if efforts is None:
-            context.held_count = 0
-            return
-        if efforts is not self._held:
-            self._held, context.held = efforts, ctypes.addressof(efforts)
-        context.held_count = len(efforts)
+        if efforts is not None and efforts is not self._held:
+            self._take_held(efforts)
+        self._context.held_count = 0 if efforts is None else len(efforts)
+
+    @exclusive  # a step that is under way reads the former ones
+    def _take_held(self, efforts: ctypes.Array[HeldEffort]) -> None:
+        self._context.held_count = 0
+        self._held, self._context.held = efforts, ctypes.addressof(efforts)
 
     def drop_held(self, handle: int | None) -> None:
         """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""

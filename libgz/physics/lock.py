@@ -110,8 +110,7 @@ class WorldLock:
         return int(found[1]) if found is not None else 0
 
     def __enter__(self) -> None:
-        if not self.try_acquire():  # as `acquire`, which it does not call: steps begin here
-            self.wait()
+        self.acquire()
 
     def __exit__(self, *_error: object) -> None:
         self.release()

@@ -225,18 +225,23 @@ class Event:
     @property
     def entries(self) -> tuple[_Entry, ...]:
         """Its callbacks in the order in which they are called; the same tuple until they change."""
-        return self._calls()
+        above = self.above.own if self.above is not None else ()
+        if self._all is None or above is not self._seen:
+            self._seen, self._all = above, above + self.own
+            self._gives = any(entry.parameters for entry in self._all)
+            self._laws = not self._gives and all(is_law(getattr(e.callback, "__func__", None)) for e in self._all)
+        return self._all
 
     @property
     def obeys_laws(self) -> bool:
         """Whether all callbacks are laws without arguments."""
-        self._calls()
+        _ = self.entries
         return self._laws
 
     @property
     def gives(self) -> bool:
         """Whether a callback takes arguments."""
-        self._calls()
+        _ = self.entries
         return self._gives
 
     def Connect(self, callback: Callable[..., object]) -> Connection:
@@ -261,7 +266,7 @@ class Event:
 
     def ConnectionCount(self) -> int:
         """How many callbacks there are."""
-        return len(self._calls())
+        return len(self.entries)
 
     def remove(self, entry: _Entry) -> None:
         """Remove a callback; it is not called any more, not even in a signal that is under way."""
@@ -282,17 +287,9 @@ class Event:
             entry.connected = False
         self.own, self._all = (), None
 
-    def _calls(self) -> tuple[_Entry, ...]:
-        above = self.above.own if self.above is not None else ()
-        if self._all is None or above is not self._seen:
-            self._seen, self._all = above, above + self.own
-            self._gives = any(entry.parameters for entry in self._all)
-            self._laws = not self._gives and all(is_law(getattr(e.callback, "__func__", None)) for e in self._all)
-        return self._all
-
     def Signal(self, *values: Any) -> None:
         """Call all callbacks, in the order of connection; new ones from the next signal on."""
-        self.call(self._calls(), *values)
+        self.call(self.entries, *values)
 
     __call__ = Signal
 

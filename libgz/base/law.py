@@ -404,14 +404,14 @@ def least(one: Any, other: Any) -> Any:
     """The smaller one of two numbers, as `min`."""
     if isinstance(one, Term) or isinstance(other, Term):
         return _recording(one, other).compute(Operation.LEAST, one, other)
-    return min(one, other)
+    return other if other < one else one  # to call `min` takes three times as long
 
 
 def largest(one: Any, other: Any) -> Any:
     """The larger one of two numbers, as `max`."""
     if isinstance(one, Term) or isinstance(other, Term):
         return _recording(one, other).compute(Operation.MOST, one, other)
-    return max(one, other)
+    return other if other > one else one
 
 
 def clamp(value: Value, limit: float) -> Value:

@@ -447,7 +447,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return rows
 
     def _information(self) -> dict[str, Any]:
-        found: dict[str, Any] = {"sim_time": self.world.GetSimTime()}
+        found: dict[str, Any] = {"sim_time": self.world.clock.sim_time}
         if self.sampled:
             found["sampled"] = dict(self.sampled)
         if self._info is not None:

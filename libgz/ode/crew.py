@@ -7,9 +7,10 @@ import operator
 import os
 import threading
 import weakref
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from ctypes import c_void_p
+from functools import partial
 from typing import Any, TypeVar
 
 from libgz.base.errors import USER_ERRORS, GazeboError, LibraryError, ParameterError, pass_interrupt
@@ -124,7 +125,12 @@ class Crew:
 
 
 class _Threads:
-    """The threads of one process; see crew.c."""
+    """The threads of one process; see crew.c.
+
+    Attributes:
+        add: have a job done; who adds it keeps it until `next` has returned it.
+        next: the address of a job that is done, of those that were added and not returned; None without any.
+    """
 
     def __init__(self, count: int) -> None:
         path, self.process = str(library_path()), os.getpid()
@@ -133,8 +139,10 @@ class _Threads:
         found = library.gz_crew_new()
         if not found:
             raise LibraryError("there is no memory for threads that step worlds")
-        self._address = address = c_void_p(found)
-        self._add, self._next = short.gz_crew_add, library.gz_crew_next
+        address = c_void_p(found)
+        short.gz_crew_add.argtypes = (c_void_p, ctypes.POINTER(JobRecord))
+        self.add: Callable[[JobRecord], object] = partial(short.gz_crew_add, address)
+        self.next: Callable[[], int | None] = partial(library.gz_crew_next, address)
         workers = [
             threading.Thread(target=_work, args=(library, address), name=f"libgz crew {number}", daemon=True)
             for number in range(1, count)
@@ -143,14 +151,6 @@ class _Threads:
             worker.start()
         self.close = weakref.finalize(self, _end, library, address, workers, self.process)
         self.close.atexit = False  # the threads end with the process
-
-    def add(self, job: JobRecord) -> None:
-        """Have a job done; who adds it keeps it until `next` has returned it."""
-        self._add(self._address, ctypes.byref(job))
-
-    def next(self) -> int:
-        """The address of a job that is done, of those that were added and not returned; 0 without any."""
-        return int(self._next(self._address) or 0)
 
 
 def _work(library: ctypes.CDLL, address: c_void_p) -> None:

@@ -41,6 +41,13 @@ _DECLARED, _NAME = re.compile(rb"<!ENTITY\s+([\w.:-]+)"), re.compile(rb"([\w.:-]
 _SLIPS = re.compile(
     rb"<!--(.*?)(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|&(?!(?:#\d+|#x[0-9a-fA-F]+|lt|gt|amp|quot|apos);)", re.DOTALL
 )
+# A comment, a CDATA section, or a start tag up to the last of its attributes; and such an attribute's value.
+_TAGS = re.compile(
+    rb"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)"
+    rb"|<[A-Za-z_][\w.:-]*(?P<attributes>(?:\s+[\w.:-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'|[^\s\"'/>]*))+)",
+    re.DOTALL,
+)
+_VALUE = re.compile(rb"(=\s*)(?:\"[^\"]*\"|'[^']*'|(?P<plain>[^\s\"'/>]*))")
 # libxml2's names of what it recovers from without loss -> what is reported.
 _TOLERATED = {
     "NS_ERR_UNDEFINED_NAMESPACE": "{message}; it is read without xmlns",
@@ -149,14 +156,8 @@ def _repaired(data: bytes, report: Report) -> bytes:
         if encoding is not None and encoding[1].lower() not in (b"utf-8", b"us-ascii"):
             data = _decoded(data, encoding[1].decode()).encode()
 
-    declared = set(_DECLARED.findall(data))
-    counted, lines = 0, 1
-
-    def line(at: int) -> int:
-        nonlocal counted, lines
-        lines += data.count(b"\n", counted, at)
-        counted = at
-        return lines
+    data = _quoted(data, report)
+    declared, line = set(_DECLARED.findall(data)), _line_counter(data)
 
     def repair(match: re.Match[bytes]) -> bytes:
         name = _NAME.match(data, match.end()) if match[0] == b"&" else None
@@ -172,6 +173,38 @@ def _repaired(data: bytes, report: Report) -> bytes:
         return b"<!--" + inside.replace(b"-", b" ") + b"-->"
 
     return _SLIPS.sub(repair, data)
+
+
+def _quoted(data: bytes, report: Report) -> bytes:
+    """The document with quotes around all values of attributes."""
+    line = _line_counter(data)
+
+    def quote(tag: re.Match[bytes]) -> bytes:
+        def value(match: re.Match[bytes]) -> bytes:
+            if match["plain"] is None:
+                return match[0]
+            report(line(tag.start()), "the value of an attribute should stand in quotes")
+            return match[1] + b'"' + match["plain"] + b'"'
+
+        if tag["attributes"] is None:
+            return tag[0]
+        start = tag.start("attributes") - tag.start()
+        return tag[0][:start] + _VALUE.sub(value, tag["attributes"])
+
+    return _TAGS.sub(quote, data)
+
+
+def _line_counter(data: bytes) -> Callable[[int], int]:
+    """A function that returns the lines of places, of one after the other."""
+    counted, lines = 0, 1
+
+    def line(at: int) -> int:
+        nonlocal counted, lines
+        lines += data.count(b"\n", counted, at)
+        counted = at
+        return lines
+
+    return line
 
 
 def _decoded(data: bytes, encoding: str) -> str:

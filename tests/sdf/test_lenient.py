@@ -28,6 +28,7 @@ def warnings(text):
         (MODEL.format("<!-- a -- b -->"), "w.sdf:2: <xml>: '--' in a comment"),
         (MODEL.format("<!-- a --->"), "w.sdf:2: <xml>: '--' in a comment"),
         (MODEL.format("\n<plugin name='a&b' filename='x'/>"), "w.sdf:3: <xml>: '&' should be written &amp;"),
+        (MODEL.format("\n<link name=l2>\n</link>"), "w.sdf:3: <xml>: the value of an attribute should stand in quotes"),
         (MODEL.format("<x:y/><x:z/>"), "w.sdf:2: <xml>: Namespace prefix x on y is not defined"),
         (MODEL.format("") + "<more/>", "w.sdf:2: <xml>: what follows the root element is ignored"),
         (MODEL.format("").encode() + b"<!-- \xe9 -->", "w.sdf:2: <xml>: there are bytes"),
@@ -39,6 +40,19 @@ def test_slips_are_warnings(text, said):
     found = warnings(text)
     assert len(found) == 1
     assert said in found[0]
+
+
+def test_only_values_of_attributes_are_quoted():
+    text = MODEL.format(
+        "<plugin name=p filename='a=b'><t>c=d <u>e</u> f = g</t><!-- <v w=x> --><![CDATA[<y z=1>]]></plugin>"
+    )
+    plugin = next(SdfFile.from_string(text).root.find("plugin"))
+    assert (plugin.Get(str, "name"), plugin.Get(str, "filename")) == ("p", "a=b")
+    assert "c=d" in plugin.ToString()
+    assert "y z=1" in plugin.ToString()
+    for wrong in ("<link name=a'b'/>", "<link name=a/b/>", "<link name/>"):
+        with pytest.raises(WorldFileError):
+            SdfFile.from_string(MODEL.format(wrong))
 
 
 @pytest.mark.parametrize("begin", ["", "\n", "x"])
@@ -75,7 +89,7 @@ def test_an_encoding_that_is_declared_late_is_used():
 
 
 @pytest.mark.parametrize(
-    "text", ["<sdf version='1.6'><model name='m'></sdf>", "<sdf version=1.6/>", "<sdf version='1.6'><a>", "", "plain"]
+    "text", ["<sdf version='1.6'><model name='m'></sdf>", "<sdf version='1.6/>", "<sdf version='1.6'><a>", "", "plain"]
 )
 def test_what_is_not_well_formed_is_an_error_with_its_line(text):
     with pytest.raises(WorldFileError, match=r"^w\.sdf:1: "):

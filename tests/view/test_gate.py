@@ -87,7 +87,7 @@ def get(viewer, path="/", **headers):
     lines = [f"GET {path} HTTP/1.1", *(f"{name.replace('_', '-')}: {text}" for name, text in headers.items())]
     if "Host" not in headers:
         lines.append(f"Host: 127.0.0.1:{port}")
-    with socket.create_connection(("127.0.0.1", port), 20.0) as connection:
+    with socket.create_connection(("127.0.0.1", port), 60.0) as connection:
         connection.sendall("\r\n".join([*lines, "Connection: close", "", ""]).encode())
         raw = b"".join(iter(lambda: connection.recv(65536), b""))
     head, _, body = raw.partition(b"\r\n\r\n")
@@ -314,7 +314,7 @@ def test_a_message_that_is_too_large_ends_the_page_alone(viewer, caplog):
 def test_connections_are_limited(viewer, monkeypatch):
     monkeypatch.setattr(pages, "MOST_CONNECTIONS", 8)
     port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
-    crowd = [socket.create_connection(("127.0.0.1", port), 20.0) for _ in range(30)]
+    crowd = [socket.create_connection(("127.0.0.1", port), 60.0) for _ in range(30)]
     places, end = set(crowd), time.monotonic() + 20.0
     while len(places) > 8 and time.monotonic() < end:
         places -= {one for one in select.select(places, [], [], 1.0)[0] if one.recv(1) == b""}
@@ -335,7 +335,7 @@ def test_connections_that_send_nothing_are_closed(monkeypatch, controls):
     monkeypatch.setattr(pages, "SILENCE", 0.2)
     with running(Nothing(), controls) as viewer:
         port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
-        with socket.create_connection(("127.0.0.1", port), 20.0) as one:
+        with socket.create_connection(("127.0.0.1", port), 60.0) as one:
             assert one.recv(1) == b""
 
 

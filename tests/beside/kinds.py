@@ -377,6 +377,9 @@ SURFACES = {
             ("lumber", a_box("1.2 .04 .09"), 0.0, 1.5, 1e4, 1e3, 0.001),
         )
     },
+    "cube that sinks to its min_depth": near(
+        GROUND, body("a", "0 0 .1 0 0 0", a_box(".2 .2 .2"), SPRUNG.format(1e6, 100, 0.03), 2, 0.0132), tolerance=1e-4
+    ),
     "links that do not collide": near(GROUND, rolling("m", BASE.replace("0 0 2", "0 0 1") + FINGERS)),
     "groove of two planes": near(
         *(body(f"p{side}", "0 0 0 0 0 0", V.format(side), static=1) for side in (0.5, -0.5)),

@@ -137,7 +137,8 @@ class HeldEffort(ctypes.Structure):
         ("joint", c_void_p),
         ("type", c_int64),
         ("effort", c_double),
-        ("bodies", c_void_p * 2),
+        ("parent", c_void_p),  # this and the next one are `bodies` there
+        ("child", c_void_p),
     ]
 
 

@@ -424,7 +424,7 @@ class Engine:
     def drop_held(self, handle: int | None) -> None:
         """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""
         for effort in self._held:
-            if handle in (effort.joint, *effort.bodies):
+            if handle in (effort.joint, effort.parent, effort.child):
                 effort.joint = None
 
     @property

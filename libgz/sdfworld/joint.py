@@ -412,10 +412,8 @@ class SdfJoint:
         axis, (parent, child) = self.axes[0], (self.links.parent, self.links.child)
         if axis.velocity >= 0.0:
             return False
-        held.bodies[:] = (
-            parent.id if parent is not None and parent.auto_disable else None,
-            child.id if child is not None and child.auto_disable else None,
-        )
+        held.parent = parent.id if parent is not None and parent.auto_disable else None
+        held.child = child.id if child is not None and child.auto_disable else None
         return joint.write_held(held, axis.within_effort(effort))
 
     def was_held(self, effort: float, steps: int) -> None:

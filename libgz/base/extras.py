@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 
 __all__ = ["install"]
 
@@ -14,6 +13,7 @@ def install(extra: str) -> str:
     It names the packages and not the extra: that is right for a checkout, a wheel and an index.
     """
     import importlib.metadata  # for errors alone
+    import shlex
 
     try:
         lines = importlib.metadata.requires("libgz") or []

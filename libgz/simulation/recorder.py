@@ -454,7 +454,7 @@ class Recorder:
             doubles = value.dtype == np.float64 and value.ndim == 1 and value.flags.c_contiguous
             return self.read(value) if doubles else value
         if isinstance(value, ctypes.Array):
-            return self.read(np.ctypeslib.as_array(value)) if value._type_ is ctypes.c_double else value
+            return self.read(np.frombuffer(memoryview(value), np.float64)) if value._type_ is ctypes.c_double else value
         if type(value) in (list, tuple):
             return type(value)(self.wrap(one) for one in value)
         return Traced(self, value)

@@ -75,7 +75,16 @@ def test_a_command_loads_only_what_its_world_needs(tmp_path, monkeypatch):
     assert "libgz.front" in loaded
     assert "threads=1" in loaded
     slow = ("OpenGL", "PIL", "libgz.sdfworld", "libgz.classic", "urllib.request", "importlib.metadata", "http", "ssl")
-    slow += ("numpy.random", "numpy.ctypeslib", "subprocess", "tempfile", "difflib", "shlex", "libgz.sdf.reader")
+    slow += (
+        "numpy.random",
+        "numpy.ctypeslib",
+        "subprocess",
+        "tempfile",
+        "difflib",
+        "shlex",
+        "pkgutil",
+        "libgz.sdf.reader",
+    )
     slow += ("libgz.physics.skeletons", *FOR_FEW)
     assert not [name for name in loaded if name.startswith(slow)]
 
@@ -96,6 +105,7 @@ def test_a_server_of_classic_loads_only_what_its_world_needs(tmp_path, monkeypat
         "subprocess",
         "tempfile",
         "shlex",
+        "pkgutil",
     )
     slow += ("scipy", "numpy.random", "numpy.polynomial", "urllib.request", "importlib.metadata", "importlib.resources")
     slow += ("libgz.ros.", "libgz.recording", "libgz.view.", "libgz.classic.sensors", "libgz.classic.rendering.")

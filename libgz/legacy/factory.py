@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import logging
-import pkgutil
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -129,7 +129,8 @@ class ModelFactory:
     def find(self, classname: str) -> Callable[[World], Model] | None:
         """The class or function of a name, or None if it is unknown."""
         if classname in self._builtin:
-            return pkgutil.resolve_name(self._builtin[classname])  # type: ignore[no-any-return]
+            module, _, name = self._builtin[classname].partition(":")
+            return getattr(import_module(module), name)  # type: ignore[no-any-return]
         kind = self._plugins.get(classname) or _static.get(classname)
         if kind is None and classname in self._offered():
             kind = self._offered()[classname].load()

@@ -224,6 +224,7 @@ EXTRA = {
     "common::Battery": ("  typedef std::map<uint32_t, double> PowerLoad_M;",),
     "common::SystemPaths": tuple(FROM_ENVIRONMENT.format(kind=kind) for kind in ("gazebo", "model", "plugin")),
     "physics::Actor": ("  std::map<std::string, common::SkeletonAnimation *> SkeletonAnimations() const;",),
+    "physics::Inertial": ("  Inertial(const Inertial &other);",),
     "physics::HeightmapShape": ("  typedef float HeightType;",),
     "physics::Link": ("  typedef std::map<uint32_t, msgs::Visual> Visuals_M;",),
     "physics::Joint": (CONNECT.format(name="JointUpdate"),),
@@ -310,7 +311,7 @@ def _bodies(one: Class) -> Iterator[str]:
 
 # Python's names of methods that a class below hides by one of another meaning, and of operators.
 IN_PYTHON = {"physics::Base::GetParent": "container"}
-OPERATORS = {"operator+": "__add__", "operator-": "__sub__"}
+OPERATORS = {"operator+": "__add__", "operator-": "__sub__", "operator()": "__call__"}
 
 
 def _in_python(holder: str, name: str) -> str:
@@ -326,6 +327,8 @@ BY_HAND = frozenset(
         "physics::ContactManager::GetContacts/0",
         "physics::Entity::WorldAngularVel/0",
         "physics::Entity::WorldPose/0",
+        "physics::Inertial::operator+=/1",
+        "physics::Inertial::operator=/1",
         "physics::Joint::GetForce/1",
         "physics::Joint::GetParam/2",
         "physics::Joint::GetVelocity/1",
@@ -344,9 +347,12 @@ BY_HAND = frozenset(
         "physics::Link::WorldCoGLinearVel/0",
         "physics::Link::WorldCoGPose/0",
         "physics::Link::WorldLinearVel/0",
+        "physics::ModelState::GetJointStates/1",
+        "physics::ModelState::GetLinkStates/1",
         "physics::PhysicsEngine::GetPhysicsUpdateMutex/0",
         "physics::World::InsertModelSDF/1",
         "physics::World::SimTime/0",
         "physics::World::URI/0",
+        "physics::WorldState::GetModelStates/1",
     }
 )

@@ -350,6 +350,26 @@ class Checks : public ModelPlugin
     EXPECT(this->model->GetJointController()->GetPositionPIDs().size() == 1);
     physics::InertialPtr inertial = this->model->GetLink("arm")->GetInertial();
     EXPECT(inertial->Mass() == 2 && inertial->Ign().MassMatrix().Mass() == 2);
+    // Inertials are values, and are added and moved as in Gazebo 11.1.
+    physics::Inertial heavy(*inertial), given(2.5);
+    heavy.SetMass(3);
+    heavy.SetInertiaMatrix(1, 2, 2.5, 0.1, 0.2, 0.3);
+    heavy.SetCoG(ignition::math::Pose3d(0.1, 0.2, 0.3, 0.4, 0.5, 0.6));
+    physics::Inertial light(heavy);
+    light.SetMass(1);
+    light.SetCoG(-0.5, 0, 1);
+    EXPECT(inertial->Mass() == 2 && heavy.Mass() == 3 && given.Mass() == 2.5 && given.IXX() == 1);
+    given = heavy + light;
+    EXPECT(given.Mass() == 4 && given.CoG() == ignition::math::Vector3d(-0.05, 0.15, 0.475));
+    EXPECT(given.PrincipalMoments() == ignition::math::Vector3d(3.66565176401, 4.21975733152, 4.44959090447));
+    heavy += light;
+    EXPECT(heavy.Mass() == 4 && light.Mass() == 1 && heavy.IXY() == given.IXY());
+    EXPECT(light(ignition::math::Vector3d(1, 0, 0)).CoG() == ignition::math::Vector3d(-1.5, 0, 1));
+    light = ignition::math::Inertiald({4, {1, 2, 2.5}, {0.1, 0.2, 0.3}}, ignition::math::Pose3d(1, 2, 3, 0, 0, 0.5));
+    EXPECT(light.Mass() == 4 && light.IXZ() == 0.2 && light.CoG().Z() == 3);
+    EXPECT(physics::Inertial(light.Ign()).IYZ() == 0.3);
+    light.Rotate(ignition::math::Quaterniond(0, 0, IGN_PI));
+    EXPECT(light.CoG() == ignition::math::Vector3d(-1, -2, 3) && light.IXX() == 1);
     auto box = this->model->GetLink("arm")->GetCollision("shape")->BoundingBox();
     EXPECT(box.Max().X() > box.Min().X());
     EXPECT(this->world->Gravity().Z() < -9 && this->world->Physics()->GetMaxStepSize() == 0.001);
@@ -375,6 +395,9 @@ class Checks : public ModelPlugin
     EXPECT(animation->GetKeyFrameCount() == 1);
     physics::ModelState state(this->model);
     EXPECT(state.GetLinkState("arm").Pose() == this->model->GetLink("arm")->WorldPose());
+    EXPECT(state.GetLinkStates(boost::regex("a.*")).count("arm") == 1);
+    EXPECT(state.GetLinkStates(boost::regex("a")).empty() && state.GetJointStates(boost::regex(".*")).size() == 1);
+    EXPECT(physics::WorldState(this->world).GetModelStates(boost::regex("ro.ot")).size() == 1);
     physics::JointState turned(joint);
     common::URI uri(this->model->GetLink("arm")->GetCollision("shape")->URI());
     EXPECT(uri.Str() == "data://world/default/model/robot/link/arm/collision/shape" && joint->URI().Valid());

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzPose, GzVector, VectorLike
-from libgz.classic.math import MassMatrix3d, Matrix3d, Pose3d, Vector3d
+from libgz.classic.math import Inertiald, MassMatrix3d, Matrix3d, Pose3d, Quaterniond, Vector3d
 from libgz.ode.types import Mass as OdeMass
 from libgz.physics.body import Body
 from libgz.physics.check import finite
@@ -29,18 +29,26 @@ class Inertial:
     object has the new values, and the link the old ones.
 
     Args:
-        body: the body of a link, whose values it has; of a static model, all 0, as in Gazebo. None: values of its own,
-            1 kg and unit moments.
+        given: the body of a link, whose values it has; of a static model, all 0, as in Gazebo. Otherwise values of its
+            own: those of another object, or a mass [kg] and unit moments; None is 1 kg.
         sdf: the element of the link, which has the axes of the frame.
+
+    Raises:
+        ParameterError: the mass is not positive.
     """
 
     STATE = ("_changed", "_mass", "_pose", "_held", "_before")
 
-    def __init__(self, body: Body | None = None, sdf: Element | None = None) -> None:
+    def __init__(self, given: Body | Inertial | Inertiald | float | None = None, sdf: Element | None = None) -> None:
+        body = given if isinstance(given, Body) else None
         self._static = body is not None and body.dummy
         self._body, self._sdf = (None, None) if self._static else (body, sdf)
         self._stale = False
         self._begin()
+        if isinstance(given, Inertial | Inertiald):
+            self.copy_from(given)
+        elif given is not None and body is None:
+            self.SetMass(given)  # type: ignore[arg-type]
 
     def forget(self) -> None:
         """Take the values of the link's element and of the body, as they are when they are first asked for."""
@@ -102,11 +110,36 @@ class Inertial:
         m = self._mass
         return given_mass(m.mass, [m.ixx, m.iyy, m.izz, m.ixy, m.ixz, m.iyz], self._pose)
 
-    def copy_from(self, other: Inertial) -> None:
+    def copy_from(self, other: Inertial | Inertiald) -> None:
         """Set all values to those of another object."""
-        other._read()
+        mass = other._values() if isinstance(other, Inertial) else other.MassMatrix()
         self._change()
-        self._mass, self._pose = copy.deepcopy(other._mass), Pose3d(other._pose)
+        self._mass, self._pose = copy.deepcopy(mass), Pose3d(other.Pose())
+
+    def __add__(self, other: Inertial) -> Inertial:
+        """Both bodies as one: about the common centre of mass, along the axes of the link frame, as Gazebo does it."""
+        if not isinstance(other, Inertial):
+            return NotImplemented
+        both = Inertial(self.Mass() + other.Mass())
+        both.SetCoG((self.CoG() * self.Mass() + other.CoG() * other.Mass()) / both.Mass())
+        both.SetMOI(self.MOI(both.Pose()) + other.MOI(both.Pose()))
+        return both
+
+    def __call__(self, offset: VectorLike | GzPose) -> Inertial:
+        """The values for a link frame that is moved by an offset [m]; the angles of a pose do nothing, as in Gazebo.
+
+        The frame keeps its axes. The moments are about a point that lies off the old centre of mass by the offset,
+        along the axes of the link frame.
+        """
+        moved = Inertial(self)
+        moved.SetCoG(self.CoG() - Vector3d(*(offset.pos if isinstance(offset, GzPose) else offset)))
+        moved.SetMOI(self.MOI(Pose3d(GzPose(GzVector(*moved.CoG())))))
+        return moved
+
+    def Rotate(self, turn: Quaterniond) -> None:
+        """Turn the frame about the origin of the link frame; the moments along its axes stay."""
+        self._change()
+        self._pose = Pose3d(GzPose(GzVector(*turn.RotateVector(self.CoG())), turn * Quaterniond(*self._pose.rot)))
 
     def apply(self) -> None:
         """Set the mass matrix of the body to these values.

@@ -285,9 +285,9 @@ class ModelState(State):
         """The number of its links."""
         return len(self._links)
 
-    def GetLinkStates(self) -> list[LinkState]:
-        """The states of its links."""
-        return list(self._links)
+    def GetLinkStates(self) -> dict[str, LinkState]:
+        """The states of its links, by name."""
+        return {link.GetName(): link for link in self._links}
 
     def HasLinkState(self, name: str) -> bool:
         """Whether there is a link of this name."""
@@ -305,9 +305,9 @@ class ModelState(State):
         """The number of its joints."""
         return len(self._joints)
 
-    def GetJointStates(self) -> list[JointState]:
-        """The states of its joints."""
-        return list(self._joints)
+    def GetJointStates(self) -> dict[str, JointState]:
+        """The states of its joints, by name."""
+        return {joint.GetName(): joint for joint in self._joints}
 
     def HasJointState(self, name: str) -> bool:
         """Whether there is a joint of this name."""
@@ -325,9 +325,9 @@ class ModelState(State):
         """The number of models nested in it."""
         return len(self._nested)
 
-    def NestedModelStates(self) -> list[ModelState]:
-        """The states of the models nested in it."""
-        return list(self._nested)
+    def NestedModelStates(self) -> dict[str, ModelState]:
+        """The states of the models nested in it, by name."""
+        return {model.GetName(): model for model in self._nested}
 
     def HasNestedModelState(self, name: str) -> bool:
         """Whether there is a nested model of this name."""

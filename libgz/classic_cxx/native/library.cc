@@ -903,6 +903,38 @@ FrictionPyramidPtr SurfaceParams::FrictionPyramid() const
 {
   return libgz::Call(this, "FrictionPyramid").result<FrictionPyramidPtr>();
 }
+/* An inertial is a value: what is made of it changes no link. */
+Inertial::Inertial(const Inertial &other) : libgz::Object(libgz::construct("physics", "Inertial", other)) {}
+Inertial &Inertial::operator=(const Inertial &other)
+{
+  if (this->view != other.view)
+    (libgz::Call(this, "copy_from") << other).run();
+  return *this;
+}
+Inertial &Inertial::operator=(const ignition::math::Inertiald &other)
+{
+  (libgz::Call(this, "copy_from") << other).run();
+  return *this;
+}
+const Inertial &Inertial::operator+=(const Inertial &other) { return *this = *this + other; }
+
+template <class M>
+static M matching(const M &states, const boost::regex &name)
+{
+  M found;
+  std::copy_if(states.begin(), states.end(), std::inserter(found, found.end()),
+      [&name](const auto &state) { return boost::regex_match(state.first, name); });
+  return found;
+}
+LinkState_M ModelState::GetLinkStates(const boost::regex &name) const { return matching(this->GetLinkStates(), name); }
+JointState_M ModelState::GetJointStates(const boost::regex &name) const
+{
+  return matching(this->GetJointStates(), name);
+}
+ModelState_M WorldState::GetModelStates(const boost::regex &name) const
+{
+  return matching(this->GetModelStates(), name);
+}
 /* Contacts as classic has them: numbers that stay until they are asked for again. */
 struct Contacts
 {

@@ -9,7 +9,7 @@ from plugin_worlds import body, collision
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import physics
-from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.math import Inertiald, MassMatrix3d, Pose3d, Quaterniond, Vector3d
 from libgz.physics.mass import given_mass
 
 BOX = collision("<box><size>1 2 3</size></box>")
@@ -164,6 +164,39 @@ def test_moments_are_along_the_axes_of_the_inertial_frame(run):
     link.GetInertial().SetInertiaMatrix(2, 2, 2, 0, 0.5, 0)
     link.UpdateMass()
     assert tuple(link.GetInertial().PrincipalMoments()) == (2, 2, 2)
+
+
+def test_inertials_are_values_that_are_added_moved_and_turned_as_in_gazebo(link):
+    assert physics.Inertial(2.5).Mass() == 2.5
+    one = physics.Inertial(
+        Inertiald(MassMatrix3d(3, (1, 2, 2.5), (0.1, 0.2, 0.3)), Pose3d(0.1, 0.2, 0.3, 0.4, 0.5, 0.6))
+    )
+    other = physics.Inertial(one)
+    other.SetMass(1)
+    other.SetCoG(-0.5, 0, 1)
+    assert one.Mass() == 3
+    assert one.CoG() == Vector3d(0.1, 0.2, 0.3)
+    # What follows was printed by Gazebo 11.1.
+    both = one + other
+    assert both.Mass() == 4
+    assert tuple(both.CoG()) == pytest.approx((-0.05, 0.15, 0.475))
+    assert tuple(both.PrincipalMoments()) == pytest.approx((3.66565176401, 4.21975733152, 4.44959090447))
+    assert tuple(both.ProductsOfInertia()) == pytest.approx((-0.346554851148, 1.63086072131, 1.05180835564))
+    for offset in (Vector3d(1, 2, 3), Pose3d(1, 2, 3, 0.1, 0.2, 0.3)):
+        moved = one(offset)
+        assert tuple(moved.CoG()) == pytest.approx((-0.9, -1.8, -2.7))
+        assert moved.Pose().rot == one.Pose().rot
+        assert tuple(moved.PrincipalMoments()) == pytest.approx((40.634075882, 31.7911286658, 17.0747954522))
+        assert tuple(moved.ProductsOfInertia()) == pytest.approx((-6.12827742557, -8.34206963934, -17.5265958222))
+    one.Rotate(Quaterniond(0.3, 0.1, -0.2))
+    assert tuple(one.CoG()) == pytest.approx((0.151687954111, 0.0737454915083, 0.333994561422))
+    assert tuple(one.Pose().rot) == pytest.approx((0.902651752724, 0.290228543482, 0.267127266905, 0.172134334541))
+    assert one.IXX() == 1
+    with pytest.raises(TypeError):
+        one + 1.0
+    copied = physics.Inertial(link.GetInertial())
+    copied.SetMass(link.GetInertial().Mass() + 1)
+    assert link.GetInertial().Mass() != copied.Mass()
 
 
 def test_a_kinematic_link_is_not_moved_by_forces(link):

@@ -27,6 +27,9 @@ def test_states_hold_poses_and_motion_and_set_them(run):
     link = state.GetLinkState("link")
     assert link.Pose() == model.GetLink().WorldPose()
     assert link.Velocity().Rot().Yaw() == pytest.approx(0.5, abs=1e-6)
+    assert list(state.GetLinkStates()) == ["link"]
+    assert list(state.GetJointStates()) == ["h"]
+    assert state.NestedModelStates() == {}
     whole = WorldState(world)
     assert (whole.GetModelStateCount(), sorted(whole.GetModelStates())) == (2, ["flyer", "rock"])
     assert whole.GetModelState("rock").IsZero() is False  # gravity is a force

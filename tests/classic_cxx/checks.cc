@@ -313,6 +313,13 @@ class Checks : public ModelPlugin
     engine->SetFrictionModel("cone_model");
     engine->SetSORPGSIters(60);
     EXPECT(engine->GetFrictionModel() == "cone_model" && engine->GetSORPGSIters() == 60);
+    physics::WorldState states;  // as members of plugins are, which are loaded later
+    physics::ModelState state;
+    EXPECT(states.GetModelStateCount() == 0 && state.IsZero());
+    states.Load(this->world);
+    state.Load(this->model, common::Time(3), common::Time(2), 7);
+    EXPECT(states.GetModelStateCount() == 1 && states.GetModelState("robot").Pose() == this->model->WorldPose());
+    EXPECT(state.GetIterations() == 7 && state.GetSimTime() == common::Time(2));
     auto sensor = sensors::get_sensor("imu");
     std::vector<std::string> types;
     sensors::SensorFactory::GetSensorTypes(types);

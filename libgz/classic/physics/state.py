@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from libgz.base.errors import NotFoundError, ParameterError, WorldFileError, nearest
 from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector
@@ -66,6 +66,13 @@ class State:
         self._real = world.RealTime() if world is not None else Time()
         self._wall = Time.GetWallTime() if world is not None else Time()
         self._iterations = world.Iterations() if world is not None else 0
+
+    def _take(self, part: Link | Joint | Model | Light, times: tuple[Time | int, ...]) -> None:
+        """Take a name and the times of its world, or those that are given."""
+        State.__init__(self, part.GetName(), part.GetWorld())
+        setters: tuple[Callable[[Any], None], ...] = (self.SetRealTime, self.SetSimTime, self.SetIterations)
+        for setter, time in zip(setters, times, strict=False):
+            setter(time)
 
     def GetName(self) -> str:
         """The name."""
@@ -128,9 +135,9 @@ class State:
 class CollisionState(State):
     """The pose of a collision."""
 
-    def __init__(self, collision: Collision) -> None:
-        super().__init__(collision.GetName(), collision.GetWorld())
-        self._pose = collision.RelativePose()
+    def __init__(self, collision: Collision | None = None) -> None:
+        super().__init__(*((collision.GetName(), collision.GetWorld()) if collision else ()))
+        self._pose = collision.RelativePose() if collision else Pose3d()
 
     def Pose(self) -> Pose3d:
         """Its pose in the link [m]."""
@@ -152,8 +159,17 @@ class CollisionState(State):
 class LinkState(State):
     """Pose and motion of a link, in the world frame."""
 
-    def __init__(self, link: Link) -> None:
-        super().__init__(link.GetName(), link.GetWorld())
+    def __init__(self, link: Link | None = None, *times: Time | int) -> None:
+        super().__init__()
+        self._pose, self._linear, self._angular = GzPose(), GzVector(), GzVector()
+        self._velocity, self._acceleration, self._wrench = Pose3d(), Pose3d(), Pose3d()
+        self._collisions: list[CollisionState] = []
+        if link is not None:
+            self.Load(link, *times)
+
+    def Load(self, link: Link, *times: Time | int) -> None:
+        """Take the state of a link, and real time, sim time and iterations if they are given."""
+        self._take(link, times)
         body = link.body
         self._pose, self._linear, self._angular = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
         self._velocity = _motion(link.WorldLinearVel(), link.WorldAngularVel())
@@ -222,8 +238,15 @@ class LinkState(State):
 class JointState(State):
     """The positions of a joint."""
 
-    def __init__(self, joint: Joint) -> None:
-        super().__init__(joint.GetName(), joint.GetWorld())
+    def __init__(self, joint: Joint | None = None, *times: Time | int) -> None:
+        super().__init__()
+        self._positions: list[float] = []
+        if joint is not None:
+            self.Load(joint, *times)
+
+    def Load(self, joint: Joint, *times: Time | int) -> None:
+        """Take the state of a joint, and real time, sim time and iterations if they are given."""
+        self._take(joint, times)
         self._positions = [joint.Position(index) for index in range(joint.DOF())]
 
     def GetAngleCount(self) -> int:
@@ -262,12 +285,22 @@ class JointState(State):
 class ModelState(State):
     """Pose and motion of a model: of its links, joints and nested models."""
 
-    def __init__(self, model: Model) -> None:
-        super().__init__(model.GetName(), model.GetWorld())
+    def __init__(self, model: Model | None = None, *times: Time | int) -> None:
+        super().__init__()
+        self._pose, self._scale = Pose3d(), Vector3d(1, 1, 1)
+        self._links: list[LinkState] = []
+        self._joints: list[JointState] = []
+        self._nested: list[ModelState] = []
+        if model is not None:
+            self.Load(model, *times)
+
+    def Load(self, model: Model, *times: Time | int) -> None:
+        """Take the state of a model, and real time, sim time and iterations if they are given."""
+        self._take(model, times)
         self._pose, self._scale = model.WorldPose(), model.Scale()
-        self._links = [LinkState(link) for link in model.GetLinks()]
-        self._joints = [JointState(joint) for joint in model.GetJoints()]
-        self._nested = [ModelState(nested) for nested in model.NestedModels()]
+        self._links = [LinkState(link, *times) for link in model.GetLinks()]
+        self._joints = [JointState(joint, *times) for joint in model.GetJoints()]
+        self._nested = [ModelState(nested, *times) for nested in model.NestedModels()]
 
     def Pose(self) -> Pose3d:
         """Global pose [m]."""
@@ -367,8 +400,15 @@ class ModelState(State):
 class LightState(State):
     """The pose of a light."""
 
-    def __init__(self, light: Light) -> None:
-        super().__init__(light.GetName(), light.GetWorld())
+    def __init__(self, light: Light | None = None, *times: Time | int) -> None:
+        super().__init__()
+        self._pose = Pose3d()
+        if light is not None:
+            self.Load(light, *times)
+
+    def Load(self, light: Light, *times: Time | int) -> None:
+        """Take the state of a light, and real time, sim time and iterations if they are given."""
+        self._take(light, times)
         self._pose = light.WorldPose()
 
     def Pose(self) -> Pose3d:
@@ -389,8 +429,16 @@ class LightState(State):
 class WorldState(State):
     """Poses and motion of all models of a world, and poses of its lights, at one time."""
 
-    def __init__(self, world: World) -> None:
-        super().__init__(world.Name(), world)
+    def __init__(self, world: World | None = None) -> None:
+        super().__init__()
+        self._models: list[ModelState] = []
+        self._lights: list[LightState] = []
+        if world is not None:
+            self.Load(world)
+
+    def Load(self, world: World) -> None:
+        """Take the state of a world."""
+        State.__init__(self, world.Name(), world)
         self._models = [ModelState(model) for model in world.Models()]
         self._lights = [LightState(light) for light in world.Lights()]
 

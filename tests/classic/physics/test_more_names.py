@@ -10,6 +10,7 @@ from plugin_worlds import GROUND, HINGE, body, collision
 import libgz
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.classic import physics, sdf
+from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.physics import Base, JointState, JointWrench, LinkState, ModelState, WorldState
 
@@ -42,6 +43,24 @@ def test_states_hold_poses_and_motion_and_set_them(run):
         state.GetLinkState("lnk")
     with pytest.raises(ParameterError, match="has no axis 1"):
         state.GetJointState("h").Position(1)
+
+
+def test_states_are_empty_until_they_are_loaded(run):
+    core, world = run(body("flyer", pose="1 2 3 0 0 0", gravity="false", inside=HINGE.format(name="h")))
+    core.run(0.01)
+    model = world.ModelByName("flyer")
+    whole, state, link, joint = WorldState(), ModelState(), LinkState(), JointState()
+    assert all(empty.IsZero() for empty in (whole, state, link, joint))
+    assert (whole.GetModelStateCount(), state.GetLinkStateCount(), joint.GetAngleCount()) == (0, 0, 0)
+    whole.Load(world)
+    assert (whole.GetModelState("flyer").Pose(), whole.GetSimTime()) == (model.WorldPose(), world.SimTime())
+    state.Load(model, Time(3.0), Time(2.0), 7)
+    joint.Load(model.GetJoint("h"), Time(3.0), Time(2.0))
+    for one in (state, state.GetLinkState("link"), joint):
+        assert (one.GetRealTime(), one.GetSimTime()) == (Time(3.0), Time(2.0))
+    assert (state.GetIterations(), joint.GetIterations()) == (7, world.Iterations())
+    link.Load(model.GetLink())
+    assert (link.GetName(), link.Pose()) == ("link", model.GetLink().WorldPose())
 
 
 def test_a_link_state_is_that_of_one_link(run):

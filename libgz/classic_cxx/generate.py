@@ -253,10 +253,12 @@ def bodies(spaces: tuple[str, ...] = SPACES) -> str:
     lines.append("namespace libgz { void add_makers(Makers &makers) {")
     for one in classes().values():
         if one.space in spaces:
-            lines.append(f'  makers["{one.row.name}"] = &make<gazebo::{one.space}::{one.row.name}>;')
+            for key in (one.row.name, f"{one.space}.{one.row.name}"):  # rendering has a Light, too
+                lines.append(f'  makers["{key}"] = &make<gazebo::{one.space}::{one.row.name}>;')
     if "physics" in spaces:
         for name in ("PhysicsEngine", "SurfaceParams"):  # of which there is only ODE's kind
-            lines.append(f'  makers["{name}"] = &make<gazebo::physics::ODE{name.removesuffix("Engine")}>;')
+            for key in (name, f"physics.{name}"):
+                lines.append(f'  makers["{key}"] = &make<gazebo::physics::ODE{name.removesuffix("Engine")}>;')
     lines.append("} }")
     return "\n".join(lines) + "\n"
 

@@ -313,6 +313,8 @@ class Checks : public ModelPlugin
     engine->SetFrictionModel("cone_model");
     engine->SetSORPGSIters(60);
     EXPECT(engine->GetFrictionModel() == "cone_model" && engine->GetSORPGSIters() == 60);
+    physics::LightPtr lamp = this->world->LightByName("lamp");  // rendering has a class Light, too
+    EXPECT(lamp && this->world->Lights().front() == lamp && lamp->WorldPose().Pos().Z() == 3);
     physics::WorldState states;  // as members of plugins are, which are loaded later
     physics::ModelState state;
     EXPECT(states.GetModelStateCount() == 0 && state.IsZero());

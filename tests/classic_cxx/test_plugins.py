@@ -24,7 +24,7 @@ WORLD = """\
     <joint name="hinge" type="revolute"><parent>base</parent><child>arm</child>
       <axis><xyz>0 1 0</xyz><limit><lower>-1.5</lower><upper>1.5</upper></limit></axis></joint>
     {model}
-  </model></world></sdf>
+  </model><light name="lamp" type="point"><pose>0 0 3 0 0 0</pose></light></world></sdf>
 """
 VISUAL = '<visual name="seen"><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>'
 CHECKS = '<plugin name="checks" filename="libmodel.so"><check>{}</check><vector unit="m">1 2 3</vector></plugin>'

@@ -161,6 +161,21 @@ static PyTypeObject *handle_type()
   return type;
 }
 
+/* The package of a class of libgz.classic, before its name: "physics.Light". */
+static std::string qualified(PyTypeObject *type, const std::string &name)
+{
+  static const std::string root = "libgz.classic.";
+  PyObject *module = PyObject_GetAttrString(reinterpret_cast<PyObject *>(type), "__module__");
+  const char *text = module && PyUnicode_Check(module) ? PyUnicode_AsUTF8(module) : nullptr;
+  std::string package = text ? text : "";
+  Py_XDECREF(module);
+  PyErr_Clear();
+  if (package.compare(0, root.size(), root) != 0)
+    return name;
+  package = package.substr(root.size());
+  return package.substr(0, package.find('.')) + "." + name;
+}
+
 static Holder made(PyObject *view)
 {
   static const Makers makers = [] {
@@ -177,9 +192,11 @@ static Holder made(PyObject *view)
     PyObject *mro = type->tp_mro;
     for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(mro) && maker == makers.end(); ++i)
     {
-      const char *name = reinterpret_cast<PyTypeObject *>(PyTuple_GET_ITEM(mro, i))->tp_name;
-      const char *dot = std::strrchr(name, '.');
-      maker = makers.find(dot ? dot + 1 : name);
+      PyTypeObject *one = reinterpret_cast<PyTypeObject *>(PyTuple_GET_ITEM(mro, i));
+      const char *dot = std::strrchr(one->tp_name, '.');
+      const std::string name = dot ? dot + 1 : one->tp_name;
+      maker = makers.find(qualified(one, name));
+      maker = maker == makers.end() ? makers.find(name) : maker;
     }
     found = known.emplace(type, maker).first;
     Py_INCREF(type);

@@ -13,7 +13,7 @@ from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint_record import AxisRecord
 
-__all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "lost_link", "read_joint"]
+__all__ = ["IN_MODEL", "UNLIMITED", "Axis", "FindLink", "JointPlan", "lost_link", "read_joint"]
 
 UNLIMITED = 1e16  # limits of this size and above mean none
 HALF_TURN = 3.0  # [rad], a little less than pi: stops yield

@@ -14,7 +14,7 @@ from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
 from libgz.physics.check import finite
-from libgz.sdfworld.axis import Axis
+from libgz.sdfworld.axis import IN_MODEL, Axis
 from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
@@ -316,8 +316,13 @@ class Joint(Base):
         return Vector3d(*(self.core.local_axis(self._number(index)) if self.core.axes else GzVector()))
 
     def SetAxis(self, index: int, axis: VectorLike) -> None:
-        """Set an axis, in the world frame."""
-        self.core.set_axis(index, axis)
+        """Set an axis, in the joint's frame; of ``revolute2`` and ``screw``, as in Gazebo, in the parent's model."""
+        parent = self.GetParent()
+        if self.core.kind not in IN_MODEL:
+            frame = self.WorldPose().Rot()
+        else:
+            frame = parent.GetModel().WorldPose().Rot() if parent is not None else Quaterniond()
+        self.core.set_axis(index, frame.RotateVector(Vector3d(*axis)))
 
     GetAnchor, GetGlobalAxis, GetLocalAxis = Anchor, GlobalAxis, LocalAxis
 

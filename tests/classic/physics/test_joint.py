@@ -1,5 +1,7 @@
 """Joint: links, axes, motion and controllers of joints that are made and changed at run time."""
 
+import math
+
 import pytest
 from plugin_worlds import GROUND, body, collision
 
@@ -134,6 +136,19 @@ def test_joints_with_two_axes_are_made_at_run_time(run, kind):
     made.SetVelocity(1, 0.5)
     core.step(1)
     assert [made.GetVelocity(i) for i in (0, 1)] == pytest.approx([0.0, 0.5], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis"),
+    [("revolute", (0, 1, 0)), ("prismatic", (0, 1, 0)), ("screw", (-1, 0, 0)), ("revolute2", (-1, 0, 0))],
+)
+def test_an_axis_is_set_in_the_frame_of_the_joint_or_of_the_parents_model(run, kind, axis):
+    quarter = math.pi / 2
+    _, view = run(body("a", f"0 0 1 0 0 {2 * quarter}"), body("b", f"0 0 2 0 0 {quarter}"))
+    made = view.Physics().CreateJoint(kind, view.ModelByName("a"))
+    made.Load(view.ModelByName("a").GetLink(), view.ModelByName("b").GetLink(), Pose3d())
+    made.SetAxis(0, (1, 0, 0))
+    assert made.GlobalAxis(0).Equal(Vector3d(*axis), 1e-9)
 
 
 def test_a_joint_that_cannot_be_attached_is_detached(run):

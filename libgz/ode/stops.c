@@ -25,13 +25,16 @@ static void set_erp(const far_stop *s, double erp)
         dJointSetHingeParam(s->joint, STOP_ERP, erp);
 }
 
-/* The way to the stop that a joint is beyond [rad] or [m]: positive to the lower one, negative to the upper one. */
+/* The way to the stop that a joint is beyond [rad] or [m]: positive to the lower one, negative to the upper one. ODE turns
+ * the angles of hinges whose first body is the world, and not their stops. */
 static double way_back(void *joint, int slides)
 {
     double low = stop_number(joint, slides, LOW_STOP), high = stop_number(joint, slides, HIGH_STOP), at;
     if (!(low < high) || (isinf(low) && isinf(high)))
         return 0.0;
     at = slides ? dJointGetSliderPosition(joint) : dJointGetHingeAngle(joint);
+    if (!slides && !dJointGetBody(joint, 0))
+        at = -at;
     return at < low ? low - at : at > high ? high - at : 0.0;
 }
 

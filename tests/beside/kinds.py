@@ -167,6 +167,14 @@ FAR = {
         ),
         tolerance=1e-6,
     ),
+    "hinge of the world on a link, far beyond its stop": near(
+        rolling(
+            "m",
+            link("b", "0 0 2 0 0 0")
+            + hinged("j", "revolute", "b", "world", axis("0 0 1", between(-3, -0.84), damped(0.01))),
+        ),
+        tolerance=1e-6,
+    ),
     "slider far beyond its stop": near(
         rolling(
             "m",

@@ -355,6 +355,7 @@ typedef struct {
     int rigid;   /* 1: the springs stand for rigid surfaces */
     const double *aim; /* direction in which mu applies, in the frame of a geom; NULL: none */
     void *aiming;
+    double damper;   /* softness of the damper of what is rigid [s/kg] */
     double erp, cfm; /* of a point whose springs are no rigid surface, without max_vel; else 1 and 0 */
 } touching;
 

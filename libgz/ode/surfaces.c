@@ -364,7 +364,7 @@ void make_rigid(const context *c, touching *t, surface_parameters *s)
     if (s->mode & BOUNCE && !calm)
         return;
     t->rigid = 1;
-    t->cfm = larger(s->soft_cfm, REST_CFM / mass);
+    t->damper = larger(s->soft_cfm, REST_CFM / mass);
     if (s->soft_erp > REST_ERP && calm) {
         s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
         s->soft_erp = REST_ERP;
@@ -427,7 +427,7 @@ static void set_depth(const context *c, touching *t, double found, contact *poin
     }
     point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
     if (point->geom.depth == 0.0 && t->min_depth > 0.0 && t->rigid)
-        s->soft_cfm = t->cfm; /* the damper alone acts, and the body sinks */
+        s->soft_cfm = t->damper; /* it alone acts, and the body sinks */
     if (point->geom.depth > 0.0)
         limit_speed(c, t, s, point->geom.depth);
     else if (found < t->kept && !(s->mode & BOUNCE)) {

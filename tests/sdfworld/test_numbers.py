@@ -359,6 +359,25 @@ def test_push_out_of_a_pair_goes_by_the_smaller_limits(load, other):
         assert found == pytest.approx(speed, rel=1e-3, abs=1e-9)
 
 
+def test_a_point_within_min_depth_sinks_beside_one_that_is_set_apart(load):
+    """The ends of a slanted capsule, which are one pair of shapes, move as spheres in their places, which are two."""
+    springs = "<contact><ode><kp>1e6</kp><kd>1</kd><min_depth>.01</min_depth></ode></contact>"
+    slope = math.asin(0.015 / 0.3)
+    ends = "".join(
+        collision("<sphere><radius>.1</radius></sphere>", springs, name, f"0 0 {z} 0 0 0")
+        for name, z in (("a", -0.15), ("b", 0.15))
+    )
+    capsule = collision("<capsule><radius>.1</radius><length>.3</length></capsule>", springs)
+    bodies = [
+        model(name, link("link", inertial(1.0, (0.04,) * 3), shapes), pose=f"0 {y} .0875 0 {math.pi / 2 + slope} 0")
+        for y, (name, shapes) in enumerate((("capsule", capsule), ("spheres", ends)))
+    ]
+    made = load(world(GROUND, *bodies))
+    made.step()
+    one, two = (made.body(name).GetAngularVel().y for name in ("capsule", "spheres"))
+    assert one == pytest.approx(two, rel=1e-3)
+
+
 def test_things_fall_asleep_and_wake(load):
     box = link("link", collision("box"))
     made = load(

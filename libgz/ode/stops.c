@@ -11,6 +11,7 @@
 #include <string.h>
 
 enum { LOW_STOP = 0, HIGH_STOP = 1, STOP_ERP = 9 }; /* dParamLoStop, dParamHiStop, dParamStopERP */
+#define SLIGHT 1e-9 /* [m/s] or [rad/s], up to which joints need no second solution: what rests on its stop has none */
 
 static double stop_number(void *joint, int slides, int number)
 {
@@ -58,7 +59,7 @@ static int64_t find_far_stops(context *c)
         if (way == 0.0)
             continue;
         erp = stop_number(joint, slides, STOP_ERP);
-        if (!(erp * fabs(way) > fastest * c->step))
+        if (!(erp * fabs(way) > larger(fastest, SLIGHT) * c->step))
             continue;
         grown = enlarged(w->stops, &w->stop_capacity, w->stop_count + 1, sizeof *grown);
         if (!grown)

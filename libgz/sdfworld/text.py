@@ -45,12 +45,16 @@ class SdfText:
         parser = xml_parser(recover=True)  # prefixes need no xmlns, as in Gazebo
         try:
             self.root = etree.fromstring(source, parser)
-            self._spans = element_spans(source)
-        except (etree.XMLSyntaxError, expat.ExpatError) as error:
+            slips = [
+                (entry.line, entry.message)
+                for entry in parser.error_log
+                if entry.level > etree.ErrorLevels.WARNING and entry.type_name != "NS_ERR_UNDEFINED_NAMESPACE"
+            ]
+            self._spans = [] if slips else element_spans(source)
+        except etree.XMLSyntaxError as error:
+            slips = [(error.lineno, error.msg)]
+        except expat.ExpatError as error:
             slips = [(error.lineno, str(error))]
-        else:
-            log = parser.error_log
-            slips = [(entry.line, entry.message) for entry in log if entry.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
         if slips:
             line, message = slips[0]
             raise WorldFileError(f"{label}:{line or 1}: {message}; a file with this cannot be edited")

@@ -538,13 +538,14 @@ def test_the_file_of_a_model_is_edited_too(including, tmp_path):
     assert path.read_text() == MODEL.format(version="1.6", axis="").replace("<mass>3<", "<mass>7<")
 
 
-def test_a_file_that_has_prefixes_without_xmlns_is_edited(tmp_path):
+@pytest.mark.parametrize("more", ["<old:more/>", "<more xmlns='relative'/>", "<more xml:space='some'/>"])
+def test_a_file_that_has_prefixes_without_xmlns_or_slight_slips_is_edited(more, tmp_path):
     path = tmp_path / "my.world"
-    path.write_text(SDF.replace("<!-- above -->", "<old:more/>"))
+    path.write_text(SDF.replace("<!-- above -->", more))
     with libgz.World.from_file(path) as world:
         Asker(world)("edit", name="box", key="pose", value=[1, 1, 3, 0, 0, 1])
         Asker(world)("write")
-    assert "<pose>1 1 3 0 0 1</pose>  <old:more/>" in path.read_text()
+    assert f"<pose>1 1 3 0 0 1</pose>  {more}" in path.read_text()
 
 
 def test_worldfiles_include_nothing(ask, box):

@@ -9,6 +9,7 @@ from libgz.base.errors import NotFoundError, ParameterError
 from libgz.base.geometry import GzCoordPoseSub, GzVector
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
+from libgz.sdfworld.axis import Axis
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.joint_table import JointTable
 from libgz.simulation.world import World
@@ -29,7 +30,7 @@ class Holder(Protocol):
     def find_link(self, name: str) -> Body:
         """A link by name."""
 
-    def make_joint(self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: GzVector) -> SdfJoint:
+    def make_joint(self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: Axis) -> SdfJoint:
         """Join two links as they stand now."""
 
     def remove_joint(self, name: str) -> bool:

@@ -571,8 +571,8 @@ class SdfJoint:
         held = self.attached
         directions = [new.get(i) or self.axis(i) for i in range(len(self.axes))]
         self.detach()
-        for axis, direction in zip(self.axes, directions, strict=True):
-            axis.direction = direction
+        for index, (axis, direction) in enumerate(zip(self.axes, directions, strict=True)):
+            axis.direction, axis.given = direction, axis.given or index in new
         if not held:
             self._place(frame)
             return

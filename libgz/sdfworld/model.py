@@ -391,14 +391,24 @@ class SdfModel(Entity):
         """
         return self._take_joint(read_joint(element, self.find_link, self.GetPose(), self.diagnostics.warn))
 
-    def make_joint(self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: GzVector) -> SdfJoint:
-        """Join two links as they stand now; None is the world. The joint's frame is the child's, axes are global.
+    def make_joint(
+        self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: Axis, pitch: float = 1.0
+    ) -> SdfJoint:
+        """Join two links as they stand now; None is the world. The joint's frame is turned as the child's.
+
+        It lies in the child's centre of mass, of a `revolute2` in the parent's, where ODE has it at first; of a `fixed`
+        joint in the child's origin.
 
         Raises:
             ParameterError: the name is taken, the kind unknown, or the model static.
         """
-        frame = (child or parent).GetPose() if child or parent else GzPose()  # type: ignore[union-attr]
-        plan = JointPlan(name, kind, parent, child, frame, [Axis(GzVector(*axis)) for axis in axes])
+        ends = [body for body in (child, parent) if body is not None]
+        frame = GzPose()
+        if ends and kind == "fixed":
+            frame = ends[0].GetPose()
+        elif ends:
+            frame = GzPose(ends[-1 if kind == "revolute2" else 0].GetCoMPose().pos, ends[0].GetPose().rot)
+        plan = JointPlan(name, kind, parent, child, frame, list(axes), pitch)
         joint = self._take_joint(plan)
         if joint is None:
             raise ParameterError(f"model {self.GetId()!r} is static; its links cannot be joined")

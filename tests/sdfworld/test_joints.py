@@ -8,6 +8,7 @@ from sdf_worlds import inertial, joint, link, model, place, two_links, world
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzQuaternToEuler, GzVector
 from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.axis import Axis
 
 
 def test_joints_to_other_models_and_in_the_world(load, caplog):
@@ -35,7 +36,7 @@ def test_a_joint_made_taken_away_and_made_again(load):
     made = load(world(two_links(), gravity="0 0 0"))
     whole = made.model("m")
     a, b = whole.GetBody("a"), whole.GetBody("b")
-    hinge = whole.make_joint("j", "revolute", a, b, GzVector(0, 0, 1))
+    hinge = whole.make_joint("j", "revolute", a, b, Axis(GzVector(0, 0, 1)))
     with pytest.raises(ParameterError, match="has a joint 'j' already"):
         whole.make_joint("j", "fixed", a, b)
     b.SetLinearVel((0, 0, 1))

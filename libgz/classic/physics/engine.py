@@ -7,14 +7,14 @@ import logging
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from libgz.base.errors import ParameterError, nearest
-from libgz.base.geometry import GzPose, GzVector, VectorLike
+from libgz.base.geometry import GzPose, VectorLike
 from libgz.classic.math import Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact_manager import ContactManager
-from libgz.classic.physics.joint import Joint, first_axes
+from libgz.classic.physics.joint import FIRST_PITCH, Joint, first_axes
 from libgz.physics.check import finite, not_negative
-from libgz.sdfworld.axis import Axis, JointPlan
+from libgz.sdfworld.axis import JointPlan
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.physics import PHYSICS
 from libgz.sdfworld.world import SdfWorld
@@ -278,11 +278,10 @@ class PhysicsEngine:
     def CreateJoint(self, type: str, parent: Model | None = None) -> Joint:
         """A new joint of a type, which acts from `Load(parent link, child link, pose)` on.
 
-        Its axes are z and, for a second axis, x, until SetAxis changes them.
+        Its axes are those of ``Model.CreateJoint`` until SetAxis changes them.
         """
         name = f"joint_{next(_numbers)}"
-        axes = [Axis(GzVector(*axis)) for axis in first_axes(type)]
-        plan = JointPlan(name, type, None, None, GzPose(), axes)
+        plan = JointPlan(name, type, None, None, GzPose(), first_axes(type), pitch=FIRST_PITCH)
         core = SdfJoint(self.engine, plan)
         joint = view_of(core, lambda: Joint(self._world, None, core))
         if parent is not None:

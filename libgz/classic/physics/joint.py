@@ -24,17 +24,22 @@ if TYPE_CHECKING:
     from libgz.sdfworld.joint import SdfJoint
     from libgz.simulation.event import Connection
 
-__all__ = ["Joint", "first_axes"]
+__all__ = ["FIRST_PITCH", "Joint", "first_axes"]
 
 
-def first_axes(kind: str) -> list[GzVector]:
-    """The default axes of a joint of a kind, in the world frame: z, and x for a second axis.
+# Of a screw that is made at run time, as in Gazebo, where only the elements of a file set one.
+FIRST_PITCH = -1.0
 
-    Both axes of a gearbox are z.
+
+def first_axes(kind: str) -> list[Axis]:
+    """The axes of a joint of a kind that is made at run time, until they are set: ODE's, as in Gazebo.
+
+    The axis is x of the child; those of a universal joint are y of the parent and x of the child, of a `revolute2` x of
+    the parent and y of the child. Both axes of a gearbox are z of the world, for Gazebo's are not defined.
     """
-    z, x = GzVector(0.0, 0.0, 1.0), GzVector(1.0, 0.0, 0.0)
-    pairs = {"ball": [], "fixed": [], "universal": [z, x], "revolute2": [z, x], "gearbox": [z, z]}
-    return pairs.get(kind, [z])
+    x, y, z = GzVector(1.0, 0.0, 0.0), GzVector(0.0, 1.0, 0.0), GzVector(0.0, 0.0, 1.0)
+    pairs = {"ball": [], "fixed": [], "universal": [y, x], "revolute2": [x, y], "gearbox": [z, z]}
+    return [Axis(axis, given=kind == "gearbox") for axis in pairs.get(kind, [x])]
 
 
 # The kinds by their numbers in msgs.Joint.Type, which begin with 1.
@@ -62,6 +67,13 @@ class Joint(Base):
     def __init__(self, world: World, model: Model | None, core: SdfJoint) -> None:
         super().__init__(world, core.name, model, core.plan.element)
         self.core = core
+        self.anchored = True  # whether its anchor has been set
+
+    def Init(self) -> None:
+        """Move the anchor of a joint that `Model.CreateJoint` made by name to the child's origin, unless it was set."""
+        link = self.GetChild() or self.GetParent()
+        if not self.anchored and link is not None:
+            self.SetAnchor(0, link.WorldPose().Pos())
 
     def GetType(self) -> int:
         """The bit mask of its types: Base.JOINT, and its kind such as Base.HINGE_JOINT."""
@@ -306,6 +318,7 @@ class Joint(Base):
     def SetAnchor(self, index: int, anchor: VectorLike) -> None:
         """Set the anchor [m], in the world frame."""
         self.core.set_anchor(anchor)
+        self.anchored = True
 
     def GlobalAxis(self, index: int) -> Vector3d:
         """An axis, in the world frame."""

@@ -13,7 +13,7 @@ from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
 from libgz.classic.names import takes_names
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.gripper import Gripper
-from libgz.classic.physics.joint import Joint, first_axes
+from libgz.classic.physics.joint import FIRST_PITCH, Joint, first_axes
 from libgz.classic.physics.link import Link
 from libgz.physics.geom import Geom
 from libgz.sdfworld.joint import SdfJoint
@@ -282,7 +282,11 @@ class Model(Entity):
     ) -> Joint | None:
         """Add a joint from a `<joint>` element, or by name, kind, parent and child; None if the name is taken.
 
-        By name, its frame is the child's, and its axes are the world's z and, for a second axis, x.
+        By name, anchor and axes are ODE's, as in Gazebo, until SetAnchor and SetAxis change them, or Init moves the
+        anchor to the child's origin. The anchor is the child's centre of mass, of ``revolute2`` the parent's, of
+        ``fixed`` the child's origin. The axis is x of the child; axes of ``universal`` are y of the parent and x of the
+        child, of ``revolute2`` x of the parent and y of the child, of ``gearbox`` z of the world. The thread_pitch of
+        a ``screw`` is -1.
         """
         core, text = self.core, name if isinstance(name, str) else name.Get(str, "name")
         if not isinstance(core, SdfModel) or text in core.sdf_joints:
@@ -291,10 +295,11 @@ class Model(Entity):
             made = core.add_joint(name)
         else:
             ends = [link.body if link is not None else None for link in (parent, child)]
-            made = core.make_joint(text, kind, ends[0], ends[1], *first_axes(kind))
+            made = core.make_joint(text, kind, ends[0], ends[1], *first_axes(kind), pitch=FIRST_PITCH)
         if made is None:
             return None
         joint = self.joint(made)
+        joint.anchored = not isinstance(name, str)
         self._world.server.joint_added(joint)
         return joint
 

@@ -402,6 +402,7 @@ class SdfFile:
         """
         for holder in (*self.root.find("world"), *self.root.find("link")):
             first: dict[tuple[str, str], Element] = {}
+            built = []
             for element in holder.children:
                 name = element.Get(str, "name") if element.name in UNIQUE else ""
                 before = first.setdefault((element.name, name), element)
@@ -411,7 +412,10 @@ class SdfFile:
                     message = f"{name!r} is the name of another <{element.name}>, at {before.where}; {end}"
                     self.diagnostics.warn(element, message)
                     if left:
-                        holder.RemoveChild(element)
+                        element.parent = None
+                        continue
+                built.append(element)
+            holder.children = built
         for model in self.root.find("model"):
             self._rename_parts(model)
 

@@ -238,18 +238,21 @@ def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., in
             except KeyboardInterrupt:
                 return INTERRUPTED
             except BrokenPipeError:  # the reader has closed the pipe, such as `| head`
-                _discard_output()
+                _discard_unwritten(sys.stdout)
                 return NO_READER
             except MemoryError:
-                print(f"{name}: there is not enough memory", file=sys.stderr)
+                with contextlib.suppress(OSError):
+                    print(f"{name}: there is not enough memory", file=sys.stderr)
                 return failed
             except OSError as error:
-                _discard_output()
+                _discard_unwritten(sys.stdout)
                 with contextlib.suppress(OSError):
                     where = error.filename or ("its output" if error.errno in DISK_FULL else None)
                     text = f"{name}: {where}: {error.strerror}" if where else f"{name}: {error}"
                     print(visible(text), file=sys.stderr)
                 return failed
+            finally:
+                _discard_unwritten(sys.stderr)  # of which nobody can be told
 
         return command
 
@@ -269,14 +272,14 @@ def _open_streams() -> None:
         sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115 - for the rest of the process
 
 
-def _discard_output() -> None:
-    """Discard buffered output that cannot be written; it would fail again when Python exits."""
+def _discard_unwritten(stream: TextIO) -> None:
+    """Discard buffered output that cannot be written; it would fail again when Python exits, with the code 120."""
     try:
-        sys.stdout.flush()
+        stream.flush()
     except (OSError, ValueError):
         with contextlib.suppress(OSError, ValueError):
             nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, sys.stdout.fileno())
+            os.dup2(nowhere, stream.fileno())
             os.close(nowhere)
 
 

@@ -306,6 +306,11 @@ class Checks : public ModelPlugin
     surface->collideWithoutContactBitmask |= 4u;
     EXPECT(surface->collideWithoutContactBitmask & 4u);
     EXPECT(surface->slip1 == 0.5 && surface->FrictionPyramid()->MuPrimary() > 0);
+    boost::weak_ptr<physics::ODESurfaceParams> weak_surface(surface);  // as WheelSlipPlugin has
+    boost::weak_ptr<physics::Shape> weak_shape(link->GetCollision("shape")->GetShape());
+    boost::weak_ptr<physics::FrictionPyramid> weak_friction(surface->FrictionPyramid());
+    surface.reset();
+    EXPECT(weak_surface.lock() && weak_surface.lock()->slip1 == 0.5 && weak_shape.lock() && weak_friction.lock());
     const auto &paths = common::SystemPaths::Instance()->GetPluginPaths();
     EXPECT(&paths == &common::SystemPaths::Instance()->GetPluginPaths() && paths.begin() != paths.end());
     auto engine = boost::dynamic_pointer_cast<physics::ODEPhysics>(this->world->Physics());

@@ -127,6 +127,7 @@ class SurfaceParams:
 
     def __init__(self, geom: Geom) -> None:
         object.__setattr__(self, "_geom", geom)
+        object.__setattr__(self, "_friction", FrictionPyramid(geom))
 
     def __getattr__(self, name: str) -> Any:
         if name not in self._COLUMNS:
@@ -145,7 +146,7 @@ class SurfaceParams:
 
     def FrictionPyramid(self) -> FrictionPyramid:
         """The friction coefficients."""
-        return FrictionPyramid(self._geom)
+        return self._friction  # type: ignore[no-any-return]
 
     GetFrictionPyramid = FrictionPyramid
 
@@ -164,6 +165,10 @@ class Collision(Entity):
         self.link, self.geom = link, geom
         self._sdf = link.model.geom_sdf(geom)
         self._bits = geom.surface(Surface.BITS)
+        self._shape, self._surface = (
+            shape_of(geom, self._sdf),
+            SurfaceParams(geom),
+        )  # plugins keep weak pointers to them
 
     def pose(self) -> GzPose:
         """Global pose [m]."""
@@ -224,7 +229,7 @@ class Collision(Entity):
 
     def GetShape(self) -> Shape:
         """Its shape."""
-        return shape_of(self.geom, self._sdf)
+        return self._shape
 
     def GetShapeType(self) -> int:
         """The bit mask of its shape's types; see Shape.HasType."""
@@ -232,7 +237,7 @@ class Collision(Entity):
 
     def GetSurface(self) -> SurfaceParams:
         """The contact parameters."""
-        return SurfaceParams(self.geom)
+        return self._surface
 
     def BoundingBox(self) -> AxisAlignedBox:
         """Its axis-aligned bounding box [m], in the world frame; around the box of a cylinder, as in Gazebo."""

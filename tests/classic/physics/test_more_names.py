@@ -190,6 +190,14 @@ def test_shapes_have_types_and_sizes(run, tmp_path):
     assert land.GetHeight(3, 2) == land.GetHeight(-1, 1) == land.GetHeight(1, -1) == 0.0
 
 
+def test_a_collision_keeps_its_surface_and_shape(run):
+    _, world = run(body("box", link=collision(BOX)))
+    kept = world.ModelByName("box").GetLink().GetCollision("c")
+    assert kept.GetSurface() is kept.GetSurface()  # a weak pointer of C++ to one lasts
+    assert kept.GetSurface().FrictionPyramid() is kept.GetSurface().FrictionPyramid()
+    assert kept.GetShape() is kept.GetShape()
+
+
 def test_contacts_without_collision_have_a_bitmask_of_their_own(run):
     core, world = run(body("ghost", pose="0 0 0.5 0 0 0", link=collision(BOX)), GROUND)
     surface = world.ModelByName("ghost").GetLink().GetCollision("c").GetSurface()

@@ -163,12 +163,20 @@ class Model(Entity):
             link.ResetPhysicsStates()
 
     def Reset(self, resetType: int = 0) -> None:
-        """Restore the initial poses at rest, and reset joints, controllers, batteries and plugins."""
-        self.core.restore()
-        self.after_reset()
+        """Return it to its initial pose at rest, and reset controllers, batteries and plugins.
 
-    def after_reset(self) -> None:
-        """Reset joints, controller, batteries and plugins; called after the poses were restored."""
+        As in Gazebo its links keep their places in it, and its joints their positions; `World.Reset` restores those.
+        """
+        self.SetRelativePose(self.InitialRelativePose())
+        self.ResetPhysicsStates()
+        self._reset_parts()
+
+    def restore(self) -> None:
+        """Reset it, with all links, also those of nested models, where they were at the beginning."""
+        self.core.restore()
+        self._reset_parts()
+
+    def _reset_parts(self) -> None:
         for joint in self.GetJoints():
             joint.Reset()
         self._world.server.activity.reset_model(self)

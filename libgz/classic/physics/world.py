@@ -195,10 +195,16 @@ class World(Base):
         self.core.events["TimeReset"]()
 
     def ResetEntities(self, type: int = Base.BASE) -> None:
-        """Reset the entities of a type: Base.MODEL, Base.LIGHT, Base.ENTITY or Base.BASE; other types are not reset."""
-        if type in (Base.BASE, Base.ENTITY, Base.MODEL):
-            for model in self.Models():
+        """Reset the entities of a type: Base.MODEL, Base.LIGHT, Base.ENTITY or Base.BASE; other types are not reset.
+
+        As in Gazebo, Base.MODEL resets models alone: their links and joints stay as they are in them.
+        """
+        if type == Base.MODEL:
+            for model in self.all_models():
                 model.Reset()
+        if type in (Base.BASE, Base.ENTITY):
+            for model in self.Models():
+                model.restore()
         if type in (Base.BASE, Base.ENTITY, Base.LIGHT):
             for light in self.Lights():
                 light.SetWorldPose(light.InitialRelativePose())

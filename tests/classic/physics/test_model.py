@@ -5,6 +5,7 @@ from plugin_worlds import body
 
 from libgz.base.errors import ClosedError, ParameterError
 from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.physics import Base
 
 INNER = "<model name='inner'><pose>0 0 1 0 0 0</pose><link name='tip'/></model>"
 FIXED = "<joint name='hook' type='fixed'><parent>link</parent><child>inner::tip</child></joint>"
@@ -73,6 +74,33 @@ def test_a_reset_restores_the_initial_pose(model):
     assert tuple(model.WorldPose().Pos()) == pytest.approx((0, 7, 0))
     assert tuple(model.NestedModel("inner").InitialRelativePose().Pos()) == pytest.approx((0, 0, 1))
     assert model.WorldLinearVel() == Vector3d()
+
+
+TIP = (
+    "<link name='tip'><pose>0 0 1 0 0 0</pose></link><joint name='swing' type='revolute'><parent>link</parent>"
+    "<child>tip</child><axis><xyz>1 0 0</xyz></axis></joint>"
+)
+RESETS = {
+    "model": (lambda view: view.ModelByName("arm").Reset(), 0.5),
+    "all models": (lambda view: view.ResetEntities(Base.MODEL), 0.5),
+    "everything": (lambda view: view.ResetEntities(), 0.0),
+}
+
+
+@pytest.mark.parametrize("how", RESETS)
+def test_joints_keep_their_positions_where_models_alone_are_reset(run, how):
+    reset, angle = RESETS[how]
+    _, view = run(body("arm", pose="1 0 2 0 0 0.3", gravity="false", inside=TIP))
+    arm = view.ModelByName("arm")
+    swing, tip = arm.GetJoint("swing"), arm.GetLink("tip")
+    swing.SetPosition(0, 0.5)
+    arm.SetWorldPose(Pose3d(3, 2, 5, 0, 0, 1))
+    arm.SetLinearVel((1, 2, 3))
+    reset(view)
+    assert tuple(arm.WorldPose().Pos()) == pytest.approx((1, 0, 2))
+    assert swing.Position(0) == pytest.approx(angle, abs=1e-9)
+    assert tip.RelativePose().Rot().Roll() == pytest.approx(angle, abs=1e-9)
+    assert tip.WorldLinearVel() == arm.WorldLinearVel() == Vector3d()
 
 
 def test_an_attached_model_moves_with_the_other(run):

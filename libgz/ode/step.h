@@ -150,6 +150,8 @@ typedef struct {
     X(void, dJointSetHingeParam, (void *, int, double))                         \
     X(double, dJointGetSliderParam, (void *, int))                              \
     X(void, dJointSetSliderParam, (void *, int, double))                        \
+    X(double, dJointGetUniversalParam, (void *, int))                           \
+    X(void, dJointSetUniversalParam, (void *, int, double))                     \
     X(double, dJointGetSliderPosition, (void *))                                \
     X(double, dJointGetSliderPositionRate, (void *))                            \
     X(double, dJointGetHinge2Angle1, (void *))                                  \
@@ -388,7 +390,8 @@ typedef struct {
 /* A joint that is far beyond a stop; see stops.c. */
 typedef struct {
     void *joint;
-    int slides; /* else it turns */
+    int64_t type; /* JOINT_HINGE, JOINT_SLIDER or JOINT_UNIVERSAL */
+    int axis;     /* SECOND of a universal joint, or 0 */
     double erp;  /* of its stops */
     double slow; /* with which they send it back at the largest speed, or at none */
 } far_stop;

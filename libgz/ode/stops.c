@@ -11,35 +11,66 @@
 #include <string.h>
 
 enum { LOW_STOP = 0, HIGH_STOP = 1, STOP_ERP = 9 }; /* dParamLoStop, dParamHiStop, dParamStopERP */
+enum { SECOND = 0x100 };                            /* dParamGroup2 */
 #define SLIGHT 1e-9 /* [m/s] or [rad/s], up to which joints need no second solution: what rests on its stop has none */
 
-static double stop_number(void *joint, int slides, int number)
+static double stop_number(void *joint, int64_t type, int number)
 {
-    return slides ? dJointGetSliderParam(joint, number) : dJointGetHingeParam(joint, number);
+    if (type == JOINT_SLIDER)
+        return dJointGetSliderParam(joint, number);
+    return type == JOINT_HINGE ? dJointGetHingeParam(joint, number) : dJointGetUniversalParam(joint, number);
 }
 
 static void set_erp(const far_stop *s, double erp)
 {
-    if (s->slides)
+    if (s->type == JOINT_SLIDER)
         dJointSetSliderParam(s->joint, STOP_ERP, erp);
-    else
+    else if (s->type == JOINT_HINGE)
         dJointSetHingeParam(s->joint, STOP_ERP, erp);
+    else
+        dJointSetUniversalParam(s->joint, s->axis + STOP_ERP, erp);
 }
 
-/* The way to the stop that a joint is beyond [rad] or [m]: positive to the lower one, negative to the upper one. ODE turns
- * the angles of hinges whose first body is the world, and not their stops. */
-static double way_back(void *joint, int slides)
+/* Where a joint is, as its stops count it. ODE turns the angles of hinges whose first body is the world, and not their
+ * stops. */
+static double place_of(void *joint, int64_t type, int axis)
 {
-    double low = stop_number(joint, slides, LOW_STOP), high = stop_number(joint, slides, HIGH_STOP), at;
+    if (type == JOINT_SLIDER)
+        return dJointGetSliderPosition(joint);
+    if (type == JOINT_UNIVERSAL)
+        return axis ? dJointGetUniversalAngle2(joint) : dJointGetUniversalAngle1(joint);
+    return dJointGetBody(joint, 0) ? dJointGetHingeAngle(joint) : -dJointGetHingeAngle(joint);
+}
+
+/* The way to the stop that a joint is beyond [rad] or [m]: positive to the lower one, negative to the upper one. */
+static double way_back(void *joint, int64_t type, int axis)
+{
+    double low = stop_number(joint, type, axis + LOW_STOP), high = stop_number(joint, type, axis + HIGH_STOP), at;
     if (!(low < high) || (isinf(low) && isinf(high)))
         return 0.0;
-    at = slides ? dJointGetSliderPosition(joint) : dJointGetHingeAngle(joint);
-    if (!slides && !dJointGetBody(joint, 0))
-        at = -at;
+    at = place_of(joint, type, axis);
     return at < low ? low - at : at > high ? high - at : 0.0;
 }
 
-/* Find the joints that would be sent back too fast; without memory, none. */
+/* Note an axis that would be sent back too fast. Without memory it is not noted. */
+static void note_far_stop(context *c, void *joint, int64_t type, int axis, double fastest)
+{
+    struct workspace *w = c->work;
+    double way = way_back(joint, type, axis), erp;
+    far_stop *grown;
+    if (way == 0.0)
+        return;
+    erp = stop_number(joint, type, axis + STOP_ERP);
+    if (!(erp * fabs(way) > larger(fastest, SLIGHT) * c->step))
+        return;
+    grown = enlarged(w->stops, &w->stop_capacity, w->stop_count + 1, sizeof *grown);
+    if (!grown)
+        return;
+    w->stops = grown;
+    w->stops[w->stop_count++] = (far_stop){joint, type, axis, erp, larger(0.0, fastest * c->step / way)};
+}
+
+/* Find the joints that would be sent back too fast. Universal joints whose first body is the world are left to ODE. */
 static int64_t find_far_stops(context *c)
 {
     struct workspace *w = c->work;
@@ -50,22 +81,14 @@ static int64_t find_far_stops(context *c)
         return 0;
     for (i = 0; i < c->joint_count; i++) {
         void *joint = c->joints[i];
-        int slides = c->joint_types[i] == JOINT_SLIDER;
-        far_stop *grown;
-        double way, erp;
-        if (!joint || !(slides || c->joint_types[i] == JOINT_HINGE))
+        int64_t type = c->joint_types[i];
+        int two = type == JOINT_UNIVERSAL;
+        if (!joint || (two && !dJointGetBody(joint, 0)))
             continue;
-        way = way_back(joint, slides);
-        if (way == 0.0)
-            continue;
-        erp = stop_number(joint, slides, STOP_ERP);
-        if (!(erp * fabs(way) > larger(fastest, SLIGHT) * c->step))
-            continue;
-        grown = enlarged(w->stops, &w->stop_capacity, w->stop_count + 1, sizeof *grown);
-        if (!grown)
-            return w->stop_count;
-        w->stops = grown;
-        w->stops[w->stop_count++] = (far_stop){joint, slides, erp, larger(0.0, fastest * c->step / way)};
+        if (two || type == JOINT_SLIDER || type == JOINT_HINGE)
+            note_far_stop(c, joint, type, 0, fastest);
+        if (two)
+            note_far_stop(c, joint, type, SECOND, fastest);
     }
     return w->stop_count;
 }

@@ -175,6 +175,23 @@ FAR = {
         ),
         tolerance=1e-6,
     ),
+    "universal far beyond its stops": near(
+        rolling(
+            "m",
+            link("a", "0 0 2 0 0 0", 5, 0.05)
+            + link("b", "0 0 1.8 0 0 0")
+            + hinged(
+                "j",
+                "universal",
+                "a",
+                "b",
+                axis("0 1 0", between(0.84, 2)),
+                axis("1 0 0", between(-1.2, -0.7), number="2"),
+            ),
+            "0 0 30 0 0 0",
+        ),
+        tolerance=1e-3,
+    ),
     "slider far beyond its stop": near(
         rolling(
             "m",

@@ -165,10 +165,7 @@ class Collision(Entity):
         self.link, self.geom = link, geom
         self._sdf = link.model.geom_sdf(geom)
         self._bits = geom.surface(Surface.BITS)
-        self._shape, self._surface = (
-            shape_of(geom, self._sdf),
-            SurfaceParams(geom),
-        )  # plugins keep weak pointers to them
+        self._shape, self._surface = shape_of(geom, self._sdf), SurfaceParams(geom)  # plugins keep weak pointers
 
     def pose(self) -> GzPose:
         """Global pose [m]."""

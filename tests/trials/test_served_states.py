@@ -248,7 +248,7 @@ def check_states(wire: int, world: Path, folder: Path, options: dict[str, Any]) 
             assert digests(other, one.sdf is None) == first
             one.set_state(state)
             one.paused = True
-            one.step(1)  # what a factory was told is done in pauses, too, of which a server has some before it steps
+            one.step(3)  # what a factory was told is done in pauses, too, of which a server has some before it steps
             before = one.get_state()
             ask(wire, "restore", content=before)
             ask(wire, "step", str(STEPS))

@@ -252,7 +252,7 @@ def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., in
                     print(visible(text), file=sys.stderr)
                 return failed
             finally:
-                _discard_unwritten(sys.stderr)  # of which nobody can be told
+                _discard_unwritten(sys.stderr)  # for what nobody can read
 
         return command
 

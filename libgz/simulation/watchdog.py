@@ -29,6 +29,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 PERIOD = 0.5  # [s] between two looks at the step
 PATIENCE = 1.0  # [s] after the first signal, until the user is reminded of the second
 GRACE = 0.3  # [s] that a run which is ending has after the second signal
+REMOVAL = 10.0  # [s] at most for the removal of files, which waits for nothing: the machine may be busy
 _CLOSE = b"\0"  # no signal has this number
 
 
@@ -166,16 +167,19 @@ class Watchdog:
 
     def _end_process(self, number: int) -> None:
         """Remove what other processes see of a server, and end without waiting for any other thread."""
+        removed = threading.Event()
         # In a thread, for messages may wait for a stream that nobody reads.
-        last = threading.Thread(target=self._clean_up, args=(signal.Signals(number).name,), daemon=True)
+        last = threading.Thread(target=self._clean_up, args=(signal.Signals(number).name, removed), daemon=True)
         last.start()
+        removed.wait(REMOVAL)
         last.join(GRACE)
         os._exit(128 + number)
 
-    def _clean_up(self, name: str) -> None:
+    def _clean_up(self, name: str, removed: threading.Event) -> None:
         if self.world is not None:
             with contextlib.suppress(Exception):  # the process must end
                 self.world.gz_server.vanish()
+        removed.set()
         log.error("ended at once: second signal, %s", name)
 
     def _remind(self) -> None:

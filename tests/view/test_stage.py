@@ -313,6 +313,7 @@ def test_the_camera_begins_where_the_world_says(shown, page):
 def test_a_narrow_window_shows_as_much_as_the_worlds_view(shown, page, wall, back):
     camera = "<gui><camera name='c'><pose>4 1 3 0 0.5 3.14159265</pose></camera></gui>"
     page.set_viewport_size({"width": HEIGHT // 2, "height": HEIGHT})
+    page.evaluate("(async () => { do await frames(1); while (libgz.stage.cameras.camera.aspect > 0.6); })()")
     try:
         shown(sdf(camera + box(pose="-2 1 0.5 0 0 0") + wall))
         found = eye(page)

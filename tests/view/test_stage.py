@@ -183,6 +183,13 @@ def eye(page):
     return np.array(page.evaluate("libgz.stage.cameras.camera.position.toArray()"))
 
 
+def resize(page, width):
+    """Give the window a width, and wait until the camera has it."""
+    page.set_viewport_size({"width": width, "height": HEIGHT})
+    missing = f"Math.abs(libgz.stage.cameras.camera.aspect - {width / HEIGHT}) > 0.01"
+    page.evaluate(f"(async () => {{ do await frames(1); while ({missing}); }})()")
+
+
 def glided(page):
     """Wait until a change of view has ended."""
     page.evaluate("(async () => { do await frames(2); while (libgz.stage.cameras._glide); })()")
@@ -312,13 +319,12 @@ def test_the_camera_begins_where_the_world_says(shown, page):
 @pytest.mark.parametrize(("wall", "back"), [("", 1.0), (box("wall", "5 1 3 0 0 0", size="0.1 9 9", static=1), 0.0)])
 def test_a_narrow_window_shows_as_much_as_the_worlds_view(shown, page, wall, back):
     camera = "<gui><camera name='c'><pose>4 1 3 0 0.5 3.14159265</pose></camera></gui>"
-    page.set_viewport_size({"width": HEIGHT // 2, "height": HEIGHT})
-    page.evaluate("(async () => { do await frames(1); while (libgz.stage.cameras.camera.aspect > 0.6); })()")
+    resize(page, HEIGHT // 2)
     try:
         shown(sdf(camera + box(pose="-2 1 0.5 0 0 0") + wall))
         found = eye(page)
     finally:
-        page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+        resize(page, WIDTH)
     away = found - [4.0, 1.0, 3.0]
     if not back:
         assert away == pytest.approx([0.0, 0.0, 0.0], abs=1e-3)  # the camera stays before the wall

@@ -386,7 +386,6 @@ typedef struct {
     double shift[3]; /* [m] */
 } group;
 
-/* Memory of the step of a world, which is kept from step to step; memory.c frees it. */
 /* A joint that is far beyond a stop; see stops.c. */
 typedef struct {
     void *joint;
@@ -401,6 +400,7 @@ typedef struct {
     double position[3], quaternion[4], linear[3], angular[3], force[3], torque[3];
 } kept_body;
 
+/* Memory of the step of a world, which is kept from step to step; memory.c frees it. */
 struct workspace {
     call_queue calls;
     member *members; /* by row of body, like the next two */

@@ -24,7 +24,7 @@ from libgz.classic_cxx.library import IGNITION, MESSAGES, SONAME, cache_folder, 
 from libgz.classic_cxx.own_messages import OwnMessages, mapped
 from libgz.cxx.host import frames_address, install, loading, track
 from libgz.cxx.shared_object import SharedObject
-from libgz.simulation.plugins import Plugin
+from libgz.simulation.plugins import Plugin, edition
 
 __all__ = ["CompiledPlugin", "is_plugin", "load"]
 
@@ -46,7 +46,7 @@ PATIENCE = 1.0  # [s] for ROS's master
 INIT, RESET, DELETE = range(3)  # as in bridge.cc
 NOT_KEPT = "states and resets do not keep the variables of its C++ object, which libgz does not know"
 
-_loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
+_loaded: dict[Path, Plugin] = {}
 _messages = OwnMessages()
 _library: list[tuple[str, Any]] = []  # key and functions of the one library of the process
 
@@ -209,14 +209,10 @@ def load(path: Path) -> Plugin:
     """
     check_trusted(f"plugin {path}")
     path = path.resolve()
-    try:
-        status = path.stat()
-    except OSError as error:
-        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
-    edited = (status.st_mtime_ns, status.st_size)
+    edited = edition(path)
     known = _loaded.get(path)
-    if known is not None and known[0] == edited:
-        return known[1]
+    if known is not None and known.edited == edited:
+        return known
     mark = _mark_of(path)
     if mark is None or mark[0] not in KINDS:
         raise PluginError(f"error loading plugin: {path} is no plugin that was built with libgz: libgz cxx build")
@@ -243,5 +239,5 @@ def load(path: Path) -> Plugin:
     values = {"shared": shared, "maker": maker, "functions": functions, "path": path, "__module__": "C++"}
     plugin = Plugin(path, edited=edited)
     plugin.registered = [(kind, type(path.stem, (_adapter(kind),), values))]
-    _loaded[path] = edited, plugin
+    _loaded[path] = plugin
     return plugin

@@ -20,7 +20,7 @@ from libgz.cxx.objects import running
 from libgz.cxx.shared_object import SharedObject
 from libgz.cxx.table import table
 from libgz.ode.lib import ode
-from libgz.simulation.plugins import Plugin
+from libgz.simulation.plugins import Plugin, edition
 
 __all__ = ["CxxPlugin", "is_plugin", "load"]
 
@@ -35,7 +35,7 @@ NOT_KEPT = (
     "which libgz does not know (C++ plugin {})"
 )
 
-_loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
+_loaded: dict[Path, Plugin] = {}
 
 
 def _mark_of(path: Path) -> str | None:
@@ -148,14 +148,10 @@ def load(path: Path) -> Plugin:
     """
     check_trusted(f"plugin {path}")
     path = path.resolve()
-    try:
-        status = path.stat()
-    except OSError as error:
-        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
-    edited = (status.st_mtime_ns, status.st_size)
+    edited = edition(path)
     known = _loaded.get(path)
-    if known is not None and known[0] == edited:
-        return known[1]
+    if known is not None and known.edited == edited:
+        return known
     found, own = _mark_of(path), mark()
     if found is None:
         raise PluginError(
@@ -180,7 +176,7 @@ def load(path: Path) -> Plugin:
     cxx = CxxPlugin(path, shared)
     plugin = Plugin(path, edited=edited)
     plugin.registered = [(name, cxx.model_class(name, function)) for name, function in registered]
-    _loaded[path] = edited, plugin
+    _loaded[path] = plugin
     return plugin
 
 

@@ -21,7 +21,17 @@ from libgz.base.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
 from libgz.base.files import exists, expand, is_file, is_folder, read_file
 from libgz.base.trust import check_trusted
 
-__all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_traceback", "reload_plugin", "search"]
+__all__ = [
+    "Plugin",
+    "called",
+    "collect",
+    "edition",
+    "load_plugin",
+    "own_place",
+    "own_traceback",
+    "reload_plugin",
+    "search",
+]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -151,7 +161,7 @@ def load_plugin(path: Path) -> Plugin:
     """
     check_trusted(f"plugin {path}")
     path = path.resolve()
-    edited = _edited(path)
+    edited = edition(path)
     if path in _loaded and _loaded[path].edited == edited:
         return _loaded[path]
     plugin = Plugin(path, edited=edited)
@@ -187,7 +197,7 @@ def load_plugin(path: Path) -> Plugin:
             "GZ_REGISTER_WORLD_PLUGIN(MyPlugin) in worlds of Gazebo classic"
         )
     _loaded[path] = plugin
-    plugin.neighbours = {one: _edited(Path(str(sys.modules[one].__file__))) for one in _neighbours(plugin)}
+    plugin.neighbours = {one: edition(Path(str(sys.modules[one].__file__))) for one in _neighbours(plugin)}
     return plugin
 
 
@@ -233,7 +243,7 @@ def _edited_neighbours(plugin: Plugin) -> dict[str, Any]:
     known = {name: sys.modules[name] for name in plugin.neighbours if name in sys.modules}
     for name, module in known.items():
         file = Path(str(module.__file__))
-        if not is_file(file) or _edited(file) != plugin.neighbours[name]:
+        if not is_file(file) or edition(file) != plugin.neighbours[name]:
             return known
     return {}
 
@@ -261,8 +271,12 @@ def import_hint(error: BaseException) -> str:
     return ""
 
 
-def _edited(path: Path) -> tuple[int, int]:
-    """Time [ns] and size of a file."""
+def edition(path: Path) -> tuple[int, int]:
+    """Time [ns] and size of a plugin file, by which another build of it shows.
+
+    Raises:
+        PluginError: it cannot be read.
+    """
     try:
         status = path.stat()
     except OSError as error:

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
+from libgz.base.budget import Budget, BudgetError
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.base.files import exists, is_file, open_file, read_limited, write_whole
@@ -151,8 +152,9 @@ class ParquetResults(Results):
 
     def _open(self, study: Study) -> None:
         self._types = _parquet_types(study)
+        budget = Budget()
         for part in sorted(self.folder.glob("part-*.parquet")):
-            for row in _part_rows(part, ["run", "state"]):
+            for row in _part_rows(part, budget, ["run", "state"]):
                 self._note(row)
         self._waiting: list[dict[str, Any]] = []
         path = self.folder / JOURNAL
@@ -287,6 +289,8 @@ def _damage_named(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise GazeboError(f"cannot read {path}: {error.strerror or error}") from None
+    except BudgetError as error:
+        raise ParameterError(f"cannot read {path}: {error}") from None
     except (ValueError, TypeError, LookupError, RecursionError, csv.Error) as error:
         raise ParameterError(f"{path} is damaged: {type(error).__name__}: {error}") from None
 
@@ -319,15 +323,48 @@ def _csv_rows(path: Path) -> Iterator[dict[str, Any]]:
             yield {**row, "run": int(row["run"]), "state": row["state"], "python": row["python"]}
 
 
-def _part_rows(path: Path, columns: list[str] | None = None) -> list[dict[str, Any]]:
+def _part_rows(path: Path, budget: Budget, columns: list[str] | None = None) -> list[dict[str, Any]]:
+    """The rows of a part. The budget is of texts: the file may have one that is long, for all rows."""
     with _damage_named(path), open_file(path) as file:
-        part = _parquet().ParquetFile(file)
-        if part.metadata.num_rows > MOST_PART_ROWS:
-            raise ValueError("it has more rows than a part")
-        rows: list[dict[str, Any]] = part.read(columns=columns).to_pylist()
+        names = _check_part(_parquet().read_metadata(file))
+        table = _parquet().ParquetFile(file, read_dictionary=names).read(columns=columns)
+        for column in table.columns:
+            for chunk in column.chunks:
+                budget.take(_size_of_texts(chunk))
+        rows: list[dict[str, Any]] = table.to_pylist()
         if not all(isinstance(row["run"], int) and isinstance(row["state"], str) for row in rows):
             raise ValueError("runs without numbers")
     return rows
+
+
+def _check_part(about: Any) -> list[str]:
+    """The names of the columns that hold texts, of a file with this metadata.
+
+    Raises:
+        ValueError: it is none that a sweep wrote, and reading it may take far more memory than its size.
+        BudgetError: it is too large decompressed.
+    """
+    groups = [about.row_group(number) for number in range(about.num_row_groups)]
+    if max(about.num_rows, sum(group.num_rows for group in groups)) > MOST_PART_ROWS:
+        raise ValueError("it has more rows than a part")
+    columns = [about.schema.column(number) for number in range(about.num_columns)]
+    chunks = [group.column(number) for group in groups for number in range(group.num_columns)]
+    if any(column.max_repetition_level for column in columns) or any(
+        chunk.compression not in ("SNAPPY", "UNCOMPRESSED") or "DELTA_BYTE_ARRAY" in chunk.encodings for chunk in chunks
+    ):
+        raise ValueError("it has lists, or a compression that parts do not have")
+    Budget().take(sum(max(chunk.total_uncompressed_size, 0) for chunk in chunks))
+    return [column.path for column in columns if column.physical_type == "BYTE_ARRAY"]
+
+
+def _size_of_texts(values: Any) -> int:
+    """How many bytes the texts have, each as often as it occurs; 0 of numbers."""
+    import pyarrow
+    import pyarrow.compute as compute  # type: ignore[import-untyped]
+
+    if not pyarrow.types.is_dictionary(values.type):
+        return 0
+    return int(compute.sum(compute.take(compute.binary_length(values.dictionary), values.indices)).as_py() or 0)
 
 
 def _journal_rows(path: Path) -> Iterator[dict[str, Any]]:
@@ -382,8 +419,8 @@ def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
             if row["python"]
         ]
     else:
-        parts = sorted(folder.glob("part-*.parquet"))
-        rows = [row for part in parts for row in _part_rows(part)]
+        parts, budget = sorted(folder.glob("part-*.parquet")), Budget()
+        rows = [row for part in parts for row in _part_rows(part, budget)]
         known_runs = {row["run"] for row in rows}
         journal = folder / JOURNAL
         rows += [row for row in (_journal_rows(journal) if journal.is_file() else ()) if row["run"] not in known_runs]

@@ -3,7 +3,9 @@
 import os
 import tomllib
 
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from libgz.base.errors import GazeboError, ParameterError
 from libgz.sweep import results
@@ -186,6 +188,46 @@ def test_a_part_of_more_rows_than_a_sweep_writes_is_not_held(folder, monkeypatch
     monkeypatch.setattr(results, "MOST_PART_ROWS", 2)
     with pytest.raises(ParameterError, match="ValueError: it has more rows than a part"):
         read_results(folder / "results")
+
+
+def test_a_part_whose_texts_are_far_longer_than_the_file_is_refused(folder, monkeypatch):
+    part = folder / "results" / "part-000000.parquet"
+    study = Study.load(folder / "push.toml")
+    kept = open_results(folder / "results", study, "x", "parquet")
+    for run in range(3):
+        kept.add({"run": run, "state": "ok", "controller": "c", "python": "3", "message": "m" * 1_000_000})
+    kept.close()
+    assert part.stat().st_size < 200_000
+    assert len(read_results(folder / "results")[1]) == 3
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "2")
+    with pytest.raises(ParameterError, match=r"part-000000.parquet: it takes more than 2 MiB decompressed"):
+        read_results(folder / "results")
+    write_part(part, {"run": [0] * 4, "state": ["x" * 1_000_000] * 4})
+    for use in (lambda: read_results(folder / "results"), lambda: open_results(folder / "results", study, "x", None)):
+        with pytest.raises(ParameterError, match=r"part-000000.parquet: it takes more than 2 MiB decompressed"):
+            use()
+
+
+@pytest.mark.parametrize(
+    ("columns", "options"),
+    [
+        ({"run": [[1] * 9]}, {}),
+        ({"run": [1], "state": ["ok"]}, {"compression": "zstd"}),
+        (
+            {"run": [1], "state": ["ok"]},
+            {"use_dictionary": False, "column_encoding": {"run": "PLAIN", "state": "DELTA_BYTE_ARRAY"}},
+        ),
+    ],
+)
+def test_a_part_whose_form_no_sweep_writes_is_refused(folder, columns, options):
+    open_results(folder / "results", Study.load(folder / "push.toml"), "x", "parquet").close()
+    write_part(folder / "results" / "part-000000.parquet", columns, **options)
+    with pytest.raises(ParameterError, match="is damaged: ValueError: it has lists, or a compression that"):
+        read_results(folder / "results")
+
+
+def write_part(path, columns, **options):
+    parquet.write_table(pyarrow.table(columns), path, **options)
 
 
 def test_a_part_that_is_a_pipe_is_not_waited_for(folder):

@@ -533,7 +533,7 @@ class Node:
             answer = call(uri, "requestTopic", self.name, subscriber.topic, [["TCPROS"]], patience=CONNECT_PATIENCE)
             code, text, (_, host, port) = answer
             if code != 1:
-                raise XmlRpcError(f"requestTopic of {uri}: {shown(text)}")
+                raise XmlRpcError(f"requestTopic of {shown(uri)}: {shown(text)}")
             sock = socket.create_connection((str(host), int(port)), CONNECT_PATIENCE)
         except (XmlRpcError, OSError, TypeError, ValueError, OverflowError) as error:
             text = "ROS: %s cannot be read from %s: %s"

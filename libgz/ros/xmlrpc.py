@@ -69,7 +69,7 @@ def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any
         finally:
             connection.close()
         if answer.status != http.HTTPStatus.OK:
-            raise XmlRpcError(f"{uri} answered {answer.status} {shown(answer.reason)}")
+            raise XmlRpcError(f"{shown(uri)} answered {answer.status} {shown(answer.reason)}")
         return _loads(data, MOST_ANSWER)[0][0]
     except _FAILURES as error:
         raise XmlRpcError(f"{method} of {shown(uri)}: {shown(str(error)) or type(error).__name__}") from error

@@ -21,10 +21,11 @@ REQUEST = struct.Struct("=BBBBI2s2s16s16sI8s")  # struct inet_diag_req_v2 of lin
 ANSWER = struct.Struct("=BBBB2s2s16s16sI8sIIIII")  # struct inet_diag_msg; its last fields are user and inode
 ATTEMPTS = 3  # the kernel may leave a row out while others come and go
 ROOT = 0
+CLOSED = -1  # the user of a socket that its process has closed
 
 
 class PeerCheck:
-    """Decides who may connect over the loopback interface: the user of this process, and root.
+    """Decides who may connect from this machine: the user of this process, and root; and everybody from other ones.
 
     A peer that has closed its socket has no user any more, and is refused. Where the kernel neither answers nor lists
     connections (no /proc, or no access to it), that is said once, and nobody is refused: there nobody could connect at
@@ -52,13 +53,13 @@ class PeerCheck:
             near, far = connection.getsockname(), connection.getpeername()
         except OSError:
             return "it is closed"
-        if not _address(far[0]).is_loopback:
-            return ""
+        near_by = _address(far[0]).is_loopback
         for _ in range(ATTEMPTS):
-            uid = self._owner(far, near)
-            if uid is not None:
+            # Another machine has no socket here. This one may have, at the address that others reach, too.
+            uid = self._owner(far, near) if near_by else _asked_for(far, near)
+            if uid not in (None, CLOSED):
                 return "" if uid in (self._uid, ROOT) else f"it is of user {uid}, not of user {self._uid} or root"
-            if not self._asking and not self._tables:
+            if uid is None and not (near_by and (self._asking or self._tables)):
                 return ""
         return "its user is unknown: it has closed its socket"
 
@@ -99,7 +100,7 @@ def _answers() -> bool:
 
 
 def _asked_for(local: tuple[str, int], remote: tuple[str, int]) -> int | None:
-    """The user of the socket with these ends, by one question to the kernel; None if it knows none."""
+    """The user of the socket with these ends, by one question to the kernel; None if there is none, or CLOSED."""
     ends = [_address(end[0]) for end in (local, remote)]
     family = socket.AF_INET if all(end.version == 4 for end in ends) else socket.AF_INET6
     near, far = (end.packed.ljust(16, b"\0") for end in ends)
@@ -117,8 +118,9 @@ def _asked_for(local: tuple[str, int], remote: tuple[str, int]) -> int | None:
         return None
     fields = ANSWER.unpack_from(answer, HEADER.size)
     uid, inode = fields[-2:]
-    # A socket that listens has no other end; one that its process has closed has inode 0.
-    return int(uid) if list(fields[4:6]) == ports and inode else None
+    if list(fields[4:6]) != ports:  # a socket that listens has no other end
+        return None
+    return int(uid) if inode else CLOSED
 
 
 def _ends(words: list[bytes]) -> tuple[bytes, int, bytes, int]:

@@ -1,6 +1,7 @@
 """Who may connect over the loopback interface, and what clients of a server may do that can only be watched."""
 
 import contextlib
+import ipaddress
 import logging
 import os
 import re
@@ -88,9 +89,9 @@ def test_the_own_user_may_use_any_family(uri):
                 assert made.recv(8)
 
 
-def connected(family=socket.AF_INET, host="127.0.0.1"):
-    """A pair of connected sockets: a client's and a server's."""
-    with socket.create_server(("127.0.0.1", 0)) as listener:
+def connected(family=socket.AF_INET, host="127.0.0.1", at="127.0.0.1"):
+    """A pair of connected sockets: a client's and a server's, who listens at an address."""
+    with socket.create_server((at, 0)) as listener:
         client = socket.socket(family)
         client.connect((host, listener.getsockname()[1]))
         server, _ = listener.accept()
@@ -115,6 +116,24 @@ def test_a_peer_of_another_user_is_named(monkeypatch, family, host, asked):
             assert check.refusal(server) == f"it is of user {os.getuid()}, not of user 77 or root"
             monkeypatch.setattr(peers, "ROOT", os.getuid())
             assert check.refusal(server) == ""
+
+
+@pytest.mark.parametrize(("family", "host"), WAYS)
+def test_another_user_of_this_machine_is_refused_at_the_address_for_other_machines_too(monkeypatch, family, host):
+    for kind in (ipaddress.IPv4Address, ipaddress.IPv6Address):  # not every machine has another address
+        monkeypatch.setattr(kind, "is_loopback", False)
+    client, server = connected(family, host, "0.0.0.0")
+    with client, server:
+        assert PeerCheck().refusal(server) == ""
+        monkeypatch.setattr(peers.os, "geteuid", lambda: 77)
+        monkeypatch.setattr(peers, "ROOT", 78)
+        check = PeerCheck()
+        assert check.refusal(server) == f"it is of user {os.getuid()}, not of user 77 or root"
+        client.sendall(b"0000")
+        client.close()
+        assert check.refusal(server) == "its user is unknown: it has closed its socket"
+        monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)  # the socket is on another machine
+        assert check.refusal(server) == ""
 
 
 @pytest.mark.parametrize(("family", "host"), WAYS)

@@ -8,6 +8,7 @@ from typing import Any
 from libgz.apps.console import finite_number
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.visible import one_line
 from libgz.classic import msgs
 
 __all__ = ["configure", "run"]
@@ -51,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         if options.info:
             for name, joint in joints.items():
                 if options.joint_name in (None, name):
-                    print(name, *(f"{angle:.6f}" for angle in joint.angle))
+                    print(one_line(name), *(f"{angle:.6f}" for angle in joint.angle))
             return 0
         if options.joint_name is None:
             raise ParameterError("no joint is given; use -j JOINT, or -i for all joints")

@@ -14,7 +14,7 @@ from libgz.apps.server_link import add_world, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.budget import ELEMENT, Budget, BudgetError
 from libgz.base.errors import ParameterError, WorldFileError
-from libgz.base.visible import one_line
+from libgz.base.visible import one_line, visible_xml
 from libgz.classic import msgs
 from libgz.classic.log import ENCODINGS, LogReader, LogState, LogWriter, NamePattern, read_states
 from libgz.sdf.upgrade import NEWEST
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
             _write(reader, options)
         elif options.echo:
             for text in _texts(reader, options):
-                sys.stdout.write(text)
+                sys.stdout.write(visible_xml(text))
         else:
             _print_info(reader, options.json)
     except BudgetError as error:

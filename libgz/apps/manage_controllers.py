@@ -10,6 +10,7 @@ from typing import Any
 
 from libgz.apps.console import Parser, as_command, set_up_messages
 from libgz.base.errors import GazeboError
+from libgz.base.visible import one_line
 from libgz.ros.client import RosClient
 from libgz.ros.names import read_names
 
@@ -32,7 +33,7 @@ class _Manager:
         found = self._call("list_controllers", "ListControllers").controller
         for one in found:
             kinds = dict.fromkeys(claim.hardware_interface for claim in one.claimed_resources)
-            print(f"'{one.name}' - '{'+'.join(kinds)}' ( {one.state} )")
+            print(one_line(f"'{one.name}' - '{'+'.join(kinds)}' ( {one.state} )"))
         if not found:
             print("No controllers are loaded in mechanism control")
         return True
@@ -40,7 +41,7 @@ class _Manager:
     def list_types(self, _names: Sequence[str]) -> bool:
         """Print the types of controllers."""
         for name in self._call("list_controller_types", "ListControllerTypes").types:
-            print(name)
+            print(one_line(name))
         return True
 
     def load(self, names: Sequence[str]) -> bool:

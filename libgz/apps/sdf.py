@@ -13,7 +13,7 @@ from libgz.apps import upgrade
 from libgz.apps.console import Parser
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError, WorldFileError, nearest
-from libgz.base.visible import visible
+from libgz.base.visible import visible, visible_xml
 from libgz.reference.check import check_sdf
 from libgz.reference.sdf_elements import sdf_block, sdf_blocks
 from libgz.reference.sdf_format import sdf_page, sdf_text
@@ -108,7 +108,7 @@ def _print(filename: str, arguments: Mapping[str, str]) -> int:
         return 1
     _report([*file.diagnostics.errors, *file.diagnostics.warnings])
     print("<?xml version='1.0'?>")
-    print(file.root.ToString(), end="")
+    print(visible_xml(file.root.ToString()), end="")
     return 1 if file.diagnostics.errors else 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from libgz.apps.console import Parser, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Remark, WorldFileError
 from libgz.base.files import read_limited, write_whole
-from libgz.base.visible import visible
+from libgz.base.visible import visible, visible_xml
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.recognition import is_sdf
 from libgz.sdf.xml import ROBOT
@@ -46,12 +47,14 @@ def run(options: argparse.Namespace) -> int:
         print(visible(str(change)), file=sys.stderr)
     target = options.worldfile if options.in_place else options.output
     if target is None:
+        with contextlib.suppress(UnicodeDecodeError):  # of another encoding
+            text = visible_xml(text.decode()).encode()
         sys.stdout.buffer.write(text)
     elif changes or not options.in_place:
         with writing():
             write_whole(target, text)
     if not changes:
-        print(f"{options.worldfile}: nothing to change", file=sys.stderr)
+        print(visible(f"{options.worldfile}: nothing to change"), file=sys.stderr)
     return 0
 
 

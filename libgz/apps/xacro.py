@@ -10,7 +10,7 @@ from libgz.apps.console import Parser, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostics, WorldFileError
 from libgz.base.files import read_limited, write_whole
-from libgz.base.visible import visible
+from libgz.base.visible import visible, visible_xml
 from libgz.sdf.xacro.expansion import expand
 from libgz.sdf.xml import document_text, parse_document
 
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
         for warning in diagnostics.warnings:
             print(visible(str(warning)), file=sys.stderr)
     if options.output is None:
-        sys.stdout.buffer.write(text)
+        sys.stdout.buffer.write(visible_xml(text.decode()).encode())
     else:
         with writing():
             write_whole(options.output, text)

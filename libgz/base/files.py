@@ -27,6 +27,7 @@ __all__ = [
     "read_file",
     "read_limited",
     "read_text",
+    "write_backup",
     "write_whole",
     "xml_attribute",
     "xml_parser",
@@ -175,6 +176,21 @@ def write_whole(target: Path, data: bytes) -> None:
             _replace(target.resolve(), data)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(target)) from None
+
+
+def write_backup(target: Path, data: bytes) -> None:
+    """Keep what a file had as `NAME.bak` beside it, in place of what has that name: a link there is not followed.
+
+    Raises:
+        OSError: it cannot be written, or is a folder. `filename` is that of the backup.
+    """
+    name = Path(f"{target}.bak")
+    try:
+        if name.is_symlink() or (name.exists() and not name.is_file()):
+            name.unlink()
+        _replace(name, data)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(name)) from None
 
 
 def _replace(target: Path, data: bytes) -> None:

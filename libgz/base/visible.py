@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["one_line", "visible"]
+__all__ = ["one_line", "visible", "visible_xml"]
 
 # Controls other than tabs and line breaks, separators of lines, changes of the direction of writing, and surrogates.
 # Not all that Python calls unprintable: texts of many languages have joiners and wide spaces.
@@ -19,3 +19,8 @@ def visible(text: str) -> str:
 def one_line(text: str) -> str:
     """A visible text whose line breaks are escaped, too, so that no part of it looks like a message of its own."""
     return visible(text).replace("\n", "\\n")
+
+
+def visible_xml(text: str) -> str:
+    """A document whose control characters are references, so that it says the same and cannot command a terminal."""
+    return _COMMANDS.sub(lambda found: f"&#{ord(found[0])};", text)

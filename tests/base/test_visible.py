@@ -3,10 +3,13 @@
 import logging
 
 import pytest
+from lxml import etree
 
+from libgz import World
 from libgz.apps.console import PREFIXES, _ConsoleFormatter
 from libgz.apps.libgz import main
 from libgz.base.visible import one_line, visible
+from libgz.classic.log import LogRecord
 
 
 @pytest.mark.parametrize(
@@ -33,6 +36,29 @@ def test_no_command_prints_control_characters_of_files(tmp_path, capsys, command
     printed = "".join(capsys.readouterr())
     assert "a\\x1b[2J.world" in printed
     assert "\x1b" not in printed
+
+
+@pytest.mark.parametrize("command", ["sdf --print", "xacro", "upgrade"])
+def test_printed_documents_say_the_same_without_control_characters(tmp_path, capfd, command):
+    path = tmp_path / "a.urdf"
+    path.write_text("<robot name='a\x9b2J\u202e'><link name='l'/></robot>")
+    assert main([*command.split(), str(path)]) == 0
+    printed = capfd.readouterr().out
+    assert "a&#155;2J&#8238;" in printed
+    assert not any(letter in printed for letter in "\x9b\u202e")
+    root = etree.fromstring(printed.encode())
+    assert "a\x9b2J\u202e" in {element.get("name") for element in root.iter("*")}
+
+
+def test_a_state_of_a_log_is_printed_without_control_characters(tmp_path, capsys):
+    path = tmp_path / "state.log"
+    text = "<sdf version='1.6'><model name='a\x9b2J'><link name='l'/></model></sdf>"
+    with World.from_string(text) as world, LogRecord(world, path, encoding="txt"):
+        world.step(2)
+    assert main(["log", "-f", str(path), "-e"]) == 0
+    printed = capsys.readouterr().out
+    assert "a&#155;2J" in printed
+    assert "\x9b" not in printed
 
 
 def test_no_command_prints_control_characters_of_logs(tmp_path, capsys):

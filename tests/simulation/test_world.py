@@ -2,6 +2,7 @@
 
 import logging
 import math
+import os
 import subprocess
 import sys
 import textwrap
@@ -334,6 +335,30 @@ def test_saving_an_old_file_keeps_its_origins(tmp_path):
         world.Save()
     assert "<xyz>0.3333333333333333 0 0.25</xyz>" in path.read_text()
     assert "<xyz>1 0 0.25</xyz>" in path.with_name("old.world.bak").read_text()
+
+
+ONE_MODEL = {
+    "legacy": f"{HEAD}<model:SimpleSolid><id>a</id></model:SimpleSolid></gz:world>",
+    "sdf": "<sdf version='1.6'><world name='w'><model name='a'><link name='l'/></model></world></sdf>",
+}
+
+
+@pytest.mark.parametrize("text", ONE_MODEL.values(), ids=ONE_MODEL)
+@pytest.mark.parametrize("kind", ["link", "pipe"])
+def test_what_has_the_name_of_the_backup_is_replaced(tmp_path, text, kind):
+    """The folder may be a stranger's, whose link names a file of the user."""
+    path, backup, own = tmp_path / "a.world", tmp_path / "a.world.bak", tmp_path / "own"
+    path.write_text(text)
+    own.write_text("mine")
+    backup.symlink_to(own) if kind == "link" else os.mkfifo(backup)
+    with libgz.World.from_file(path) as world:
+        (model,) = world.models
+        model.SetPose(GzPose(GzVector(3.0, 0.0, 0.5)))
+        assert world.Save(whole=True) == 0
+    assert own.read_text() == "mine"
+    assert backup.read_text() == text
+    assert not backup.is_symlink()
+    assert path.read_text() != text
 
 
 def test_old_files_count_children_from_old_origins():

@@ -36,12 +36,10 @@ def followed(beside):
     """
     with libgz.World.from_string(beside.text) as world:
         kept, done = [], 0
-        for iteration, topic, speed, turn in beside.commands:
+        for iteration, topic, *said in beside.commands:
             world.step(iteration - done)  # what is published now is delivered at the end of the next iteration
             done = iteration
-            message = msgs.Pose()
-            msgs.Set(message, Pose3d(speed, 0.0, 0.0, 0.0, 0.0, turn))
-            kept.append(send(topic, message))
+            kept.append(send(topic, _message(*said)))
         world.step(STEPS - done)
         view = attach(world).world
         poses = {
@@ -52,6 +50,15 @@ def followed(beside):
         if beside.links:
             return {name: poses[name] for name in beside.links}
         return poses | dict(filter(None, map(_measured, SensorManager.Instance().GetSensors())))
+
+
+def _message(value, turn=None):
+    """A Pose of speed and turn, or a GzString."""
+    if turn is None:
+        return msgs.GzString(data=str(value))
+    message = msgs.Pose()
+    msgs.Set(message, Pose3d(value, 0.0, 0.0, 0.0, 0.0, turn))
+    return message
 
 
 def _models(models):

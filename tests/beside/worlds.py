@@ -1,7 +1,7 @@
 """The worlds: SDF, the commands that are published while they run, and how far links may be from Gazebo's [m].
 
-A command is (iteration, topic, speed [m/s], turn [rad/s]), as a Pose. What contacts decide is within some millimetres;
-the rest in docs/classic_cxx.md. All else is within 1e-6 m.
+A command is (iteration, topic, speed [m/s], turn [rad/s]), as a Pose, or (iteration, topic, text), as a GzString. What
+contacts decide is within some millimetres; the rest in docs/classic_cxx.md. All else is within 1e-6 m.
 """
 
 from dataclasses import dataclass, field
@@ -141,7 +141,10 @@ def pid(tag, p, d, limits="<i_min>0</i_min><i_max>0</i_max><cmd_min>-1000</cmd_m
     return f"<{tag}><p>{p}</p><i>0</i><d>{d}</d>{limits}</{tag}>"
 
 
-def harness(winch, detach="<detach>rope</detach>"):
+WINCH = "~/h/harness/velocity"
+
+
+def harness(winch, detach="<detach>rope</detach>", commands=(), ground=GROUND):
     rope = (
         "<joint name='rope' type='prismatic'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz><dynamics>"
         "<damping>10</damping></dynamics><limit><lower>-1.5</lower><upper>1.5</upper><effort>10000</effort></limit>"
@@ -149,9 +152,10 @@ def harness(winch, detach="<detach>rope</detach>"):
     )
     held = plugin("HarnessPlugin", rope + winch + detach)
     return world(
-        GROUND,
+        ground,
         f"<model name='h'><pose>0 0 3 0 0 0</pose><link name='link'>{inertia(2, 0.1)}{box_collision('.3 .3 .3')}</link>"
         f"{held}</model>",
+        commands=commands,
     )
 
 
@@ -388,6 +392,19 @@ WORLDS = {
     "Harness, both controllers": harness(f"<winch>{HELD}{pid('pos_pid', 300, 20)}{pid('vel_pid', 50, 0)}</winch>"),
     "Harness, position": harness(f"<winch>{HELD}{pid('pos_pid', 300, 20)}</winch>"),
     "Harness, velocity": harness(f"<winch>{HELD}{pid('vel_pid', 50, 0)}</winch>"),
+    "Harness, winch down and up": harness(
+        f"<winch>{HELD}{pid('pos_pid', 3000, 200)}{pid('vel_pid', 500, 0)}</winch>",
+        commands=((300, WINCH, "-0.2"), (900, WINCH, "0.5"), (1500, WINCH, "0")),
+    ),
+    "Harness, let go": harness(
+        f"<winch>{HELD}{pid('pos_pid', 3000, 200)}{pid('vel_pid', 500, 0)}</winch>",
+        commands=((300, WINCH, "-0.2"), (1800, "~/h/harness/detach", "true")),
+    ),
+    "Harness, let go and caught": harness(
+        f"<winch>{HELD}{pid('pos_pid', 3000, 200)}{pid('vel_pid', 500, 0)}</winch>",
+        commands=((300, "~/h/harness/detach", "true"), (900, "~/h/harness/attach", 0.5, 0.2), (1400, WINCH, "0.2")),
+        ground="",
+    ),
     "Harness, no detach": harness(f"<winch>{HELD}{pid('pos_pid', 300, 20)}</winch>", ""),
     "GimbalSmall2d": world(GIMBAL),
     "Elevator": world(ELEVATOR),

@@ -7,9 +7,10 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
-from libgz.classic import transport
+from libgz.classic import msgs, transport
 from libgz.classic.common import PID, gzwarn
 from libgz.classic.event import Events
+from libgz.classic.math import Pose3d
 from libgz.classic.plugin import ModelPlugin
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
@@ -28,9 +29,9 @@ class HarnessPlugin(ModelPlugin):
 
     ~/<model>/harness/velocity takes the winch's velocity as a GzString with a number [m/s], downwards or upwards as the
     joint's axis is; with 0 it holds its position. The controller of the velocity only pulls.
-    ~/<model>/harness/detach, a GzString `true`, removes the joint that `<detach>` names. As in Gazebo 11.1 that joint
-    goes in the second iteration if `<winch>` names no joint, and a controller without limits of its command does
-    nothing.
+    ~/<model>/harness/detach, a GzString `true`, removes the joint that `<detach>` names; ~/<model>/harness/attach, a
+    Pose, then puts the link that this joint held there, and makes the joints again. As in Gazebo 11.1 the joint goes in
+    the second iteration if `<winch>` names no joint, and a controller without limits of its command does nothing.
 
     Elements:
         joint: as in a `<model>`; its child is a link of the model. Several.
@@ -67,6 +68,7 @@ class HarnessPlugin(ModelPlugin):
         self.subscribers = [
             self.node.Subscribe(f"{topic}/velocity", self.OnVelocity, kind="GzString"),
             self.node.Subscribe(f"{topic}/detach", self.OnDetach, kind="GzString"),
+            self.node.Subscribe(f"{topic}/attach", self.OnAttach, kind="Pose"),
         ]
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
@@ -88,10 +90,13 @@ class HarnessPlugin(ModelPlugin):
 
     def Reset(self) -> None:
         """Hold the model again where it started."""
+        self._make_joints()
+        self._begin()
+
+    def _make_joints(self) -> None:
         for name, element in self.elements.items():
             if self.model.GetJoint(name) is None:
                 self.model.CreateJoint(element)
-        self._begin()
 
     def OnVelocity(self, message: Any) -> None:
         """Set the winch's velocity."""
@@ -123,6 +128,21 @@ class HarnessPlugin(ModelPlugin):
     def Detach(self) -> None:
         """Remove the joint that `<detach>` names, in the next iteration."""
         self.winch = ""
+
+    def OnAttach(self, message: Any) -> None:
+        """Hold the model again, at the message's pose."""
+        self.Attach(msgs.ConvertIgn(message))
+
+    def Attach(self, pose: Pose3d) -> None:
+        """Hold the model again, with the link that the removed joint held at a pose [m]."""
+        if self.attached:
+            log.error("HarnessPlugin: the model is attached already")
+            return
+        link = self.model.GetLink(self.elements[self.loose].Get(str, "child")) if self.loose else None
+        offset = Pose3d() if link is None else link.WorldPose() - self.model.WorldPose()
+        self.model.SetWorldPose(-offset + pose)
+        self._make_joints()
+        self.winch, self.velocity, self.target, self.attached = self.named_winch, 0.0, 0.0, True
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Apply the winch's force."""

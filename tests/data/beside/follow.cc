@@ -1,5 +1,5 @@
-// Publishes the commands of FOLLOW_COMMANDS, lines of "iteration topic x yaw", at the ends of iterations; after the last
-// one, FOLLOW_STEPS, writes the positions and rotations of all links, and what sensors measure, into FOLLOW_FILE and ends
+// Publishes the commands of FOLLOW_COMMANDS, lines of "iteration topic x yaw" for a Pose or "iteration topic text" for a
+// GzString, at the ends of iterations; after the last one, FOLLOW_STEPS, writes the positions and rotations of all links, and what sensors measure, into FOLLOW_FILE and ends
 // the process.
 #include <cstdio>
 #include <cstdlib>
@@ -16,8 +16,9 @@ using namespace gazebo;
 class Follow : public WorldPlugin {
   struct Command {
     int iteration;
-    std::string topic;
+    std::string topic, text;
     double x, yaw;
+    bool pose;
     transport::PublisherPtr publisher;
   };
   physics::WorldPtr world;
@@ -32,9 +33,13 @@ public:
     node = transport::NodePtr(new transport::Node());
     node->Init(world->Name());
     std::istringstream lines(getenv("FOLLOW_COMMANDS"));
-    Command c;
-    while (lines >> c.iteration >> c.topic >> c.x >> c.yaw) {
-      c.publisher = node->Advertise<msgs::Pose>(c.topic);
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line), numbers;
+      Command c;
+      words >> c.iteration >> c.topic >> c.text;
+      numbers.str(c.text);
+      c.pose = numbers >> c.x && words >> c.yaw;
+      c.publisher = c.pose ? node->Advertise<msgs::Pose>(c.topic) : node->Advertise<msgs::GzString>(c.topic);
       commands.push_back(c);
     }
     connection = event::Events::ConnectWorldUpdateEnd(std::bind(&Follow::End, this));
@@ -78,9 +83,14 @@ public:
   void End() {
     for (auto &c : commands)
       if (c.iteration == iteration) {
-        msgs::Pose message;
-        msgs::Set(&message, ignition::math::Pose3d(c.x, 0, 0, 0, 0, c.yaw));
-        c.publisher->Publish(message);
+        msgs::Pose pose;
+        msgs::GzString text;
+        msgs::Set(&pose, ignition::math::Pose3d(c.x, 0, 0, 0, 0, c.yaw));
+        text.set_data(c.text);
+        if (c.pose)
+          c.publisher->Publish(pose);
+        else
+          c.publisher->Publish(text);
         usleep(200000); // Gazebo delivers it in another thread
       }
     if (++iteration < atoi(getenv("FOLLOW_STEPS")))

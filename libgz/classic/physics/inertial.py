@@ -17,9 +17,12 @@ from libgz.physics.check import finite
 from libgz.physics.mass import about_centre, given_mass
 
 if TYPE_CHECKING:
+    from libgz.classic import msgs
     from libgz.sdf.element import Element
 
 __all__ = ["Inertial"]
+
+AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
 class Inertial:
@@ -32,12 +35,10 @@ class Inertial:
         given: the body of a link, whose values it has; of a static model, all 0, as in Gazebo. Otherwise values of its
             own: those of another object, or a mass [kg] and unit moments; None is 1 kg.
         sdf: the element of the link, which has the axes of the frame.
-
-    Raises:
-        ParameterError: the mass is not positive.
     """
 
     STATE = ("_changed", "_mass", "_pose", "_held", "_before")
+    _loaded: tuple[MassMatrix3d, Pose3d] | None = None
 
     def __init__(self, given: Body | Inertial | Inertiald | float | None = None, sdf: Element | None = None) -> None:
         body = given if isinstance(given, Body) else None
@@ -66,11 +67,7 @@ class Inertial:
 
     def _read_file(self, sdf: Element) -> None:
         """Take the values of a link's element, as far as the body still has them."""
-        inertial = sdf.child("inertial")
-        inertia = inertial.child("inertia")
-        numbers = [inertia.Get(float, f"i{axes}") for axes in ("xx", "yy", "zz", "xy", "xz", "yz")]
-        self._mass = MassMatrix3d(inertial.Get(float, "mass"), numbers[:3], numbers[3:])
-        self._pose = Pose3d(inertial.Get(GzPose, "pose"))
+        self._mass, self._pose = _of_element(sdf.child("inertial"))
         if self._body is not None:
             try:
                 given = _numbers(self._matrix())
@@ -115,6 +112,32 @@ class Inertial:
         mass = other._values() if isinstance(other, Inertial) else other.MassMatrix()
         self._change()
         self._mass, self._pose = copy.deepcopy(mass), Pose3d(other.Pose())
+
+    def Load(self, sdf: Element) -> None:
+        """Take the values of an `<inertial>` element, to which Reset() goes back."""
+        self._change()
+        self._loaded = _of_element(sdf)
+        self._mass, self._pose = copy.deepcopy(self._loaded[0]), Pose3d(self._loaded[1])
+
+    UpdateParameters = Load
+
+    def Reset(self) -> None:
+        """Take mass and moments of the element again; the centre of mass is the origin then, as in Gazebo."""
+        self._change()
+        loaded = self._loaded
+        if loaded is None:
+            loaded = _of_element(self._sdf.child("inertial")) if self._sdf is not None else (Inertial()._mass, Pose3d())
+        self._mass, self._pose = copy.deepcopy(loaded[0]), Pose3d()
+
+    def ProcessMsg(self, msg: msgs.Inertial) -> None:
+        """Take the values that a message has; the axes of the frame stay."""
+        if msg.HasField("mass"):
+            self.SetMass(msg.mass)
+        if msg.HasField("pose"):
+            self.SetCoG(msg.pose.position.x, msg.pose.position.y, msg.pose.position.z)
+        for axes in AXES:
+            if msg.HasField(f"i{axes}"):
+                setattr(self._change(), f"i{axes}", finite(getattr(msg, f"i{axes}"), f"i{axes} [kg m^2]"))
 
     def __add__(self, other: Inertial) -> Inertial:
         """Both bodies as one: about the common centre of mass, along the axes of the link frame, as Gazebo does it."""
@@ -187,9 +210,9 @@ class Inertial:
         """Set the mass [kg].
 
         Raises:
-            ParameterError: it is not positive.
+            ParameterError: it is the mass of a link, and not positive.
         """
-        if not m > 0.0:
+        if self._body is not None and not m > 0.0:
             raise ParameterError(f"mass is {m:g} kg; it must be positive")
         self._change().mass = finite(m, "mass [kg]")
 
@@ -303,6 +326,13 @@ class Inertial:
 
     GetIXX, GetIYY, GetIZZ, GetIXY, GetIXZ, GetIYZ = IXX, IYY, IZZ, IXY, IXZ, IYZ
     Ixx, Iyy, Izz, Ixy, Ixz, Iyz = IXX, IYY, IZZ, IXY, IXZ, IYZ
+
+
+def _of_element(inertial: Element) -> tuple[MassMatrix3d, Pose3d]:
+    """Mass and moments, and their frame, of an `<inertial>` element."""
+    inertia = inertial.child("inertia")
+    numbers = [inertia.Get(float, f"i{axes}") for axes in AXES]
+    return MassMatrix3d(inertial.Get(float, "mass"), numbers[:3], numbers[3:]), Pose3d(inertial.Get(GzPose, "pose"))
 
 
 def _numbers(mass: OdeMass) -> NDArray[np.float64]:

@@ -8,8 +8,10 @@ from plugin_worlds import body, collision
 
 from libgz.base.errors import ParameterError
 from libgz.base.geometry import GzPose, GzVector
-from libgz.classic import physics
+from libgz.classic import msgs, physics
 from libgz.classic.math import Inertiald, MassMatrix3d, Pose3d, Quaterniond, Vector3d
+from libgz.classic.physics import Inertial
+from libgz.classic.sdf import SDF
 from libgz.physics.mass import given_mass
 
 BOX = collision("<box><size>1 2 3</size></box>")
@@ -255,3 +257,24 @@ def test_an_entity_is_put_on_the_one_below(run):
     cup.PlaceOnNearestEntityBelow()
     assert cup.WorldPose().Pos().Z() == pytest.approx(4.0, abs=1e-4)
     assert cup.RelativePose() == cup.WorldPose() == Pose3d(cup.WorldPose())
+
+
+def test_own_inertials_take_elements_and_messages():
+    own = Inertial(0.0)  # as in Gazebo, which refuses nothing
+    assert (own.Mass(), own.PrincipalMoments()) == (0.0, Vector3d(1, 1, 1))
+    text = "<mass>2</mass><pose>1 2 3 0 0 .5</pose><inertia><ixx>3</ixx><iyy>4</iyy><izz>5</izz><ixy>.1</ixy></inertia>"
+    document = SDF()
+    model = f"<model name='m'><link name='l'><inertial>{text}</inertial></link></model>"
+    document.SetFromString(f"<sdf version='1.6'>{model}</sdf>")
+    own.Load(document.Root().GetElement("model").GetElement("link").GetElement("inertial"))
+    assert (own.Mass(), own.CoG(), own.Pose().Yaw()) == (2.0, Vector3d(1, 2, 3), 0.5)
+    assert (own.IXX(), own.IYY(), own.IZZ(), own.IXY()) == (3.0, 4.0, 5.0, 0.1)
+    message = msgs.Inertial(mass=7, iyz=0.25)
+    message.pose.position.x, message.pose.position.y, message.pose.position.z = 4, 5, 6
+    own.ProcessMsg(message)
+    assert (own.Mass(), own.CoG(), own.Pose().Yaw(), own.IYZ(), own.IXX()) == (7.0, Vector3d(4, 5, 6), 0.5, 0.25, 3.0)
+    own.Reset()
+    assert (own.Mass(), own.CoG(), own.IYZ(), own.IXX()) == (2.0, Vector3d(), 0.0, 3.0)
+    other = Inertial(5.0)
+    other.Reset()
+    assert (other.Mass(), other.IXX()) == (1.0, 1.0)

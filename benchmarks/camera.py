@@ -1,4 +1,4 @@
-"""The time of a camera frame, and of the start of a world with a camera.
+"""The time of a camera frame.
 
     python benchmarks/camera.py
 
@@ -14,11 +14,9 @@ from __future__ import annotations
 
 import math
 import os
-import resource
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 
@@ -31,7 +29,6 @@ AIMS = {
     (320, "MuJoCo, coarse meshes"): 3,
     (320, "PyBullet TinyRenderer"): 8,
 }
-STARTS = {"without a camera": 1.8, "with a camera": 3.5}
 
 Render = Callable[[], object]
 
@@ -181,33 +178,6 @@ def measure(width: int, height: int) -> dict[str, list[tuple[float, ...]]]:
     return {name: values for name, values in times.items() if len(values) == ROUNDS}
 
 
-def cpu_time(words: list[str], folder: str) -> float:
-    """CPU time of a process [s], with one thread of OpenBLAS, and with bytecode in a folder."""
-    settings = {"OPENBLAS_NUM_THREADS": "1", "TMP": folder, "PYTHONPYCACHEPREFIX": folder}
-    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(words, env=kept | settings, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
-def start_times() -> dict[str, float]:
-    """CPU time of `gazebo --steps 1` over that of `import numpy`, without and with a camera."""
-    launch = [sys.executable, "-c", "from libgz.apps.launch import gazebo; gazebo()", "-n", "--steps", "1"]
-    commands = {
-        "numpy": [sys.executable, "-c", "import numpy"],
-        "without a camera": [*launch, "pioneer2at"],
-        "with a camera": [*launch, "ptz"],
-    }
-    times: dict[str, list[float]] = {name: [] for name in commands}
-    with tempfile.TemporaryDirectory() as folder:
-        for _ in range(ROUNDS + 1):
-            for name, words in commands.items():
-                times[name].append(cpu_time(words, folder))
-    base = times.pop("numpy")[1:]  # the first round compiles
-    return {name: ratio(values[1:], base) for name, values in times.items()}
-
-
 def ratio(times: Sequence[float], base: Sequence[float]) -> float:
     """The median ratio of all rounds."""
     return statistics.median(a / b for a, b in zip(times, base, strict=True))
@@ -217,9 +187,6 @@ def main() -> None:
     if sys.argv[1:2] == ["--serve"]:
         serve(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
         return
-    print("CPU time of `gazebo --steps 1`")
-    for name, times_numpy in start_times().items():
-        print(f"  {name:24}{times_numpy:19.2f} x import numpy   aim {STARTS[name]}")
     for width, height in SIZES:
         times = measure(width, height)
         print(f"\n{width} x {height}, {ROBOTS} robots")

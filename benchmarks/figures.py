@@ -267,11 +267,10 @@ def camera() -> Iterator[Figure]:
 
     found = frames.measure(320, 240)
     times = Times([{name: Spent(*spent[number]) for name, spent in found.items()} for number in range(frames.ROUNDS)])
-    aims = {"MuJoCo, default meshes": 10.0, "MuJoCo, coarse meshes": 4.0, "PyBullet TinyRenderer": 12.0}
     frame = (times.median("libgz", kind) * 1e3 for kind in ("cpu", "wall"))
     yield Figure("camera 320x240, 20 robots: a frame [ms]", *frame)
-    for name, aim in aims.items():
-        if name in found:
+    for (width, name), aim in frames.AIMS.items():
+        if width == 320 and name in found:
             ratios = (times.ratio(name, "libgz", kind) for kind in ("cpu", "wall"))
             note = f"{times.median(name) * 1e3:.3g} ms"
             yield Figure(f"camera 320x240: {name} / libgz", *ratios, aim, True, note)

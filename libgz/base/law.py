@@ -204,6 +204,10 @@ class Number:
             found = owner.__dict__[self._place] = ctypes.c_double(self._start)
         return found
 
+    def put(self, owner: object, cell: ctypes.c_double) -> None:
+        """Set where the number of an object is, before a law uses it."""
+        owner.__dict__[self._place] = cell
+
 
 def wrong(reason: str) -> LawError:
     """An error that names the line of the law: the innermost one outside of what records."""

@@ -263,9 +263,16 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if type(self).measure is WorldEnv.measure:
             raise ParameterError(f"observations is a Box; {type(self).__name__} must have a method `measure` then")
         if self._law is None:
-            self.outcome = Outcome(len(self._commands), int(np.prod(box.shape, dtype=int)))
-            self._seen, self._kind = self.outcome.seen.reshape(box.shape), box.dtype
+            self.outcome, self._kind = Outcome(len(self._commands), int(np.prod(box.shape, dtype=int))), box.dtype
         if self._law is None or self._law.world is not self.world:
+            self._law = LawCall(self.world, self.measure)
+
+    def move_outcome(self, numbers: NDArray[np.float64]) -> None:
+        """Have `outcome` in other memory, of as many numbers, from now on."""
+        former = self.outcome
+        numbers[:] = former.numbers
+        self.outcome = Outcome(former.action.size, former.seen.size, numbers)
+        if self._law is not None:
             self._law = LawCall(self.world, self.measure)
 
     def measure(self) -> None:
@@ -284,7 +291,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _observation(self) -> NDArray[Any]:
         """The one that `measure` computed last."""
-        return self._seen.astype(self._kind)
+        return self.outcome.seen.reshape(self._made[""][1].shape).astype(self._kind)
 
     def _space(self) -> spaces.Space[Any]:
         if "" in self._made:
@@ -355,21 +362,33 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         world = self.world
         for count in self._act(self._clipped(action)):
             world.step(count)
-        return self._outcome(action, self._observe())
+        seen = self._observe()
+        cut, now = self._end(action, seen), self.outcome
+        return seen, now.reward, now.ended != 0.0, cut, self._information()
 
-    def step_beside(self, action: Any, values: list[float] | None = None) -> Task[Any]:
+    def step_beside(self, action: Any, values: list[float] | None = None) -> Task[tuple[Any, bool, dict[str, Any]]]:
         """`step`, for environments whose worlds step beside each other in a `Crew`.
 
         Args:
             action: as of `step`.
             values: its numbers, if they are within their bounds, see `clipped_rows`.
+
+        Returns:
+            The observation, whether the episode is truncated, and the info; all else is in `outcome`, and where
+            `measures`, so is the observation.
         """
         world, law = self.world, self._law
         measured = False
         for count in self._act(self._clipped(action) if values is None else values):
-            measured = count == self._count
+            measured = law is not None and count == self._count
             yield from world.step_beside(count, law if measured else None)
-        return self._outcome(action, self._observation() if law is not None and measured else self._observe())
+        seen = None if measured else self._observe()
+        return seen, self._end(action, seen), self._information()
+
+    @property
+    def measures(self) -> bool:
+        """Whether `measure` computes `outcome`."""
+        return self._law is not None
 
     def _act(self, values: Sequence[Any]) -> Iterator[int]:
         """Write an action; gives the numbers of steps that are then to be made."""
@@ -399,19 +418,16 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
                     write(value)
                 yield 1
 
-    def _outcome(self, action: Any, seen: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """What `step` returns, after the steps."""
-        world = self.world
+    def _end(self, action: Any, seen: Any) -> bool:
+        """Count a step that is over, and set `outcome` where no law has; whether the episode is truncated."""
         self._steps += 1
-        if self._law is not None:
-            reward, ended = self.outcome.reward, self.outcome.ended != 0.0
-        else:
-            reward = 0.0 if self._reward is None else float(self._reward(world, seen, action))
-            ended = self._terminated is not None and bool(self._terminated(world, seen))
-        truncated = self._most is not None and self._steps >= self._most
+        if self._law is None:
+            world, now = self.world, self.outcome
+            now.reward = 0.0 if self._reward is None else float(self._reward(world, seen, action))
+            now.ended = float(self._terminated is not None and bool(self._terminated(world, seen)))
         if self.render_mode == "human":
             self.render()
-        return seen, reward, ended, truncated, self._information()
+        return self._most is not None and self._steps >= self._most
 
     def _write_held(self, values: Sequence[float]) -> bool:
         """Write the action as efforts that native code holds over the steps of a period; whether it can."""

@@ -1,6 +1,8 @@
-"""Outcome: the numbers with which a step of an environment ends, where a law computes them."""
+"""Outcome: the numbers with which a step of an environment ends."""
 
 from __future__ import annotations
+
+import ctypes
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +13,12 @@ __all__ = ["Outcome"]
 
 
 class Outcome:
-    """What a law computes at the end of a step, and the action that it was.
+    """What a step of an environment ends with, and the action that it was, where a law computes it.
 
     Args:
         actions: numbers of an action.
         seen: numbers of an observation.
+        numbers: where all of them are, one after the other, shape (m + n + 2,); None for new ones.
 
     Attributes:
         action: within its bounds, shape (m,).
@@ -27,6 +30,9 @@ class Outcome:
     reward = Number()
     ended = Number()
 
-    def __init__(self, actions: int, seen: int) -> None:
-        self.action: NDArray[np.float64] = np.zeros(actions)
-        self.seen: NDArray[np.float64] = np.zeros(seen)
+    def __init__(self, actions: int, seen: int, numbers: NDArray[np.float64] | None = None) -> None:
+        if numbers is None:
+            numbers = np.zeros(actions + seen + 2)
+        self.numbers, self.action, self.seen = numbers, numbers[:actions], numbers[actions:-2]
+        Outcome.reward.put(self, ctypes.c_double.from_buffer(numbers[-2:].data))
+        Outcome.ended.put(self, ctypes.c_double.from_buffer(numbers[-1:].data))

@@ -23,7 +23,7 @@ __all__ = ["KINDS", "WorldVectorEnv"]
 
 _PLAIN = {bool, int, float}  # of which an array is made at once
 
-Outcome = tuple[Any, float, bool, bool, dict[str, Any]]  # what a step of one environment returns
+Stepped = tuple[Any, bool, dict[str, Any]]  # what a step of one environment returns; see `WorldEnv.step_beside`
 
 
 class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
@@ -83,6 +83,13 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._observations: Any = create_empty_array(self.single_observation_space, num_envs)
         self._seen: list[Any] = [None] * num_envs
+        self._outcomes = np.zeros((num_envs, first.outcome.numbers.size))  # a row for that of each environment
+        for env, row in zip(self.envs, self._outcomes, strict=True):
+            env.move_outcome(row)
+        # Where `measure` computes them, a view of all observations.
+        self._measured: NDArray[np.float64] | None = None
+        if first.measures and isinstance(self._observations, np.ndarray):
+            self._measured = self._outcomes[:, first.outcome.action.size : -2].reshape(self._observations.shape)
         self._ended = np.zeros(num_envs, np.bool_)
 
     @property
@@ -147,19 +154,21 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             _reset(env) if ended else env.step_beside(row, values)
             for env, row, values, ended in zip(self.envs, rows, clipped, again.tolist(), strict=True)
         ]
-        rewards, ends, cuts = np.zeros(self.num_envs), *(np.zeros(self.num_envs, np.bool_) for _ in range(2))
-        infos: list[dict[str, Any]] = []
-        finals: dict[str, Any] = {}
-        for number, outcome in enumerate(self._crew.run(tasks)):
+        # Resets last: Python does them while native code does the steps of the others.
+        stepped = self._crew.run(tasks, np.argsort(again, kind="stable").tolist())
+        for number, outcome in enumerate(stepped):
             if isinstance(outcome, BaseException):
                 raise GazeboError(f"environment {number} of {self.num_envs}: {outcome}") from outcome
-            self._seen[number], rewards[number], ends[number], cuts[number], info = outcome
-            if modes == AutoresetMode.SAME_STEP and (ends[number] or cuts[number]):
-                final = {"final_obs": self._seen[number], "final_info": info}
-                finals = self._add_info(finals, final, number)
-                self._seen[number], info = self.envs[number].reset()
-            infos.append(info)
+        self._seen, cut, infos = map(list, zip(*stepped, strict=True))
+        rewards, ends, cuts = self._outcomes[:, -2].copy(), self._outcomes[:, -1] != 0.0, np.array(cut, np.bool_)
+        rewards[again], ends[again] = 0.0, False
         self._ended = ends | cuts
+        finals: dict[str, Any] = {}
+        if modes == AutoresetMode.SAME_STEP:
+            for number in np.flatnonzero(self._ended).tolist():
+                final = {"final_obs": self._observation(number), "final_info": infos[number]}
+                finals = self._add_info(finals, final, number)
+                self._seen[number], infos[number] = self.envs[number].reset()
         return self._collected(), rewards, ends, cuts, finals | self._joined(infos)
 
     def _joined(self, infos: list[dict[str, Any]]) -> dict[str, Any]:
@@ -181,12 +190,18 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _collected(self) -> Any:
         """The observations of all environments."""
         space = self.single_observation_space
-        if isinstance(space, spaces.Box):
+        if self._measured is not None:
+            self._observations[...] = self._measured
+        elif isinstance(space, spaces.Box):
             for number, seen in enumerate(self._seen):
                 self._observations[number] = seen
         else:
             self._observations = concatenate(space, self._seen, self._observations)
         return deepcopy(self._observations) if self.copy else self._observations
+
+    def _observation(self, number: int) -> Any:
+        """The one of a single environment."""
+        return self._seen[number] if self._measured is None else self._measured[number].astype(self._observations.dtype)
 
     def _mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:
@@ -232,10 +247,10 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise ClosedError("the environments are closed")
 
 
-def _reset(env: WorldEnv) -> Task[Outcome]:
+def _reset(env: WorldEnv) -> Task[Stepped]:
     """An episode that begins in place of a step."""
     seen, info = env.reset()
-    return seen, 0.0, False, False, info
+    return seen, False, info
     yield  # as a task, which has no job
 
 

@@ -67,8 +67,12 @@ class Crew:
             self._runner = 0
             lock.release()
 
-    def run(self, tasks: Sequence[Task[T]]) -> list[T | BaseException]:
+    def run(self, tasks: Sequence[Task[T]], order: Sequence[int] | None = None) -> list[T | BaseException]:
         """Run tasks beside each other: jobs in all threads, and what they do themselves in this one.
+
+        Args:
+            tasks: what is to be run.
+            order: the numbers of the tasks as they begin; None for one after the other.
 
         Returns:
             What each returned, or the exception that it raised.
@@ -78,30 +82,30 @@ class Crew:
             LibraryError: there is no memory for the threads.
         """
         with self._alone(wait=False):
-            return self._run(tasks)
+            return self._run(tasks, range(len(tasks)) if order is None else order)
 
-    def _run(self, tasks: Sequence[Task[T]]) -> list[T | BaseException]:
+    def _run(self, tasks: Sequence[Task[T]], order: Sequence[int]) -> list[T | BaseException]:
         native = self._native
         if native is None or native.process != os.getpid():
             native = self._native = _Threads(self.threads)
         outcomes: list[Any] = [None] * len(tasks)
         under_way: dict[int, int] = {}  # the number of the task by the address of its job
-        add, following = native.add, native.next
+        add, following, address_of = native.add, native.next, ctypes.addressof
 
         def advance(number: int) -> None:
             try:
-                job = next(tasks[number])
+                address = address_of(next(tasks[number]))
             except StopIteration as end:
                 outcomes[number] = end.value
             except USER_ERRORS as error:
                 pass_interrupt(error)
                 outcomes[number] = error
             else:
-                under_way[ctypes.addressof(job)] = number
-                add(job)
+                under_way[address] = number
+                add(address)
 
         try:
-            for number in range(len(tasks)):
+            for number in order:
                 advance(number)
             while job := following():
                 advance(under_way.pop(job))
@@ -128,7 +132,7 @@ class _Threads:
     """The threads of one process; see crew.c.
 
     Attributes:
-        add: have a job done; who adds it keeps it until `next` has returned it.
+        add: have a job done, by its address; who adds it keeps it until `next` has returned it.
         next: the address of a job that is done, of those that were added and not returned; None without any.
     """
 
@@ -140,8 +144,8 @@ class _Threads:
         if not found:
             raise LibraryError("there is no memory for threads that step worlds")
         address = c_void_p(found)
-        short.gz_crew_add.argtypes = (c_void_p, ctypes.POINTER(JobRecord))
-        self.add: Callable[[JobRecord], object] = partial(short.gz_crew_add, address)
+        short.gz_crew_add.argtypes = (c_void_p, c_void_p)
+        self.add: Callable[[int], object] = partial(short.gz_crew_add, address)
         self.next: Callable[[], int | None] = partial(library.gz_crew_next, address)
         workers = [
             threading.Thread(target=_work, args=(library, address), name=f"libgz crew {number}", daemon=True)

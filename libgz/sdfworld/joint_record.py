@@ -147,11 +147,12 @@ class JointRecord(ctypes.Structure):
 
     def held(self, effort: float, steps: int, last: int) -> None:
         """Note an effort on the first axis that acted in a number of steps, the last of which has a number."""
+        numbers, places = self.numbers, self._steps
         if steps > 1:
-            self.before[:], self.before_at = (effort, 0.0), last - 1
+            numbers[_BEFORE], numbers[_BEFORE + 1], places[_BEFORE_AT] = effort, 0.0, last - 1
         else:
-            self.before, self.before_at = self.applied, self.applied_at
-        self.applied[:], self.applied_at = (effort, 0.0), last
+            numbers[_BEFORE], numbers[_BEFORE + 1], places[_BEFORE_AT] = numbers[0], numbers[1], places[_AT]
+        numbers[0], numbers[1], places[_AT] = effort, 0.0, last
 
     def effort(self, index: int) -> float:
         """The effort on an axis in the last step that had some."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, pass_interrupt
-from libgz.base.records import JobRecord
 from libgz.simulation.entity import Entity
 from libgz.simulation.exchange import Exchange
 from libgz.simulation.plan import Plan
@@ -16,7 +15,7 @@ from libgz.simulation.problems import NOTED, note
 from libgz.simulation.running_code import names
 
 if TYPE_CHECKING:
-    from libgz.simulation.updates import LawCall, UpdateRows
+    from libgz.simulation.updates import UpdateRows
     from libgz.simulation.world import World
 
 __all__ = ["Stepping"]
@@ -46,31 +45,12 @@ class Stepping:
 
     def run(self, most: int, pace: Any) -> int:
         """One step, and more as long as native code does them alone; how many."""
-        if free := self._prepare(most):
-            return self._finish(free, self.world.rows.run_all(pace))
-        return self._run_in_python()
+        if free := self.prepare(most):
+            return self.finish(free, self.world.rows.run_all(pace))
+        return self.run_in_python()
 
-    def run_beside(self, most: int, last: LawCall | None) -> Generator[JobRecord, None, int]:
-        """`run`, for a world that steps beside others: resumed when the job that it yields is done.
-
-        Args:
-            most: steps.
-            last: a law that is computed after all of them.
-        """
-        if free := self._prepare(most):
-            job = self.world.rows.job
-            job.law = last.address if last is not None and free == most else None
-            yield job
-            made = self._finish(free, job.row)
-            obeyed = job.obeyed
-        else:
-            made, obeyed = self._run_in_python(), 0
-        if last is not None and made == most and not obeyed:
-            last()
-        return made
-
-    def _prepare(self, most: int) -> int:
-        """How many of the next steps native code may do, at least until a row stops it."""
+    def prepare(self, most: int) -> int:
+        """How many of the next steps native code may do, at least until a row stops it; then comes `finish`."""
         rows = self.world.rows
         if not rows.valid or self._laws is not self._begin.entries:
             self._build_rows()
@@ -84,7 +64,7 @@ class Stepping:
         rows.steps.value = free
         return free
 
-    def _finish(self, free: int, number: int) -> int:
+    def finish(self, free: int, number: int) -> int:
         """Do what native code has left of so many steps, from a row on; how many steps were made."""
         rows = self.world.rows
         made = free - rows.steps.value
@@ -96,7 +76,7 @@ class Stepping:
             self._continue_natively(number)
         return made
 
-    def _run_in_python(self) -> int:
+    def run_in_python(self) -> int:
         """Do a step whose parts Python calls; 1."""
         if self.world.buttons.read():
             self._pause()

@@ -623,15 +623,24 @@ class World(Closing):
             count: steps.
             last: a law that is computed after them.
         """
-        lock = self.lock
+        lock, stepping, rows = self.lock, self._stepping, self.rows
         with lock:
             while count > 0:
                 if lock.waiting:
                     lock.pass_on()
                 self._begin_steps()
                 try:
-                    most = count if self._rewind is None else 1
-                    count -= yield from self._stepping.run_beside(most, last if most == count else None)
+                    most, obeyed = count if self._rewind is None else 1, 0
+                    if free := stepping.prepare(most):
+                        job = rows.job
+                        job.law = last.address if last is not None and free == count else None
+                        yield job
+                        count -= stepping.finish(free, job.row)
+                        obeyed = job.obeyed
+                    else:
+                        count -= stepping.run_in_python()
+                    if last is not None and count <= 0 and not obeyed:
+                        last()
                 finally:
                     self._inside = self.agenda.stepping = False
                 self._end_steps()

@@ -411,6 +411,6 @@ def links(world):
 @pytest.fixture
 def python_steps(monkeypatch):
     """The steps that Python makes."""
-    made, run = [], Stepping._run_in_python
-    monkeypatch.setattr(Stepping, "_run_in_python", lambda stepping: (made.append(1), run(stepping))[1])
+    made, run = [], Stepping.run_in_python
+    monkeypatch.setattr(Stepping, "run_in_python", lambda stepping: (made.append(1), run(stepping))[1])
     return made

@@ -517,10 +517,10 @@ class Node:
 
     def _follow_all(self, subscriber: Subscriber, uris: list[str]) -> None:
         """Connect to those publishers that are not connected yet."""
-        for uri in uris:
-            if uri in subscriber.publishers:
-                continue
-            if len(subscriber.publishers) >= MOST_PUBLISHERS or not self._connecting.acquire(blocking=False):
+        new = [uri for uri in dict.fromkeys(uris) if uri not in subscriber.publishers]
+        for number, uri in enumerate(new):  # of many where nobody is, each would take a thread
+            full = max(number, len(subscriber.publishers)) >= MOST_PUBLISHERS
+            if full or not self._connecting.acquire(blocking=False):
                 text = "ROS: %s has more than %d publishers; those beyond are left out"
                 self._loop.warn("publishers", text, subscriber.topic, MOST_PUBLISHERS)
                 break

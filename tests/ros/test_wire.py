@@ -582,6 +582,28 @@ def test_addresses_of_publishers_do_not_fill_the_log(node, master, caplog):
     del subscription
 
 
+def test_of_a_long_list_of_publishers_few_are_asked(node, master, monkeypatch):
+    asked, real = [], node_module.call
+
+    def nobody(uri, method, *values, **options):
+        if method != "requestTopic":
+            return real(uri, method, *values, **options)
+        asked.append(uri)
+        raise xmlrpc_module.XmlRpcError("nobody is there")
+
+    monkeypatch.setattr(node_module, "call", nobody)
+    subscription = node.subscribe("talk", STRING.name, lambda _: None)
+    wait_for(lambda: "/talk" in master.subscribers)
+    uris = [f"http://127.0.0.1:1/{number}" for number in range(3000)]
+    ask(node.node.uri, "publisherUpdate", "/master", "/talk", uris)
+    wait_for(lambda: not node.node._subscribers["/talk"].publishers)
+    assert len(asked) == node_module.MOST_PUBLISHERS
+    ask(node.node.uri, "publisherUpdate", "/master", "/talk", uris[:1] * 3000)
+    wait_for(lambda: not node.node._subscribers["/talk"].publishers)
+    assert len(asked) == node_module.MOST_PUBLISHERS + 1
+    del subscription
+
+
 def test_messages_that_do_not_come_whole_have_a_common_bound(node, master, monkeypatch, caplog):
     monkeypatch.setattr(loop_module, "MOST_INCOMPLETE", 1 << 20)
     service = node.serve("serve", "std_srvs/SetBool", lambda _: None)

@@ -18,6 +18,6 @@ USER libgz
 EXPOSE 8080
 WORKDIR /home/libgz
 # Healthy while the server of id 0 steps, paused or not. The first wait may be for an old step.
-HEALTHCHECK --interval=10s --timeout=9s --start-period=20s CMD ["python3", "-c", \
+HEALTHCHECK --interval=10s --timeout=9s --start-period=20s CMD ["python3", "-P", "-c", \
     "import libgz, sys; c = libgz.Client(0, 7); c.wait(timeout=3.0); sys.exit(not c.wait(timeout=3.0))"]
 CMD ["gazebo", "pioneer2at"]

@@ -11,7 +11,7 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from libgz.base.errors import GazeboError, LibraryError
+from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.sweep.results import Results
 from libgz.sweep.study import Study
@@ -24,6 +24,8 @@ log = logging.getLogger("libgz.sweep")
 AHEAD = 3  # runs given out per worker, so that none waits for the next one
 LOOK = 1.0  # [s] between two looks at the connection, and two reports
 HANDSHAKE = 20.0  # [s] to reach a scheduler
+SCHEMES = ("tls", "tcp", "wss", "ws")  # of one in another process
+WITH_TLS = ("tls", "wss")
 
 
 class SchedulerLostError(GazeboError):
@@ -197,16 +199,27 @@ def cluster(address: str) -> Iterator[Pool]:
 
     Raises:
         LibraryError: dask.distributed is not installed.
-        GazeboError: the scheduler cannot be reached.
+        ParameterError: the address has another scheme.
+        GazeboError: the scheduler cannot be reached, or there are no certificates for TLS.
     """
     distributed = _distributed()
-    if not address.startswith("tls://"):
-        log.warning(
-            "%s has no TLS: whoever can connect to it can run code on the scheduler, its workers and here; "
-            "trust it only in a network that is yours, or use tls://",
-            address,
+    scheme = address.partition("://")[0] if "://" in address else "tcp"
+    if scheme not in SCHEMES:
+        raise ParameterError(
+            f"the scheduler {address!r} begins with none of {', '.join(f'{one}://' for one in SCHEMES)}"
         )
     try:
+        if scheme in WITH_TLS:
+            if distributed.Security().get_connection_args("client")["ssl_context"] is None:
+                raise GazeboError(
+                    f"{address} needs certificates; dask's configuration names none (distributed.comm.tls)"
+                )
+        else:
+            log.warning(
+                "%s has no TLS: whoever can connect to it can run code on the scheduler, its workers and here; "
+                "trust it only in a network that is yours, or use tls://",
+                address,
+            )
         client = distributed.Client(address, timeout=HANDSHAKE, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise GazeboError(f"cannot reach the scheduler {address!r}: {error}") from None

@@ -1,6 +1,7 @@
 """Processes that libgz starts do not import what lies in the current directory."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +26,13 @@ def test_the_current_directory_is_not_searched(tmp_path):
     done = subprocess.run(run_module("json.tool", "--help"), cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert not (tmp_path / "json.ran").exists()
+
+
+def test_a_container_searches_no_folder_of_a_volume_either():
+    text = (Path(__file__).parents[2] / "Dockerfile").read_text()
+    programs = re.findall(r'"python3", ("-\w+")', text)
+    assert programs
+    assert set(programs) == {'"-P"'}
 
 
 @pytest.mark.parametrize(

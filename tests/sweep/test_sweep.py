@@ -4,6 +4,7 @@ import contextlib
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -131,11 +132,30 @@ def test_a_scheduler_without_tls_is_named_as_trusted(address, monkeypatch, caplo
         def Client(self, *_arguments, **_options):
             raise OSError("refused")
 
+        def Security(self):
+            return self
+
+        def get_connection_args(self, _role):
+            return {"ssl_context": object()}
+
     monkeypatch.setattr(driver, "_distributed", Distributed)
     with pytest.raises(GazeboError, match=f"cannot reach the scheduler '{address}': refused"), driver.cluster(address):
         pass
     told = f"{address} has no TLS: whoever can connect to it can run code" in caplog.text
     assert told is address.startswith("tcp")
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("tls://127.0.0.1:1", "tls://127.0.0.1:1 needs certificates; dask's configuration names none"),
+        ("other://x", "'other://x' begins with none of tls://, tcp://, wss://, ws://"),
+    ],
+)
+def test_a_scheduler_that_no_client_can_be_made_for_is_refused(address, said):
+    """By a sentence: half a client of dask waits for 40 s at its end, and its traceback says less."""
+    with pytest.raises(GazeboError, match=re.escape(said)), driver.cluster(address):
+        pass
 
 
 def test_other_studies_do_not_mix(folder):

@@ -76,7 +76,7 @@ def expand(name: str) -> Path:
 
 
 def open_file(path: str | os.PathLike[str]) -> BinaryIO:
-    """Open a file for reading, but no pipe, socket or device: those may never end.
+    """Open a file for reading, but no pipe, socket or device, nor what has nothing to read yet: those may never end.
 
     Raises:
         OSError: it cannot be opened, or is none; `strerror` says what it is.
@@ -93,6 +93,10 @@ def open_file(path: str | os.PathLike[str]) -> BinaryIO:
         if not stat.S_ISREG(mode):
             kind = "pipe" if stat.S_ISFIFO(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
             raise OSError(errno.EINVAL, f"it is a {kind}, not a file", os.fspath(path))
+        try:
+            os.pread(descriptor, 1, 0)
+        except OSError as error:  # such as of /proc/kmsg, which says that it is a file
+            raise OSError(error.errno, error.strerror, os.fspath(path)) from None
         return open(descriptor, "rb")  # noqa: PTH123 - for the caller's `with`
     except BaseException:
         os.close(descriptor)

@@ -181,6 +181,18 @@ def test_what_is_no_file_is_named(tmp_path):
         files.open_file(tmp_path)
 
 
+def test_a_file_that_has_nothing_to_read_yet_is_named(tmp_path, monkeypatch):
+    """/proc/kmsg is one: it says that it is a file, and who reads it waits for a message of the kernel."""
+
+    def read(*_values):
+        raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(os, "pread", read)
+    with pytest.raises(BlockingIOError, match=f"temporarily unavailable: '{tmp_path / 'file'}'"):
+        files.open_file(tmp_path / "file")
+
+
 @pytest.mark.parametrize("unnamed", [True, False])
 def test_what_is_being_written_belongs_to_its_user_alone(tmp_path, monkeypatch, unnamed):
     opened, asked = os.open, []

@@ -42,6 +42,14 @@ def policy(scripts: str, styles: str, sources: str) -> str:
     return POLICY.format(scripts=scripts, styles=styles, sources=sources)
 
 
+def _place(address: str) -> str:
+    """Host and port of an address; empty if it is none."""
+    try:
+        return urlsplit(address).netloc
+    except ValueError:
+        return ""
+
+
 def script_source(text: str) -> str:
     """The source that allows a script within a page."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
@@ -83,7 +91,7 @@ class Gate:
             return _response(403, "this host is not served here")
         if request.headers.get("Upgrade", "").lower() == "websocket":
             origin = request.headers.get("Origin")
-            if origin is not None and urlsplit(origin).netloc != host:
+            if origin is not None and _place(origin) != host:
                 return _response(403, "pages of other addresses may not connect")
         return None
 

@@ -169,7 +169,9 @@ def test_names_that_others_made_point_here_are_refused(viewer):
         assert get(viewer, Host=host)[0] == 403
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "http://127.0.0.1", "http://127.0.0.1:80801", "null", ""])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "http://127.0.0.1", "http://127.0.0.1:80801", "http://[::1", "null", ""]
+)
 def test_pages_of_other_addresses_cannot_connect(viewer, origin):
     with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):
         Socket(viewer.url, Origin=origin)

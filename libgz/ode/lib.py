@@ -104,10 +104,9 @@ def _load() -> tuple[ctypes.PyDLL, str]:
             reasons.append(f"cannot load the ODE library {name!r} ({error})")
             continue
         if shared.dCheckConfiguration(b"ODE_double_precision"):
-            for reason in reasons:
-                log.debug("%s", reason)
             return shared, origin
         reasons.append(f"{name} is built for single precision; libgz needs doubles")
+        log.debug("%s", reasons[-1])
     raise LibraryError(f"{'; '.join(reasons)}; {ADVICE}")
 
 

@@ -1,24 +1,28 @@
 """A trial: C++ plugins of Gazebo classic that the user has on disk compile unmodified.
 
 PLUGIN_SOURCES names a directory with a folder for each project; every file that registers a plugin is compiled, with
-the headers and the messages of its project. PLUGIN_RESULTS names a file that keeps the results: what compiled before
-must compile again. PLUGIN_SHARE and PLUGIN_ROS_SHARE are the least shares that must compile, such as 0.85: of the files
-that need no ROS, and of those that Debian's ROS 1 suffices for; PLUGIN_ROS is the root below which that is installed,
-such as /. PLUGIN_WHOLE is the share of files that are built and loaded wholly, without the precompiled header, such as
-0.1. CXXFLAGS may name further options of the compiler, such as -I/usr/include/eigen3; those of PLUGIN_OPTIONS come
-after the folders of a plugin's project. The table by kind of failure is printed: pytest -s.
+the headers and the messages of its project. PLUGIN_RESULTS names a file to which each result is added as it comes: what
+has ever compiled must compile again, and a run that was cut short goes on where it was. PLUGIN_NEEDS names the one
+column to compile, such as "no ROS". As many compilers run as the trial has processors: taskset -c 0. PLUGIN_SHARE and
+PLUGIN_ROS_SHARE are the least shares that must compile, such as 0.85: of the files that need no ROS, and of those that
+Debian's ROS 1 suffices for; PLUGIN_ROS is the root below which that is installed, such as /. PLUGIN_WHOLE is the share
+of files that are built and loaded wholly, without the precompiled header, such as 0.1. CXXFLAGS may name further
+options of the compiler, such as -I/usr/include/eigen3; those of PLUGIN_OPTIONS come after the folders of a plugin's
+project. The table by kind of failure is printed: pytest -s.
 """
 
 import collections
 import concurrent.futures
 import ctypes
 import itertools
+import json
 import os
 import random
 import re
 import shlex
 import subprocess
 import sys
+import threading
 from pathlib import Path, PurePath
 
 import pytest
@@ -35,6 +39,8 @@ SHARE = float(os.environ.get("PLUGIN_SHARE", "0"))
 ROS_SHARE = float(os.environ.get("PLUGIN_ROS_SHARE", "0"))
 WHOLE = float(os.environ.get("PLUGIN_WHOLE", "0"))
 ROS = os.environ.get("PLUGIN_ROS")
+NEEDED = os.environ.get("PLUGIN_NEEDS")
+JOBS = len(os.sched_getaffinity(0))
 OPTIONS = shlex.split(os.environ.get("PLUGIN_OPTIONS", ""))
 
 REGISTERS = re.compile(r"^\s*GZ_REGISTER_(WORLD|MODEL|SENSOR|SYSTEM|VISUAL|GUI)_PLUGIN\s*\(", re.MULTILINE)
@@ -63,6 +69,14 @@ NEEDS = {
     "ROS 1": r"^(ros|tf|tf2_ros|nodelet|image_transport|cv_bridge|dynamic_reconfigure)/|^\w+_(msgs|srvs)/\w+\.h$",
 }
 GAZEBO = re.compile(r"^(?:[\w -]+ for )?(gazebo::(?:\w+::)*?|libgz::)([A-Z]\w*)(?=::|\(|$|\[)")
+# Runs programs of ROS in one process, for most of their time is Python's start.
+GENERATE = """
+import contextlib, json, runpy, sys
+for script, *arguments in json.load(sys.stdin):
+    sys.argv = [script, *arguments]
+    with contextlib.suppress(Exception, SystemExit):
+        runpy.run_path(script, run_name="__main__")
+"""
 NO_ROS, ROS_1, OLD = "no ROS", "ROS 1", "a copy of Gazebo 1 to 3"
 OLD_GAZEBO = re.compile(r"GAZEBO_MAJOR_VERSION\s+[1-3]\b")
 
@@ -126,9 +140,16 @@ class Project:
         share, programs = root / "usr" / "share", root / "usr" / "lib"
         environment = {**os.environ, "PYTHONPATH": str(programs / "python3" / "dist-packages")}
 
-        def run(*words):
-            command = [sys.executable, *map(str, words)]
-            subprocess.run(command, capture_output=True, check=False, env=environment, cwd=self.place)
+        def run(programs):
+            subprocess.run(
+                [sys.executable, "-c", GENERATE],
+                input=json.dumps([[str(word) for word in words] for words in programs]),
+                text=True,
+                capture_output=True,
+                check=False,
+                env=environment,
+                cwd=self.place,
+            )
 
         packages = {}
         for path in self.files:
@@ -138,15 +159,20 @@ class Project:
         folders = [word for path in known for word in ("-I", f"{path.parent.name}:{path}")]
         for name, folder in packages.items():
             folders += ["-I", f"{name}:{folder / 'msg'}", "-I", f"{name}:{self.place / name / 'msg'}"]
+        begin, then = [], []
         for name, folder in packages.items():
             into = self.place / name
             into.mkdir(exist_ok=True)
-            for path in folder.glob("cfg/*.cfg"):
-                run(path, share / "dynamic_reconfigure", into, into, into)
-            for path in folder.glob("action/*.action"):
-                run(programs / "actionlib_msgs" / "genaction.py", path, "-o", into / "msg")
-            for path in (*folder.glob("msg/*.msg"), *folder.glob("srv/*.srv"), *into.glob("msg/*.msg")):
-                run(programs / "gencpp" / "gen_cpp.py", path, *folders, "-p", name, "-o", into, "-e", share / "gencpp")
+            begin += [(path, share / "dynamic_reconfigure", into, into, into) for path in folder.glob("cfg/*.cfg")]
+            program = programs / "actionlib_msgs" / "genaction.py"
+            begin += [(program, path, "-o", into / "msg") for path in folder.glob("action/*.action")]
+        run(begin)
+        for name, folder in packages.items():
+            into = self.place / name
+            options = (*folders, "-p", name, "-o", into, "-e", share / "gencpp")
+            files = (*folder.glob("msg/*.msg"), *folder.glob("srv/*.srv"), *into.glob("msg/*.msg"))
+            then += [(programs / "gencpp" / "gen_cpp.py", path, *options) for path in files]
+        run(then)
 
     def _own(self, name, place):
         """The file of the project that an include means, if it is one of its own."""
@@ -189,7 +215,7 @@ def precompiled(place, library):
         output = place / "all.hh.gch" / ("old" if version else "new")
         subprocess.run([*compiler(), *flags, *version, "-x", "c++-header", header, "-o", output], check=True)
 
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
         list(pool.map(compiled, ((), OLD_NAMES)))
     return ["-include", str(header)]
 
@@ -229,6 +255,42 @@ def compiled(path, options):
         return [str(error)]
 
 
+class Results:
+    """The results of runs in a file: a line for each plugin and library, added as it comes.
+
+    Args:
+        file: the file, or None.
+        key: of the library.
+
+    Attributes:
+        done: {path: its errors} with this library.
+        good: the paths that have ever compiled.
+    """
+
+    def __init__(self, file, key):
+        self._file, self._key = file, key
+        self._lock = threading.Lock()
+        lines = Path(file).read_text().splitlines() if file and Path(file).exists() else []
+        rows = [line.split("\t") for line in lines]
+        self.good = {path for path, kind, *_ in rows if kind == COMPILES}
+        self.done = {row[0]: row[3:] for row in rows if row[2:3] == [key]}
+
+    def add(self, path, errors):
+        """Keep what came out for a plugin."""
+        with self._lock:
+            self.done[path] = errors
+            if self._file:
+                with Path(self._file).open("a") as file:
+                    print(
+                        path,
+                        kind_of(errors),
+                        self._key,
+                        *(" ".join(one.split()) for one in errors[:1]),
+                        sep="\t",
+                        file=file,
+                    )
+
+
 def table_of(needs, errors):
     """Files by what they need and the kind of failure, as lines; and the share that compiles of each need."""
     lines, shares = [], {}
@@ -250,28 +312,30 @@ def test_plugins_compile_unmodified(tmp_path):
         pytest.skip(str(error))
     ros = tmp_path / "ros"
     install(ros)
-    fast, needs, commands, projects = precompiled(tmp_path, library), {}, {}, {}
+    needs, commands, projects = {}, {}, {}
     for folder in sorted(path for path in Path(SOURCES).iterdir() if path.is_dir()):
         project = Project(folder, tmp_path / folder.name, library, ros)
         for path, source in project.sources.items():
             name = str(path.relative_to(SOURCES))
-            projects[name] = project
-            needs[name], commands[name] = project.needs_of(path), (source, [f"-I{path.parent}", *project.options])
+            if NEEDED in (None, need := project.needs_of(path)):
+                projects[name], needs[name] = project, need
+                commands[name] = source, [f"-I{path.parent}", *project.options]
     assert commands, f"no file in {SOURCES} registers a plugin"
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        given = [(path, [*fast, *options]) for path, options in commands.values()]
-        errors = dict(zip(commands, pool.map(compiled, *zip(*given, strict=True)), strict=True))
+    results = Results(RESULTS, library.key)
+    fast, ever = precompiled(tmp_path, library), set(results.good)
+
+    def attempt(name):
+        source, options = commands[name]
+        results.add(name, compiled(source, [*fast, *options]))
+
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        list(pool.map(attempt, (name for name in commands if name not in results.done)))
+    errors = {name: results.done[name] for name in commands}
     for path, messages in errors.items():
         print(f"{needs[path]}\t{kind_of(messages)}\t{path}\t{messages[0] if messages else ''}")
     lines, shares = table_of(needs, errors)
     print(*lines, sep="\n")
-    lost = []
-    if RESULTS:
-        before = Path(RESULTS).read_text().splitlines() if Path(RESULTS).exists() else []
-        known = {path for path, _, kind in (line.partition("\t") for line in before) if kind == COMPILES}
-        lost = [path for path in sorted(known & errors.keys()) if errors[path]]
-        lines = [f"{path}\t{COMPILES if path in lost else kind_of(messages)}\n" for path, messages in errors.items()]
-        Path(RESULTS).write_text("".join(lines))  # what is lost stays so until it compiles again
+    lost = [path for path in sorted(ever & errors.keys()) if errors[path]]
     assert not lost, {path: errors[path][0] for path in lost}
     assert shares.get(NO_ROS, 1.0) >= SHARE
     assert shares.get(ROS_1, 1.0) >= ROS_SHARE
@@ -279,7 +343,7 @@ def test_plugins_compile_unmodified(tmp_path):
     chosen = random.Random(0).sample(good, round(WHOLE * len(good)))
     libraries = [ctypes.CDLL(str(library.lib / name), mode=os.RTLD_GLOBAL) for name in (MESSAGES, SONAME)]
     given = set().union(*(symbols(one._name, "--defined-only") for one in libraries))
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
         jobs = [(*commands[path], tmp_path, projects[path], given) for path in chosen]
         whole = dict(zip(chosen, pool.map(linked, *zip(*jobs, strict=True)), strict=True)) if jobs else {}
     print(f"built wholly: {len(whole)}", *(f"{path}\t{found[0]}" for path, found in whole.items() if found), sep="\n")

@@ -22,7 +22,7 @@ from libgz.classic.plugin_base import PluginT
 from libgz.classic_cxx import rows
 from libgz.classic_cxx.library import IGNITION, MESSAGES, SONAME, cache_folder, source_key
 from libgz.classic_cxx.own_messages import OwnMessages, mapped
-from libgz.cxx.host import frames_address, install, loading, track
+from libgz.cxx.host import frames_address, install, loading, track, watch
 from libgz.cxx.shared_object import SharedObject
 from libgz.simulation.plugins import Plugin, edition
 
@@ -144,10 +144,12 @@ class CompiledPlugin:
         """Call the plugin's Load."""
         holder, element = (None, *values) if len(values) == 1 else (*values, None)[:2]
         self.functions.load(self._object, holder, element)
+        watch()
 
     def Init(self) -> None:
         """Call the plugin's Init."""
         self.functions.call(self._object, INIT)
+        watch()
 
     def Reset(self) -> None:
         """Call the plugin's Reset."""

@@ -30,7 +30,8 @@ static __thread int has_stack;
 static const int SIGNALS[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS};
 static const char *const NAMES[] = {"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"};
 enum { COUNT = sizeof SIGNALS / sizeof SIGNALS[0] };
-static struct sigaction before[COUNT];
+static struct sigaction own, before[COUNT], of_plugins[COUNT];
+static int reported;
 
 /* A stack for signal handlers: after an endless recursion there is none left. */
 static void make_stack(void)
@@ -225,14 +226,20 @@ static void on_signal(int number, siginfo_t *info, void *context)
     code = top == NULL ? code_of(address, stack) : NULL;
     for (i = 0; i < COUNT; i++)
         if (SIGNALS[i] == number) {
-            if (top != NULL)
+            const struct sigaction *next = of_plugins[i].sa_handler == SIG_DFL ? &before[i] : &of_plugins[i];
+
+            if (reported)
+                ; /* by this handler, which the plugin's has called */
+            else if (top != NULL)
                 write_frame(NAMES[i]);
             else if (code != NULL)
                 write_thread(NAMES[i], code);
-            if (top != NULL || code != NULL)
-                write_text(": the process ends\n");
+            if (!reported && (top != NULL || code != NULL))
+                write_text(next == &before[i] ? ": the process ends\n" : ": a plugin's own handler follows\n");
+            reported = next != &before[i];
             /* The instruction repeats, and ends the process as it would have without this handler. */
-            sigaction(number, &before[i], NULL);
+            sigaction(number, next, NULL);
+            of_plugins[i].sa_handler = SIG_DFL;
             if (info->si_code <= 0)
                 raise(number); /* a signal that code has sent */
         }
@@ -242,6 +249,8 @@ static void on_exit_of_process(void)
 {
     const struct code *code = NULL;
 
+    if (reported)
+        return; /* a plugin's handler of signals ends the process */
     if (top == NULL && syscall(SYS_gettid) != getpid())
         code = code_of(0, (uintptr_t) __builtin_frame_address(0));
     if (top != NULL)
@@ -256,18 +265,30 @@ static void on_exit_of_process(void)
 /* Handle signals of crashes, and connect the C library with the server of the process. */
 void gz_host_install(const struct gz_host *functions)
 {
-    struct sigaction action;
     int i;
 
     gz_host = functions;
-    memset(&action, 0, sizeof action);
-    action.sa_sigaction = on_signal;
-    action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
-    sigemptyset(&action.sa_mask);
+    own.sa_sigaction = on_signal;
+    own.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
+    sigemptyset(&own.sa_mask);
     for (i = 0; i < COUNT; i++)
-        sigaction(SIGNALS[i], &action, &before[i]);
+        sigaction(SIGNALS[i], &own, &before[i]);
     atexit(on_exit_of_process);
     at_quick_exit(on_exit_of_process);
+}
+
+/* Come before the handlers that a plugin has installed since, which would say nothing of plugins. */
+void gz_host_watch(void)
+{
+    struct sigaction now;
+    int i;
+
+    reported = 0;
+    for (i = 0; i < COUNT; i++)
+        if (sigaction(SIGNALS[i], NULL, &now) == 0 && now.sa_sigaction != on_signal && now.sa_handler != SIG_IGN) {
+            of_plugins[i] = now;
+            sigaction(SIGNALS[i], &own, NULL);
+        }
 }
 
 /* Report an error as the C library does. */

@@ -25,7 +25,7 @@ from libgz.transport.interface import Interface
 from libgz.transport.semaphores import GZ_SEM_KEY
 from libgz.transport.server import Server
 
-__all__ = ["HostedServer", "ended_address", "fail", "frames_address", "install", "loading", "offer", "track"]
+__all__ = ["HostedServer", "ended_address", "fail", "frames_address", "install", "loading", "offer", "track", "watch"]
 
 log = logging.getLogger("libgz.plugin")
 
@@ -223,6 +223,8 @@ def _library() -> ctypes.CDLL:
     library.gz_host_loading.restype = None
     library.gz_host_loaded.argtypes = []
     library.gz_host_loaded.restype = None
+    library.gz_host_watch.argtypes = []
+    library.gz_host_watch.restype = None
     library.gz_host_opened.argtypes = [c_char_p, c_char_p]
     library.gz_host_closed.argtypes = [c_int]
     library.gz_host_closed.restype = None
@@ -258,6 +260,7 @@ def loading(path: Path) -> Iterator[None]:
         yield
     finally:
         _library().gz_host_loaded()
+        watch()
 
 
 def track(shared: SharedObject, path: Path) -> None:
@@ -270,6 +273,11 @@ def track(shared: SharedObject, path: Path) -> None:
     label = f"plugin {path}".encode(errors="surrogateescape")
     number = _library().gz_host_opened(os.fsencode(shared.library._name), label)
     weakref.finalize(shared, _library().gz_host_closed, number).atexit = False
+
+
+def watch() -> None:
+    """Report crashes before handlers do that code of plugins has installed meanwhile; those follow."""
+    _library().gz_host_watch()
 
 
 def frames_address() -> int:

@@ -140,6 +140,17 @@ static void Break(const std::string &how)
     std::terminate();
   if (how == "segv")
     *reinterpret_cast<volatile int *>(8) = 1;
+  if (how == "segv with a handler" || how == "segv with an exit")
+    *reinterpret_cast<volatile int *>(8) = 1;
+  if (how == "own event")
+  {
+    event::EventT<void()> own;
+    const auto connection = own.Connect([&own] {
+      ++depth;
+      own();
+    });
+    own();
+  }
   if (how == "call null")
     (*reinterpret_cast<void (*volatile *)()>(&depth))();
   if (how == "ill")
@@ -193,6 +204,14 @@ static void Break(const std::string &how)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }).detach();
 }
+// A handler of signals, as libraries that print a stack have it.
+static void OnSignal(int _number)
+{
+  (void) !write(STDERR_FILENO, "own words\n", 10);
+  std::signal(_number, SIG_DFL);
+  std::raise(_number);
+}
+static void OnSignalExit(int) { std::exit(4); }
 static void BreakAt(const char *place, const std::string &check)
 {
   const std::size_t at = check.find(" in ");
@@ -227,6 +246,10 @@ class Checks : public ModelPlugin
     EXPECT(_sdf->GetName() == "plugin" && !_sdf->HasElement("nothing"));
     EXPECT(_sdf->Get<int>("nothing", 7).first == 7);
     BreakAt("Load", this->check);
+    if (this->check.find("with a handler") != std::string::npos)
+      std::signal(SIGSEGV, OnSignal);
+    else if (this->check.find("with an exit") != std::string::npos)
+      std::signal(SIGSEGV, OnSignalExit);
     if (this->check == "identity")
       this->Identity();
     else if (this->check == "values")
@@ -531,6 +554,8 @@ class Checks : public ModelPlugin
     IGN_PROFILE("Checks::OnUpdate");
     ++this->updates;
     BreakAt("OnUpdate", this->check);
+    if (this->check == "remove its model" && this->updates == 2)
+      this->world->RemoveModel(this->model);
     if (this->check == "fails later" && this->updates == 3)
       this->model->GetLink("none")->GetName();
     if (this->check == "threads")

@@ -145,6 +145,17 @@ CASES = {
     "ill in Load": (ILL, DIED.format("ILL", "Load")),
     "fpe in Load": (FPE, DIED.format("FPE", "Load")),
     "bus in Load": (BUS, DIED.format("BUS", "Load")),
+    "segv with a handler in OnUpdate": (
+        SEGV,
+        DIED.format("SEGV", "a callback of event WorldUpdateBegin"),
+        ": a plugin's own handler follows\nown words",
+    ),
+    "segv with an exit in OnUpdate": (
+        4,
+        DIED.format("SEGV", "a callback of event WorldUpdateBegin"),
+        "handler follows",
+    ),
+    "own event in OnUpdate": (SEGV, DIED.format("SEGV", "a callback of event WorldUpdateBegin")),
     "overflow in Load": (SEGV, DIED.format("SEGV", "Load")),
     "overflow in OnUpdate": (SEGV, DIED.format("SEGV", "a callback of event WorldUpdateBegin")),
     "double free in Load": (ABRT, DIED.format("ABRT", "Load")),

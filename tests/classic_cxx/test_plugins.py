@@ -58,6 +58,15 @@ def test_checks_that_the_plugin_makes_itself(place, said, caplog, check):
     assert said()[-1] == "deleted"
 
 
+def test_a_plugin_may_remove_its_own_model(place, said, caplog):
+    with world_of("remove its model") as world:
+        world.step(5)
+        gc.collect()
+        assert physics.get_world().ModelByName("robot") is None
+        assert said()[1:] == ["remove its model loaded", "initialized", "deleted"]
+        assert not problems(caplog)
+
+
 def test_lines_of_a_visual(place, said, caplog):
     with world_of("lines") as world:
         world.step(1)

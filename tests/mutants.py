@@ -132,7 +132,7 @@ def _tree(rng: random.Random, data: bytes, donors: Sequence[bytes]) -> bytes:
     elif kind == 1:  # nested in itself, or an ancestor in it
         above = rng.choice([element, *element.iterancestors()])
         for _ in range(rng.choice((1, 1, 2, 5))):
-            if len(elements) < 3000:
+            if sum(1 for _ in root.iter()) < 3000:  # each time: an ancestor doubles
                 element.append(copy.deepcopy(above))
     elif kind == 2 and inner:
         wrapped, place = element, element.getparent()

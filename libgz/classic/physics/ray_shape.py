@@ -239,6 +239,8 @@ class MultiRayShape:
         for _ in range(MOST_OWN):
             reached, rows = np.empty(len(near)), np.empty(len(near), dtype=np.int64)
             self._engine.scan(frame, near, 0, reached, rows)
+            if rows.max() < 0:  # as nearly always
+                return
             hit = [row for row in np.unique(rows).tolist() if self._known(row)]
             mine = [row for row in hit if _top(self._engine.geoms[row].body) is own]
             stopped, through = np.isin(rows, [row for row in hit if row not in mine]), np.isin(rows, mine)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from libgz.base.errors import ParameterError
@@ -42,6 +42,32 @@ class _Client:
         return len(self.publishers) + len(self.subscribers) + len(self.namespaces)
 
 
+class _Announced:
+    """What clients have announced, by topic: one that leaves may have announced much, among much of others."""
+
+    def __init__(self) -> None:
+        self._found: dict[str, list[tuple[_Client, Any]]] = {}
+
+    def add(self, client: _Client, message: Any) -> None:
+        """Add a publisher or subscriber."""
+        self._found.setdefault(message.topic, []).append((client, message))
+
+    def remove(self, client: _Client, message: Any) -> None:
+        """Remove what was added."""
+        left = self._found[message.topic]
+        left.remove((client, message))
+        if not left:
+            del self._found[message.topic]
+
+    def of(self, topic: str) -> tuple[Any, ...]:
+        """What was announced of a topic."""
+        return tuple(message for _, message in self._found.get(topic, ()))
+
+    def clients(self, topic: str) -> dict[_Client, None]:
+        """Who has announced something of it."""
+        return dict.fromkeys(client for client, _ in self._found.get(topic, ()))
+
+
 class Master:
     """Accepts clients at listening sockets; all runs in the loop's thread.
 
@@ -56,6 +82,7 @@ class Master:
     def __init__(self, loop: SocketLoop, listeners: list[socket.socket]) -> None:
         self.own: object = None
         self._clients: list[_Client] = []
+        self._published, self._subscribed = _Announced(), _Announced()
         self._handlers: dict[str, tuple[str, Callable[[_Client, Any], None]]] = {
             "register_topic_namespace": ("GzString", self._register_namespace),
             "advertise": ("Publish", self._advertise),
@@ -117,14 +144,8 @@ class Master:
     def _namespaces(self) -> list[str]:
         return list(dict.fromkeys(name for client in self._clients for name in client.namespaces))
 
-    def _publishers(self, topic: str = "") -> Iterator[Any]:
-        return (one for client in self._clients for one in client.publishers if topic in ("", one.topic))
-
     def _all_publishers(self) -> Message:
-        return message_type("Publishers")(publisher=list(self._publishers()))
-
-    def _subscribers(self, topic: str) -> Iterator[tuple[_Client, Any]]:
-        return ((client, one) for client in self._clients for one in client.subscribers if one.topic == topic)
+        return message_type("Publishers")(publisher=[one for client in self._clients for one in client.publishers])
 
     # Packets -----------------------------------------------------------------------------------------------------
 
@@ -136,28 +157,32 @@ class Master:
     def _advertise(self, client: _Client, publisher: Any) -> None:
         self._send_all("publisher_add", publisher)
         client.publishers.append(publisher)
-        for other in dict.fromkeys(other for other, _ in self._subscribers(publisher.topic)):
+        self._published.add(client, publisher)
+        for other in self._subscribed.clients(publisher.topic):
             other.connection.send(packet("publisher_advertise", publisher))
 
     def _unadvertise(self, client: _Client, publisher: Any) -> None:
         if publisher in client.publishers:
             client.publishers.remove(publisher)
+            self._published.remove(client, publisher)
             self._announce_end(publisher)
 
     def _announce_end(self, publisher: Any) -> None:
         self._send_all("publisher_del", publisher)
-        for other in dict.fromkeys(other for other, _ in self._subscribers(publisher.topic)):
+        for other in self._subscribed.clients(publisher.topic):
             other.connection.send(packet("unadvertise", publisher))
 
     def _subscribe(self, client: _Client, subscriber: Any) -> None:
         client.subscribers.append(subscriber)
-        for publisher in tuple(self._publishers(subscriber.topic)):
+        self._subscribed.add(client, subscriber)
+        for publisher in self._published.of(subscriber.topic):
             client.connection.send(packet("publisher_subscribe", publisher))
 
     def _unsubscribe(self, client: _Client, subscriber: Any) -> None:
         found = next((one for one in client.subscribers if self._same(one, subscriber)), None)
         if found is not None:
             client.subscribers.remove(found)
+            self._subscribed.remove(client, found)
             self._announce_unsubscription(found)
 
     @staticmethod
@@ -165,9 +190,8 @@ class Master:
         return (one.topic, one.host, one.port) == (other.topic, other.host, other.port)
 
     def _announce_unsubscription(self, subscriber: Any) -> None:
-        for client in tuple(self._clients):
-            if any(one.topic == subscriber.topic for one in client.publishers):
-                client.connection.send(packet("unsubscribe", subscriber))
+        for client in self._published.clients(subscriber.topic):
+            client.connection.send(packet("unsubscribe", subscriber))
 
     def _request(self, client: _Client, request: Any) -> None:
         if request.request == "get_publishers":
@@ -181,8 +205,8 @@ class Master:
             client.connection.send(packet("get_topic_namespaces_response", names))
         elif request.request == "topic_info":
             info: Any = message_type("TopicInfo")()
-            info.publisher.extend(self._publishers(request.data))
-            info.subscriber.extend(one for _, one in self._subscribers(request.data))
+            info.publisher.extend(self._published.of(request.data))
+            info.subscriber.extend(self._subscribed.of(request.data))
             types = (one.msg_type for one in (*info.publisher, *info.subscriber) if one.msg_type)
             info.msg_type = next(types, "")
             client.connection.send(packet("topic_info_response", info))
@@ -190,6 +214,10 @@ class Master:
     def _remove(self, client: _Client) -> None:
         """Announce the end of what a closed connection had announced."""
         self._clients.remove(client)
+        for publisher in client.publishers:
+            self._published.remove(client, publisher)
+        for subscriber in client.subscribers:
+            self._subscribed.remove(client, subscriber)
         for publisher in client.publishers:
             self._announce_end(publisher)
         for subscriber in client.subscribers:

@@ -9,6 +9,7 @@ from libgz.classic.transport import backlog, loop, received
 from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import frame
 from libgz.classic.transport.loop import Connection, SocketLoop
+from libgz.classic.transport.master import Master, _Client
 from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, Topic
 
@@ -150,3 +151,55 @@ def test_the_bounds_are_those_of_the_security_page():
     text = (__import__("pathlib").Path(__file__).parents[3] / "SECURITY.md").read_text()
     for size in (loop.QUEUE_BYTES, backlog.BACKLOG_BYTES, loop.PARTIAL_BYTES, received.BYTES):
         assert f"{size // MIB} MiB" in text
+
+
+def test_what_short_frames_cost_is_counted_after_few_of_them(socket_loop):
+    own, other = socket.socketpair()
+    with other:
+        connection, got = Connection(socket_loop, own, 1 << 16), []
+        connection.on_frame = got.append
+        other.sendall(frame(b"x" * 8) * 1000)
+        connection.on_input(0)
+        assert 100 < len(got) < 400
+        connection.close()
+
+
+class Announced:
+    """Something that a client announces; it counts how often the master looks at it."""
+
+    looks = 0
+
+    def __init__(self, topic):
+        self._topic = topic
+
+    @property
+    def topic(self):
+        Announced.looks += 1
+        return self._topic
+
+    def SerializeToString(self):
+        return b""
+
+
+class Far:
+    """A connection of a client that takes all."""
+
+    def __init__(self):
+        self.socket = socket.socket()
+        self.socket.close()  # it has no peer
+
+    def send(self, data):
+        pass
+
+
+def test_who_leaves_costs_what_it_has_announced_not_what_others_have(socket_loop):
+    master = Master(socket_loop, [])
+    clients = [_Client(Far()) for _ in range(2)]
+    master._clients.extend(clients)
+    for number in range(500):
+        master._subscribe(clients[0], Announced(f"/others/{number}"))
+        master._advertise(clients[1], Announced(f"/own/{number}"))
+    Announced.looks = 0
+    master._remove(clients[1])
+    assert 500 <= Announced.looks <= 5000
+    assert master._all_publishers().publisher == []

@@ -492,9 +492,11 @@ class Engine:
     @exclusive
     def wake(self) -> None:
         """Wake all sleeping bodies: what they rest on was moved or removed, or gravity changed."""
-        if self.steps:  # nothing sleeps before
+        if self.steps and self.auto_disabled:  # nothing sleeps before
+            enable = self._ode.dBodyEnable
             for body in self.auto_disabled:
-                body.Enable(True)
+                enable(body.id)
+            self.tables.disturb()
 
     @exclusive
     def turn_bodies(

@@ -77,8 +77,9 @@ class Coupling(Protocol):
 class Sleeper(Protocol):
     """A body that may sleep."""
 
-    def Enable(self, enable: bool) -> None:
-        """Wake the body."""
+    @property
+    def id(self) -> int:
+        """The ODE handle."""
 
 
 class Engine:

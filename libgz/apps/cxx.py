@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     output: Path = options.output or options.sources[0].with_suffix(".so")
     if output.suffix != ".so":
         raise ParameterError(f"a plugin's name ends with .so, and {str(output)!r} does not")
-    libraries = [f"-L{folder}" for folder in options.folders] + [f"-l{name}" for name in options.libraries]
+    libraries = _libraries(options)
     errors = build(
         options.sources, output, debug=options.debug, standard=options.std, options=flags, libraries=libraries
     )
@@ -81,7 +81,7 @@ def _classic(options: argparse.Namespace, flags: list[str]) -> int:
             print(f"{', '.join(map(str, options.sources))}: no errors")
         return _report(errors)
     output: Path = options.output or classic.default_output(options.sources[0])
-    libraries = [f"-L{folder}" for folder in options.folders] + [f"-l{name}" for name in options.libraries]
+    libraries = _libraries(options)
     errors = classic.build(
         options.sources,
         output,
@@ -97,6 +97,14 @@ def _classic(options: argparse.Namespace, flags: list[str]) -> int:
         (kind, _), *_ = load(output).registered
         print(f"{output}: a {kind}Plugin")
     return _report(errors)
+
+
+def _libraries(options: argparse.Namespace) -> list[str]:
+    """The linker's options; what is in these folders is found there when the plugin is loaded, as after cmake."""
+    words = [f"-L{folder}" for folder in options.folders] + [f"-l{name}" for name in options.libraries]
+    for folder in options.folders:
+        words += ["-Xlinker", "-rpath", "-Xlinker", str(Path(folder).absolute())]
+    return words
 
 
 def _progress(line: str) -> None:

@@ -14,7 +14,7 @@ from cxx_plugins import needs_cxx, source, world_text
 import libgz
 from libgz.apps.libgz import main
 from libgz.cxx import FOLDER, headers
-from libgz.cxx.build import cxxflags
+from libgz.cxx.build import compiler, cxxflags
 
 pytestmark = needs_cxx
 
@@ -66,6 +66,15 @@ def test_several_sources_options_and_symbols(tmp_path, cxx):
     with libgz.World.from_file(tmp_path / "w.world") as world:
         world.step()
         assert world.models[0].GetBody().GetLinearVel().x == 3.0
+
+
+def test_libraries_beside_a_plugin_are_found_when_it_is_loaded(tmp_path, cxx):
+    (tmp_path / "own, libs").mkdir()
+    (tmp_path / "speed.cc").write_text("int speed() { return 3; }\n")
+    library = tmp_path / "own, libs" / "libspeed.so"
+    subprocess.run([*compiler(), "-shared", "-fPIC", "speed.cc", "-o", library], cwd=tmp_path, check=True)
+    (tmp_path / "My.cc").write_text("int speed();\n" + source(update="this->steps += speed();"))
+    assert cxx("build", "My.cc", "-L", "own, libs", "-l", "speed") == (0, "My.so: Tester\n", "")
 
 
 @pytest.mark.parametrize("name", ["@x.cc", "@d/x.cc", "d/@x.cc", "-wrapper.cc"])

@@ -114,8 +114,10 @@ def check(
 
 
 def _hint(message: str) -> str:
-    """What helps against a message of the compiler: where a missing header is."""
+    """What helps against a message of compiler or linker."""
     match = _MISSING.search(message)
+    if "libgz_new_plugin" in message and "definition" in message:
+        return "; a plugin has one GZ_REGISTER_..._PLUGIN"
     if match is None:
         return ""
     name = match[1] or match[2]

@@ -212,6 +212,22 @@ ANY_CAST = """\
     }
     return boost::any_cast<T>(value);
   }"""
+# What a sensor of a plugin's own has of its base class, from Load on.
+SENSOR = """\
+ protected:
+  friend class SensorFactory;
+  virtual bool UpdateImpl(const bool) { return false; }
+  bool active = false;
+  sdf::ElementPtr sdf;
+  ignition::math::Pose3d pose;
+  std::vector<event::ConnectionPtr> connections;
+  transport::NodePtr node;
+  std::string parentName;
+  uint32_t parentId = 0;
+  physics::WorldPtr world;
+  common::Time updatePeriod, lastUpdateTime, lastMeasurementTime;
+
+ public:"""
 FROM_ENVIRONMENT = '  libgz::Field<bool> {kind}PathsFromEnv{{this, "{kind}PathsFromEnv"}};'
 FILL_ARRAYS = "  void FillArrays(float **vertices, int **indices) const;"
 EXTRA = {
@@ -230,6 +246,7 @@ EXTRA = {
     "physics::Joint": (CONNECT.format(name="JointUpdate"),),
     "physics::PhysicsEngine": (ANY_CAST,),
     "sensors::Noise": ("  void Print(std::ostream &out) const;",),
+    "sensors::Sensor": (SENSOR,),
     "physics::MultiRayShape": (CONNECT.format(name="NewLaserScans"),),
 }
 
@@ -329,6 +346,9 @@ BY_HAND = frozenset(
         "physics::ContactManager::GetContacts/0",
         "physics::Entity::WorldAngularVel/0",
         "physics::Entity::WorldPose/0",
+        "sensors::Sensor::Load/1",
+        "sensors::Sensor::Load/2",
+        "sensors::Sensor::Sensor/1",
         "physics::Inertial::operator+=/1",
         "physics::Inertial::operator=/1",
         "physics::Joint::GetForce/1",

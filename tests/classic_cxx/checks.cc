@@ -654,10 +654,63 @@ class Watcher : public ImuSensorPlugin
     gzmsg << "imu " << imu->LinearAcceleration().Z() << std::endl;
   }
 };
+// A sensor of the plugin's own.
+namespace gazebo {
+namespace sensors {
+class Counter : public Sensor
+{
+ public:
+  Counter() : Sensor(sensors::OTHER) {}
+  ~Counter() { gzmsg << "counter deleted" << std::endl; }
+  void Load(const std::string &_world) override
+  {
+    Sensor::Load(_world);
+    EXPECT(this->world == physics::get_world(_world) && this->parentName == this->ParentName() && this->node);
+    EXPECT(this->sdf->Get<std::string>("topic") == "~/counts" && this->pose.Pos().X() == 1 && this->Type() == "counter");
+    EXPECT(this->updatePeriod == common::Time(0.01) && sensors::get_sensor(this->ScopedName()).get() == this);
+    this->publisher = this->node->Advertise<msgs::Int>(this->Topic());
+  }
+  void Init() override
+  {
+    Sensor::Init();
+    gzmsg << "counter of " << this->world->EntityByName(this->ParentName())->GetScopedName() << std::endl;
+  }
+  void Fini() override
+  {
+    Sensor::Fini();
+    gzmsg << "counter ends" << std::endl;
+  }
+  std::string Topic() const override { return "~/" + this->Name() + "/counts"; }
+  bool IsActive() const override { return Sensor::IsActive() && this->world->SimTime() > 0.045; }
+
+ protected:
+  bool UpdateImpl(const bool) override
+  {
+    if (++this->count == 2)
+      return false;
+    this->lastMeasurementTime = this->world->SimTime();
+    msgs::Int message;
+    message.set_data(this->count);
+    this->publisher->Publish(message);
+    return true;
+  }
+
+ private:
+  int count = 0;
+  transport::PublisherPtr publisher;
+};
+GZ_REGISTER_STATIC_SENSOR("counter", Counter)
+}  // namespace sensors
+}  // namespace gazebo
+
 class System : public SystemPlugin
 {
  public:
-  void Load(int _argc, char **_argv) override { gzmsg << "system " << _argc << " " << _argv[_argc - 1] << std::endl; }
+  void Load(int _argc, char **_argv) override
+  {
+    gzmsg << "system " << _argc << " " << _argv[_argc - 1] << std::endl;
+    sensors::RegisterCounter();
+  }
 };
 class Look : public VisualPlugin
 {

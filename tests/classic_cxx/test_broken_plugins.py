@@ -14,6 +14,7 @@ import sys
 import pytest
 from master_uri import free_master_uri
 
+from libgz.classic_cxx.build import check
 from libgz.cxx.build import compiler
 
 PLUGIN = '<plugin name="checks" filename="libmodel.so"><check>{}</check></plugin>'
@@ -263,6 +264,15 @@ def test_each_broken_plugin_ends_in_a_clear_line(place, library):
         if text not in said or f"lib{name}.so" not in said or "Traceback" in said:
             wrong.append(f"file {name}: {status}\n{said}")
     assert not wrong, "\n\n".join(wrong)
+
+
+def test_a_file_that_registers_two_plugins_is_told_so(library, tmp_path):
+    plugin = "struct {0} : gazebo::ModelPlugin {{ void Load(gazebo::physics::ModelPtr, sdf::ElementPtr) {{}} }};\n"
+    text = "#include <gazebo/common/Plugin.hh>\n"
+    text += "".join(plugin.format(name) + f"GZ_REGISTER_MODEL_PLUGIN({name})\n" for name in ("One", "Two"))
+    (tmp_path / "two.cc").write_text(text)
+    errors = [error.message for error in check([tmp_path / "two.cc"])]
+    assert any(error.endswith("; a plugin has one GZ_REGISTER_..._PLUGIN") for error in errors), errors
 
 
 @pytest.mark.parametrize("case", ["loop in OnUpdate", "deadlock in Load"])

@@ -9,9 +9,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from topics import Heard
 
 import libgz
+from libgz.apps.classic_command import SystemPlugins
 from libgz.classic import msgs, physics, transport
+from libgz.classic.sensors import SensorManager, get_sensor
+from libgz.classic.sensors.kinds import OWN
 
 WORLD = """\
 <sdf version="1.6"><world name="default">{world}
@@ -266,11 +270,37 @@ def test_all_kinds(place, said, caplog):
         lines = said()
         assert "Hello default" in lines
         assert sum(line.startswith("imu 9.") or line.startswith("imu") for line in lines) >= 1
-    from libgz.apps.classic_command import SystemPlugins
-
     with SystemPlugins(["libsystem.so"]) as system:
         system.load(["gzserver", "-s", "libsystem.so"])
         assert "system 3 libsystem.so" in said()
+    assert not problems(caplog)
+
+
+def test_a_sensor_of_a_plugins_own_class(place, said, caplog, monkeypatch):
+    monkeypatch.delitem(OWN, "counter", raising=False)
+    inside = "<pose>1 0 0 0 0 0</pose><update_rate>100</update_rate><topic>~/counts</topic>"
+    own = f"</sensor><sensor name='own' type='counter'>{inside}"
+    with SystemPlugins(["libsystem.so"]) as system:
+        with world_of(sensor=own) as world:
+            world.step(1)
+        assert "type 'counter' is not simulated" in caplog.text
+        system.load(["gzserver", "-s", "libsystem.so"])
+        assert "counter" in SensorManager.Instance().GetSensorTypes()
+        heard = Heard("~/own/counts")
+        with world_of(sensor=own) as world:
+            assert "counter of robot::arm" in said()
+            sensor = get_sensor("default::robot::arm::own")
+            measured = []
+            connection = sensor.ConnectUpdated(lambda: measured.append(round(sensor.world.SimTime().Double(), 3)))
+            world.step(100)
+            # Not before IsActive says so; a call of UpdateImpl that fails is repeated in the next iteration.
+            assert measured == [0.046, 0.057, 0.066, 0.076, 0.086, 0.096]
+            assert sensor.LastMeasurementTime().Double() == pytest.approx(0.096)
+            assert [message.data for message in heard] == [1, 3, 4, 5, 6, 7]
+            connection.Disconnect()
+        sensor = world = connection = None
+        gc.collect()
+        assert said()[-2:] == ["counter ends", "counter deleted"]
     assert not problems(caplog)
 
 

@@ -6,11 +6,14 @@ A world without cameras must not load OpenGL.
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 
 from libgz.classic.sensors.sensor import Sensor
 from libgz.sdf.unsimulated import ABSENT_SENSORS
 
-__all__ = ["ABSENT", "CLASSES", "KINDS", "ON_JOINTS", "sensor_class"]
+__all__ = ["ABSENT", "CLASSES", "KINDS", "ON_JOINTS", "OWN", "Act", "all_kinds", "sensor_class"]
+
+Act = Callable[[Sensor, str], bool]
 
 # Type -> module:class.
 KINDS = {
@@ -32,12 +35,19 @@ KINDS = {
     "wireless_transmitter": "libgz.classic.sensors.wireless:WirelessTransmitter",
 }
 CLASSES = {target.partition(":")[2]: kind for kind, target in KINDS.items()}  # class -> type
+OWN: dict[str, Act] = {}  # types whose class is a plugin's own; each calls the methods of its objects
 ON_JOINTS = ("force_torque",)  # all others are carried by links
 ABSENT = ABSENT_SENSORS  # known to Gazebo, and not simulated here
 
 
+def all_kinds() -> list[str]:
+    """The types that worlds can make now."""
+    return [*KINDS, *(kind for kind in OWN if kind not in KINDS)]
+
+
 def sensor_class(kind: str) -> type[Sensor]:
-    """The class of a type of `KINDS`."""
-    module, _, name = KINDS[kind].partition(":")
+    """The class of a type: of a plugin, if that has registered one."""
+    target = "libgz.classic.sensors.own:OwnSensor" if kind in OWN else KINDS[kind]
+    module, _, name = target.partition(":")
     found: type[Sensor] = getattr(importlib.import_module(module), name)
     return found

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import Diagnostics, GazeboError, LibraryError, StateError, nearest
 from libgz.classic import msgs
-from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
+from libgz.classic.sensors.kinds import ABSENT, ON_JOINTS, all_kinds, sensor_class
 from libgz.classic.sensors.sensor import Sensor
 from libgz.classic.transport import Node, TopicManager
 from libgz.sdf.reader import SdfFile
@@ -68,10 +68,11 @@ class WorldSensors:
     def create(self, parent: Link | Joint, element: Element) -> Sensor | None:
         """Make the sensor of a `<sensor>`; None if its type is not simulated, or after an error, which is kept."""
         kind = element.Get(str, "type")
-        if kind in ABSENT:
+        known = all_kinds()
+        if kind in ABSENT and kind not in known:
             return None  # a warning of the file
-        if kind not in KINDS:
-            hint = f"; there are {', '.join(KINDS)}{nearest(kind, KINDS)}"
+        if kind not in known:
+            hint = f"; there are {', '.join(known)}{nearest(kind, known)}"
             log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out%s", element.where, kind, hint)
             return None
         in_link = hasattr(parent, "pose")

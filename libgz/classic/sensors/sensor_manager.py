@@ -11,7 +11,7 @@ from libgz.classic.physics import get_world, worlds
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.registry import own_world
-from libgz.classic.sensors.kinds import KINDS
+from libgz.classic.sensors.kinds import all_kinds
 from libgz.sdf.upgrade import upgraded
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class SensorManager:
 
     def GetSensorTypes(self) -> list[str]:
         """The allowed types of a `<sensor>`."""
-        return list(KINDS)
+        return all_kinds()
 
     def SensorsInitialized(self) -> bool:
         """Whether all sensors are ready: always, because they are made with their models."""

@@ -230,24 +230,35 @@ static Holder wrap_slotted(PyObject *view)
   }
   return all[view] = made(view);
 }
-Holder wrap(PyObject *view)
+static PyObject *holder_key()
 {
   static PyObject *key = PyUnicode_InternFromString("_cxx");
+  return key;
+}
+void keep(PyObject *view, const Holder &holder)
+{
+  Ref own(PyObject_GenericGetDict(view, nullptr));
+  if (!own)
+    raise_python();
+  Handle *handle = PyObject_GC_New(Handle, handle_type());
+  handle->holder = new Holder(holder);
+  PyObject_GC_Track(reinterpret_cast<PyObject *>(handle));
+  PyDict_SetItem(own.get(), holder_key(), reinterpret_cast<PyObject *>(handle));
+  Py_DECREF(handle);
+}
+Holder wrap(PyObject *view)
+{
   Ref own(PyObject_GenericGetDict(view, nullptr));
   if (!own)
   {
     PyErr_Clear();
     return wrap_slotted(view);
   }
-  PyObject *known = PyDict_GetItemWithError(own.get(), key);
+  PyObject *known = PyDict_GetItemWithError(own.get(), holder_key());
   if (known != nullptr && Py_TYPE(known) == handle_type() && reinterpret_cast<Handle *>(known)->holder != nullptr)
     return *reinterpret_cast<Handle *>(known)->holder;
   Holder holder = made(view);
-  Handle *handle = PyObject_GC_New(Handle, handle_type());
-  handle->holder = new Holder(holder);
-  PyObject_GC_Track(reinterpret_cast<PyObject *>(handle));
-  PyDict_SetItem(own.get(), key, reinterpret_cast<PyObject *>(handle));
-  Py_DECREF(handle);
+  keep(view, holder);
   return holder;
 }
 

@@ -88,6 +88,7 @@ Holder make(PyObject *view)
   }
 }
 Holder wrap(PyObject *view);  // the one C++ object of an object of Python
+void keep(PyObject *view, const Holder &holder);  // that this is its C++ object
 
 PyObject *attribute(const char *module, const char *name);  // borrowed
 PyObject *interned(const char *name);                       // borrowed, kept by the text's address

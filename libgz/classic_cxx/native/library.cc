@@ -1019,6 +1019,64 @@ std::string Contact::DebugString() const
 }  // namespace physics
 
 namespace sensors {
+// Classes of plugins: Python's OwnSensor calls their methods, which call those of Sensor as their base class.
+Sensor::Sensor(SensorCategory) : libgz::Object(libgz::construct("sensors.own", "being_made")) {}
+void Sensor::Load(const std::string &worldName, sdf::ElementPtr element)
+{
+  this->sdf = element;
+  this->Load(worldName);
+}
+void Sensor::Load(const std::string &worldName)
+{
+  this->world = physics::get_world(worldName);
+  this->pose = Sensor::Pose();
+  this->parentName = this->ParentName();
+  this->parentId = this->ParentId();
+  this->active = Sensor::IsActive();
+  this->updatePeriod = this->UpdateRate() > 0 ? 1 / this->UpdateRate() : 0.0;
+  this->node.reset(new transport::Node());
+  this->node->Init(worldName);
+}
+void SensorFactory::RegisterSensor(const std::string &type, SensorFactoryFn factory)
+{
+  libgz::Gil gil;
+  libgz::Ref act(libgz::callable(
+      [factory](PyObject *const *args) -> PyObject * {
+        const std::string method = libgz::text_of(args[1]);
+        bool done = true;
+        if (method == "new")
+        {
+          std::shared_ptr<Sensor> own;
+          {
+            libgz::Unlocked unlocked;
+            own.reset(factory());
+          }
+          libgz::keep(args[0], {boost::shared_ptr<libgz::Object>(own.get(), [own](libgz::Object *) {}), own});
+          Py_RETURN_TRUE;
+        }
+        auto sensor = std::dynamic_pointer_cast<Sensor>(libgz::wrap(args[0]).standard);
+        const auto element = method == "Init" ? libgz::element_of(libgz::got(args[0], "sdf").get()) : nullptr;
+        {
+          libgz::Unlocked unlocked;
+          if (method == "Init")
+          {
+            sensor->Load(sensor->WorldName(), element);
+            sensor->Init();
+          }
+          else if (method == "Fini")
+            sensor->Fini();
+          else if ((done = sensor->IsActive() && sensor->UpdateImpl(false)))
+            sensor->lastUpdateTime = sensor->world->SimTime();
+        }
+        return PyBool_FromLong(done);
+      },
+      2));
+  libgz::Ref kind(libgz::text_py(type));
+  PyObject *registering = libgz::attribute("libgz.classic.sensors.own", "register");
+  libgz::Ref done(PyObject_CallFunctionObjArgs(registering, kind.get(), act.get(), nullptr));
+  if (!done)
+    libgz::raise_python();
+}
 void Noise::Print(std::ostream &out) const
 {
   if (auto *gaussian = dynamic_cast<const GaussianNoiseModel *>(this))

@@ -35,6 +35,4 @@
 #define DIAG_TIMER_START(name) ((void)0)
 #define DIAG_TIMER_LAP(name, prefix) ((void)0)
 #define DIAG_TIMER_STOP(name) ((void)0)
-#define GZ_REGISTER_STATIC_SENSOR(type, classname) \
-  static_assert(sizeof(#classname) == 0, "sensors are libgz's: " #classname " cannot be registered");
 #endif

@@ -1,4 +1,4 @@
-/* The physics engine by ODE's names of its parameters, and the factory's list of sensors. License: Apache License 2.0. */
+/* The physics engine by ODE's names of its parameters, and the factory of sensors. License: Apache License 2.0. */
 #ifndef LIBGZ_ODE_HH
 #define LIBGZ_ODE_HH
 #include "gazebo/libgz/classes.hh"
@@ -44,11 +44,21 @@ typedef boost::shared_ptr<ODEPhysics> ODEPhysicsPtr;
 }  // namespace physics
 
 namespace sensors {
+typedef Sensor *(*SensorFactoryFn)();
 class GAZEBO_VISIBLE SensorFactory
 {
  public:
+  /* Let worlds that are loaded from now on make sensors of a type: classes that are derived from Sensor. */
+  static void RegisterSensor(const std::string &type, SensorFactoryFn factory);
   static void GetSensorTypes(std::vector<std::string> &types) { SensorManager::Instance()->GetSensorTypes(types); }
 };
 }  // namespace sensors
 }  // namespace gazebo
+
+#define GZ_REGISTER_STATIC_SENSOR(type, classname) \
+  GAZEBO_VISIBLE gazebo::sensors::Sensor *New##classname() { return new gazebo::sensors::classname(); } \
+  GAZEBO_VISIBLE void Register##classname() \
+  { \
+    gazebo::sensors::SensorFactory::RegisterSensor(type, New##classname); \
+  }
 #endif

@@ -144,13 +144,6 @@ def test_headers_that_cannot_serve_say_why(library, tmp_path):
     assert said == [f"<{name}>: {reason}" for name, reason in absent.items()]
 
 
-def test_a_sensor_of_its_own_is_refused_by_its_name(library, tmp_path):
-    source = tmp_path / "own.cc"
-    source.write_text('#include <gazebo/gazebo.hh>\nGZ_REGISTER_STATIC_SENSOR("sonic", SonicSensor)\n')
-    (error,) = errors_in(library, source, 11)
-    assert "SonicSensor cannot be registered" in error
-
-
 def test_names_of_gazebo_7_are_declared(library, tmp_path):
     source = tmp_path / "old.cc"
     source.write_text(OLD)

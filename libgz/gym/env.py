@@ -307,6 +307,9 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             seen = self._made[""][0](self.world)
         else:
             seen = {label: value() for label, value in self._all_seen.items()}
+            space = self._whole_space
+            if self._flat and not self._made and isinstance(space, spaces.Dict):  # as `flatten`, at half its cost
+                return np.concatenate([seen[label].reshape(-1) for label in space])
             for name, (function, _) in self._made.items():
                 seen[name] = function(self.world)
         return spaces.flatten(self._whole_space, seen) if self._flat else seen

@@ -18,7 +18,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,8 +119,7 @@ class Reading:
         return replace(self, low=ends[0], high=ends[1], clipped=True)
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """A number that is written.
 
     Attributes:
@@ -133,12 +132,12 @@ class Command:
     """
 
     label: str
-    write: Callable[[Any], object] = field(repr=False)
+    write: Callable[[Any], object]
     low: float
     high: float
     whole: bool = False
     lasts: bool = True
-    joint: SdfJoint | HingeJoint | SliderJoint | None = field(default=None, repr=False)
+    joint: SdfJoint | HingeJoint | SliderJoint | None = None
 
 
 def split_signal(text: str) -> tuple[str, str]:
@@ -509,7 +508,7 @@ def _bounded(command: Command, bounds: tuple[float, float] | None) -> Command:
             f"{command.label!r}: bounds {low:g} to {high:g} are beyond {command.low:g} to {command.high:g}, "
             "which is what the world obeys"
         )
-    return replace(command, low=low, high=high)
+    return command._replace(low=low, high=high)
 
 
 def _interface_commands(

@@ -134,10 +134,13 @@ def test_bounds_of_observations_are_those_given_and_clip(make):
 
 
 def test_a_flat_observation_is_one_box(make):
-    env = make("pioneer2at", DRIVE, {"sonar.robot1": ["ranges"], "position.robot1": ["pos[0:2]", "stall"]}, flat=True)
-    seen, _ = env.reset()
+    observed = {"sonar.robot1": ["ranges"], "position.robot1": ["pos[0:2]", "stall"]}
+    env, apart = make("pioneer2at", DRIVE, observed, flat=True), make("pioneer2at", DRIVE, observed)
+    (seen, _), (parts, _) = env.reset(seed=3), apart.reset(seed=3)
     assert env.observation_space.shape == seen.shape == (19,)
     assert seen in env.observation_space
+    flat = gymnasium.spaces.flatten(apart.observation_space, parts)
+    assert (seen.dtype, seen.tolist()) == (flat.dtype, flat.tolist())
 
 
 ERRORS = [

@@ -258,7 +258,7 @@ class Connection:
         self.size = self.partial = 0
         self.tag: Any = None
         self._frames = Frames(largest)
-        # Few short frames at once: each may be told to hundreds of clients, and what that costs is counted afterwards.
+        # Few short frames at once: each may go to hundreds of clients, and what that costs is counted afterwards.
         self._chunk = min(CHUNK, max(largest // 16, 1 << 12))
         self._queue: collections.deque[bytes] = collections.deque()
         self._sent = 0  # bytes of the first in the queue

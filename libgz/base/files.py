@@ -190,7 +190,7 @@ def write_backup(target: Path, data: bytes) -> None:
     """
     name = Path(f"{target}.bak")
     try:
-        if name.is_symlink() or (name.exists() and not name.is_file()):
+        if name.is_symlink():  # whose target may be write-protected
             name.unlink()
         _replace(name, data)
     except OSError as error:

@@ -517,6 +517,40 @@ def test_an_answer_that_comes_byte_by_byte_ends_a_call_in_time():
         xmlrpc_module.call(uri, "getPid", patience=0.2)
 
 
+def test_of_an_answer_without_an_end_no_more_is_read_than_may_be(monkeypatch):
+    monkeypatch.setattr(xmlrpc_module, "MOST_ANSWER", 1000)
+
+    def pour(_request, sock):
+        sock.sendall(b"HTTP/1.0 200 OK\r\n\r\n")
+        while True:
+            sock.sendall(b"x" * 1000)
+
+    with peer_of_xmlrpc(pour) as uri, pytest.raises(xmlrpc_module.XmlRpcError, match="more than 1000 bytes"):
+        xmlrpc_module.call(uri, "getPid")
+
+
+def test_peers_that_announce_too_much_or_say_nothing_or_are_too_many_are_closed(node, master, monkeypatch, caplog):
+    service = node.serve("serve", "std_srvs/SetBool", lambda _: None)
+    wait_for(lambda: "/serve" in master.services)
+    host, port = master.services["/serve"].removeprefix("rosrpc://").split(":")
+    place = host, int(port)
+    monkeypatch.setattr(loop_module, "GREETING_TIME", 0.1)
+    monkeypatch.setattr(loop_module, "PERIOD", 0.02)
+    with socket.create_connection(place, 20.0) as silent:
+        assert silent.recv(1) == b""
+    assert "it said nothing" in caplog.text
+    monkeypatch.setattr(loop_module, "GREETING_TIME", 60.0)
+    with socket.create_connection(place, 20.0) as long:
+        long.sendall(struct.pack("<I", (1 << 16) + 1))
+        assert long.recv(1) == b""
+    assert f"it announced {(1 << 16) + 1} bytes" in caplog.text
+    monkeypatch.setattr(loop_module, "MOST_CONNECTIONS", len(node.node._loop.connections))
+    with socket.create_connection(place, 20.0) as further:
+        assert further.recv(1) == b""
+    assert "is refused" in caplog.text
+    del service
+
+
 DEEP = "<array><data><value>" * 5000 + "x" + "</value></data></array>" * 5000
 ANSWERS = [
     DEEP,

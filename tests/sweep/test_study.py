@@ -208,6 +208,15 @@ def test_a_part_whose_texts_are_far_longer_than_the_file_is_refused(folder, monk
             use()
 
 
+def test_a_part_with_more_numbers_than_may_be_held_is_refused(folder, monkeypatch):
+    open_results(folder / "results", Study.load(folder / "push.toml"), "x", "parquet").close()
+    numbers = {f"n{column}": [hash((row, column)) / 3.0 for row in range(10_000)] for column in range(20)}
+    write_part(folder / "results" / "part-000000.parquet", {"run": range(10_000), "state": ["ok"] * 10_000, **numbers})
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    with pytest.raises(ParameterError, match=r"part-000000.parquet: it takes more than 1 MiB decompressed"):
+        read_results(folder / "results")
+
+
 @pytest.mark.parametrize(
     ("columns", "options"),
     [

@@ -163,6 +163,7 @@ def test_only_get_is_answered(viewer):
 
 def test_names_that_others_made_point_here_are_refused(viewer):
     assert get(viewer, Host="evil.example:8080")[0] == 403
+    assert get(viewer, Host="localhost.evil.example:8080")[0] == 403
     assert get(viewer, Host="localhost:9000")[0] == 200  # a forwarded port
     assert get(viewer, Host="[::1]:80")[0] == 200
     for host in ("[::1", "127.0.0.1; script-src *", "127.0.0.1/x", "evil.example@127.0.0.1", "127.0.0.1:x", ""):

@@ -5,9 +5,11 @@ import time
 
 import pytest
 
-from libgz.classic.transport import backlog, loop, received
+from libgz.base.errors import ParameterError
+from libgz.classic.msgs.declare import message_type
+from libgz.classic.transport import backlog, loop, master as master_module, received
 from libgz.classic.transport.backlog import Backlog
-from libgz.classic.transport.framing import frame
+from libgz.classic.transport.framing import Frames, frame, packet
 from libgz.classic.transport.loop import Connection, SocketLoop
 from libgz.classic.transport.master import Master, _Client
 from libgz.classic.transport.received import Received
@@ -203,3 +205,35 @@ def test_who_leaves_costs_what_it_has_announced_not_what_others_have(socket_loop
     master._remove(clients[1])
     assert 500 <= Announced.looks <= 5000
     assert master._all_publishers().publisher == []
+
+
+def test_what_clients_announce_is_bounded_each_and_together(socket_loop, monkeypatch):
+    monkeypatch.setattr(master_module, "MOST", 3)
+    monkeypatch.setattr(master_module, "MOST_OF_ALL", 6)
+    master = Master(socket_loop, [])
+    master.own = "this process"
+    clients = [_Client(Far()) for _ in range(3)]
+    master._clients.extend(clients)
+
+    def announce(client, topic="/t"):
+        message = message_type("Publish")(topic=topic, msg_type="gazebo.msgs.Pose", host="127.0.0.1", port=1)
+        master._receive(client, packet("advertise", message)[8:])
+
+    with pytest.raises(ParameterError, match="1 to 1000 are allowed"):
+        announce(clients[0], "x" * 1001)
+    with pytest.raises(ParameterError, match="4096 are allowed"):
+        announce(clients[0], "x" * 5000)
+    for _ in range(4):
+        announce(clients[0])
+    with pytest.raises(ParameterError, match="it has announced more than 3"):
+        announce(clients[0])
+    for _ in range(3):
+        announce(clients[1])
+    with pytest.raises(ParameterError, match="clients have announced more than 6"):
+        announce(clients[2])
+
+
+def test_a_frame_that_is_larger_than_allowed_is_refused_by_its_head():
+    assert Frames(10).add(b"%08x" % 10) == []
+    with pytest.raises(ParameterError, match="a message has 11 bytes; 10 are allowed"):
+        Frames(10).add(b"%08x" % 11)

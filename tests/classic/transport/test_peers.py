@@ -136,6 +136,12 @@ def test_another_user_of_this_machine_is_refused_at_the_address_for_other_machin
         assert check.refusal(server) == ""
 
 
+def test_who_listens_at_the_port_of_a_peer_is_not_taken_for_it():
+    with socket.create_server(("0.0.0.0", 0)) as other:
+        far, near = ("192.0.2.77", other.getsockname()[1]), ("192.0.2.78", 11345)
+        assert peers._asked_for(far, near) is None
+
+
 @pytest.mark.parametrize(("family", "host"), WAYS)
 def test_one_question_finds_the_user_without_the_lists(monkeypatch, family, host):
     """The lists take milliseconds: with them, few clients could connect in a second."""

@@ -1,12 +1,11 @@
 """WorldLock: lets one thread at a time change a world or step it.
 
-- One lock per world (`libgz/physics/lock.py`), held by a step and by all that changes the engine: a method that calls
-a changing function of ODE, or edits a table, is `@exclusive`, a constructor `@built`; so is what reads a stale row, or
-from ODE itself. The native step releases the interpreter lock; ODE aborts if anything changes meanwhile. Take no other
-lock, and wait for no thread, while holding it. `exclusive` compiles a wrapper with the method's own parameters, and in
-  a
-  step finds the lock held: 0.1 us. `World.step` keeps the lock from one step to the next unless a thread waits: to take
-  and release it costs 1,300 instructions, 0.5 % of a step of one robot and 1.6 % of one of ten sleeping boxes.
+One lock per world, held by a step and by all that changes the engine: a method that calls a changing function of ODE,
+or edits a table, is `@exclusive`, a constructor `@built`; so is what reads a stale row, or from ODE itself. The native
+step releases the interpreter lock; ODE aborts if anything changes meanwhile. Take no other lock, and wait for no
+thread, while holding it. `exclusive` compiles a wrapper with the method's own parameters, and in a step finds the lock
+held: 0.1 us. `World.step` keeps the lock from one step to the next unless a thread waits: to take and release it costs
+1,300 instructions, 0.5 % of a step of one robot and 1.6 % of one of ten sleeping boxes.
 """
 
 from __future__ import annotations

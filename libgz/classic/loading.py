@@ -13,6 +13,7 @@ from weakref import WeakSet
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, PluginError, StateError, pass_interrupt
 from libgz.base.trust import UntrustedError, check_trusted
+from libgz.base.visible import one_line
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.classic.ros_names import absence, provided, providers, stand_in
@@ -314,10 +315,11 @@ class MissingPluginError(PluginError):
     """
 
     def __init__(self, name: str, tried: Sequence[str]) -> None:
+        name = one_line(name)
         self.summary = (
             f"Failed to load plugin {name}: {name}: cannot open shared object file: No such file or directory; tried"
         )
-        super().__init__("\n".join([self.summary, *tried]))
+        super().__init__("\n".join([self.summary, *map(one_line, tried)]))
 
 
 class Missing:

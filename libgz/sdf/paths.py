@@ -11,6 +11,7 @@ from lxml import etree
 from libgz.base.errors import Diagnostics, NotFoundError, WorldFileError
 from libgz.base.files import exists, expand, is_file, read_limited
 from libgz.base.numbers import whole_number
+from libgz.base.visible import one_line
 from libgz.sdf.packages import find_package
 from libgz.sdf.xml import parse_document
 
@@ -85,7 +86,7 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
         return _downloaded(uri)
     if scheme not in ("", "file", *MODEL_SCHEMES):
         known = "model://, package:// and file:// are"
-        raise NotFoundError(f"Unable to find uri[{uri}]: {scheme}:// is not known; {known}")
+        raise NotFoundError(f"Unable to find uri[{one_line(uri)}]: {one_line(scheme)}:// is not known; {known}")
     if scheme in MODEL_SCHEMES:
         folders = [*model_directories(), *_around(rest.partition("/")[0], beside)]
     else:
@@ -104,9 +105,9 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
         package = find_package(name, package_directories())
         if package is not None and exists(package / inside):
             return package / inside
-    tried = ", ".join(dict.fromkeys(map(str, places)))
+    tried = one_line(", ".join(dict.fromkeys(map(str, places))))
     advice = "; set GAZEBO_MODEL_PATH" if scheme in MODEL_SCHEMES else "; set GAZEBO_RESOURCE_PATH"
-    raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")
+    raise NotFoundError(f"Unable to find uri[{one_line(uri)}]; looked for {tried}{advice}")
 
 
 def _downloaded(uri: str) -> Path:
@@ -121,7 +122,7 @@ def _downloaded(uri: str) -> Path:
         for place in (folder / name, folder / name.lower().replace(" ", "_").replace("%20", "_")):
             if exists(place):
                 return place
-    raise NotFoundError(f"Unable to find uri[{uri}]: libgz never looks on the network; put the model on disk")
+    raise NotFoundError(f"Unable to find uri[{one_line(uri)}]: libgz never looks on the network; put the model on disk")
 
 
 def _around(name: str, beside: Path | None) -> list[Path]:

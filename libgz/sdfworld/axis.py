@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from libgz.base.errors import NotFoundError, ParameterError
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuaternInverse, GzVector, rotate
 from libgz.base.law import largest, law, least, possible, where
+from libgz.base.visible import one_line
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.joint_record import AxisRecord
@@ -148,7 +149,7 @@ def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
 
 def lost_link(element: Element, find_link: FindLink) -> str:
     """Why a `<joint>` cannot be made whose link is in an `<include>` that was not found; "" if there is no such one."""
-    lost = ", ".join(f"{i.where} ({i.Get(str, 'uri').strip()})" for i in _missing_includes(element))
+    lost = ", ".join(f"{i.where} ({one_line(i.Get(str, 'uri').strip())})" for i in _missing_includes(element))
     for end in ("parent", "child") if lost else ():
         try:
             _link(element, find_link, end)

@@ -8,6 +8,7 @@ from urllib.parse import unquote
 
 from libgz.base.errors import NotFoundError
 from libgz.base.files import is_file
+from libgz.base.visible import one_line
 from libgz.physics.mesh_parts import NamedImage, Texture
 from libgz.sdf.paths import find_uri
 
@@ -52,5 +53,5 @@ def find_image(image: NamedImage) -> Path:
     for place in places:
         if is_file(place):
             return place
-    tried = ", ".join(dict.fromkeys(map(str, places)))
-    raise NotFoundError(f"image {written} of {image.file} was not found; looked for {tried}")
+    tried = one_line(", ".join(dict.fromkeys(map(str, places))))
+    raise NotFoundError(f"image {one_line(written)} of {image.file} was not found; looked for {tried}")

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.base.files import is_file
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzVector, rotate
+from libgz.base.visible import one_line
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite_tuple, positive, unit_axis
 from libgz.physics.geom import Geom
@@ -235,7 +236,9 @@ def _find(shape: Element) -> Path:
     folder = Path(shape.file).parent if shape.file and not shape.file.startswith("<") else None
     path = find_uri(shape.Get(str, "uri"), folder)
     if not is_file(path):
-        raise NotFoundError(f"Unable to find uri[{shape.Get(str, 'uri')}]: {path} is not a file")
+        raise NotFoundError(
+            f"Unable to find uri[{one_line(shape.Get(str, 'uri'))}]: {one_line(str(path))} is not a file"
+        )
     return path
 
 

@@ -26,6 +26,7 @@ from libgz.base.geometry import (
     QuaternLike,
     VectorLike,
 )
+from libgz.base.visible import one_line
 from libgz.worldfile.number import atof, atoi, malformed
 from libgz.worldfile.spelling import IMPLIED, ignored_tags, renamed_tags
 
@@ -396,7 +397,7 @@ class WorldFileNode:
             if is_file(place):
                 return str(place)
         tried = ", ".join(dict.fromkeys(str(place) for place in places))
-        found[0].warn(f"file {name!r} was not found; looked for {tried}")
+        found[0].warn(one_line(f"file {name!r} was not found; looked for {tried}"))
         return default
 
     # Setters -----------------------------------------------------------------------------------------------------

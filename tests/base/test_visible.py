@@ -1,5 +1,6 @@
 """Texts from outside, as terminals and logs show them."""
 
+import contextlib
 import logging
 
 import pytest
@@ -8,6 +9,7 @@ from lxml import etree
 from libgz import World
 from libgz.apps.console import PREFIXES, _ConsoleFormatter
 from libgz.apps.libgz import main
+from libgz.base.errors import WorldFileError
 from libgz.base.visible import one_line, visible
 from libgz.classic.log import LogRecord
 
@@ -59,6 +61,34 @@ def test_a_state_of_a_log_is_printed_without_control_characters(tmp_path, capsys
     printed = capsys.readouterr().out
     assert "a&#155;2J" in printed
     assert "\x9b" not in printed
+
+
+FORGED = """<sdf version='1.6'><world name='w'>
+<include><uri>model://no&#10;forged</uri></include><plugin name='p' filename='libno&#10;forged.so'/>
+<model name='a&#10;forged'>
+<link name='l'><sensor name='s' type='no&#10;forged'/>
+<collision name='c'><geometry><mesh><uri>no&#10;forged.dae</uri></mesh></geometry></collision></link>
+<joint name='j&#10;forged' type='fixed'><parent>no&#10;forged</parent><child>l</child></joint>
+</model></world></sdf>"""
+OLD_FORGED = """<gz:world xmlns:gz='g' xmlns:model='m'>
+<model:Terrain><dataFile>no&#10;forged</dataFile></model:Terrain></gz:world>"""
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [(FORGED, "check"), (FORGED, "sdf --check"), (FORGED, "gazebo"), (OLD_FORGED, "check"), (OLD_FORGED, "gazebo")],
+)
+def test_no_name_in_a_file_looks_like_a_message(tmp_path, capsys, caplog, text, command):
+    path = tmp_path / "a.world"
+    path.write_text(text)
+    if command == "gazebo":
+        with contextlib.suppress(WorldFileError), World.from_file(path):
+            pass
+    else:
+        main([*command.split(), str(path)])
+    printed = "".join(capsys.readouterr()) + caplog.text
+    assert "\\nforged" in printed
+    assert "\nforged" not in printed
 
 
 def test_no_command_prints_control_characters_of_logs(tmp_path, capsys):

@@ -40,4 +40,5 @@ boost=$(printf "libboost-%s-dev " thread filesystem program-options regex iostre
 classic="pkg-config cmake python3-dev libsdformat-dev libignition-math-dev libprotobuf-dev protobuf-compiler $boost"
 # shellcheck disable=SC2086 # a list of words
 installed $classic || install "$classic" "C++ plugins of Gazebo classic"
+installed qtbase5-dev || install qtbase5-dev "GUI plugins of Gazebo classic"
 command -v ign >/dev/null || install "ignition-tools libsdformat-dev" "SDF that sdformat reads"

@@ -17,6 +17,7 @@ from libgz.apps.view import make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
+from libgz.classic.gui import get_main_window
 from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
 from libgz.classic.transport import TopicManager, connect
@@ -68,6 +69,9 @@ class Run:
         self._stopped = True
         if self._starting:
             raise _Interrupted
+        window = get_main_window()
+        if window is not None:
+            window.close()
 
     def run(self) -> int:
         """Run the client, with classic's order of events; return the exit code."""
@@ -100,12 +104,11 @@ class Run:
             for _ in client.run(options.rate):
                 if viewer is not None:
                     viewer.tick()
-                if self._stopped:
-                    everywhere["SigInt"]()
-                    break
-                if not connected():
+                if not connected() and not self._stopped:
                     log.error("The server has ended.")
                     return FAILED
+            if self._stopped:
+                everywhere["SigInt"]()
         return 0
 
     def _open_view(self, client: Client, stack: contextlib.ExitStack) -> Any:

@@ -9,8 +9,9 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from libgz.base.errors import ParameterError
+from libgz.base.errors import LibraryError, ParameterError
 from libgz.classic_cxx.library import EXACT, STANDARD, built
+from libgz.classic_cxx.qt import QtSources
 from libgz.classic_cxx.recognition import OLD_NAMES, asks_for_old_names, version_flags
 from libgz.cxx.build import CompileError, compiler, run_compiler, source_words
 
@@ -23,6 +24,7 @@ _MISSING = re.compile(r"([\w./+-]+): No such file or directory|'([\w./+-]+)' fil
 PACKAGES = {
     "Eigen/": ("libeigen3-dev", "/usr/include/eigen3"),
     "GL/": ("libgl-dev", ""),
+    "Q": ("qtbase5-dev", ""),
     "boost/": ("libboost-dev", ""),
     "gst/": ("libgstreamer1.0-dev", "/usr/include/gstreamer-1.0"),
     "ignition/": ("libignition-transport-dev", ""),
@@ -68,21 +70,24 @@ def build(
         ParameterError: a source cannot be read, or the output cannot be written.
     """
     own_words = source_words(sources)
+    qt = QtSources(sources, options)
     library = built(progress)
     quality = ["-g3", "-O0"] if debug else ["-O2"]
     try:
         with tempfile.TemporaryDirectory(dir=output.parent) as folder:
             new = Path(folder) / output.name
+            words = [*own_words, *qt.make(Path(folder)), *libraries, *library.linker_flags(), *qt.libraries()]
 
             def compiled(version: Sequence[str]) -> list[CompileError]:
-                own = _command(library.compiler_flags(), standard, [*quality, *version, *options])
-                words = [*own, "-shared", "-o", str(new), *own_words, *libraries, *library.linker_flags()]
-                return run_compiler(words, _hint)
+                own = _command(library.compiler_flags(), standard, [*quality, *version, *options, *qt.flags(folder)])
+                return run_compiler([*own, "-shared", "-o", str(new), *words], _hint)
 
             errors = _either(compiled, sources)
             if not errors:
                 new.replace(output)
             return errors
+    except LibraryError:  # which is an OSError, too
+        raise
     except OSError as error:
         raise ParameterError(f"cannot write {output}: {error.strerror}") from None
 
@@ -104,12 +109,17 @@ def check(
     flags = built(progress).compiler_flags()
     found: list[CompileError] = []
     for source, word in named:
+        qt = QtSources([source], options)
+        with tempfile.TemporaryDirectory() as folder:
+            qt.make(Path(folder))
 
-        def compiled(version: Sequence[str], word: str = word) -> list[CompileError]:
-            words = [*_command(flags, standard, [*version, *options]), "-fsyntax-only", word]
-            return run_compiler(words, _hint)
+            given = [*options, *qt.flags(folder)], word
 
-        found += _either(compiled, [source])
+            def compiled(version: Sequence[str], given: tuple[Sequence[str], str] = given) -> list[CompileError]:
+                words = [*_command(flags, standard, [*version, *given[0]]), "-fsyntax-only", given[1]]
+                return run_compiler(words, _hint)
+
+            found += _either(compiled, [source])
     return found
 
 

@@ -56,7 +56,8 @@ def headers() -> dict[str, str]:
         made[name] = f'{NOTE}#include "gazebo/libgz/server.hh"\n'
     made["gazebo/physics/dart/DARTTypes.hh"] = f'{NOTE}#include "gazebo/libgz/dart.hh"\n'
     for name in {row.header for row in rows() if row.header} | set(HEADERS):
-        made.setdefault(name, f'{NOTE}#include "gazebo/libgz/gazebo.hh"\n')
+        part = "gui" if name.startswith("gazebo/gui/") else "gazebo"
+        made.setdefault(name, f'{NOTE}#include "gazebo/libgz/{part}.hh"\n')
     for reason, names in ABSENT.items():
         made |= {name: f"{NOTE}#error <{name}>: {reason}\n" for name in names}
     return made

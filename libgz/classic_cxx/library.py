@@ -36,7 +36,18 @@ from libgz.classic_cxx.messages import proto_files
 from libgz.classic_cxx.names import BASE_PLUGINS
 from libgz.cxx.build import compiler
 
-__all__ = ["Library", "built", "default_prefix", "ignition_part", "install", "source_key", "sources", "uninstall"]
+__all__ = [
+    "QT",
+    "Library",
+    "built",
+    "default_prefix",
+    "ignition_part",
+    "install",
+    "package_flags",
+    "source_key",
+    "sources",
+    "uninstall",
+]
 
 Progress = Callable[[str], None]
 
@@ -47,11 +58,18 @@ STANDARD = "c++17"
 EXACT = "-ffp-contract=off"  # products and sums are rounded one by one, as in Python, whatever the processor can do
 SONAME, MESSAGES = "libgazebo.so.11", "libgazebo_msgs.so.11"
 IGNITION = "libgazebo_ignition.so"  # is built where ignition-transport is installed
+WIDGETS = "libgazebo_widgets.so"  # is built where Qt is installed
 # Names under which Makefiles link classic's parts.
 PARTS = ("client", "common", "gui", "ode", "physics", "rendering", "sensors", "transport", "util")
 BOOST = ("thread", "system", "filesystem", "program_options", "regex", "iostreams", "date_time")
 # By which plugins of Gazebo 11 speak with ignition's tools, if it is installed; whatever does not use it is not linked.
 TRANSPORT = ("ignition-transport11", "ignition-msgs8")
+QT = ("Qt5Widgets",)
+# Parts that are built apart, as what they need may be installed later: the packages, the source, further options.
+APART = {
+    IGNITION: (TRANSPORT, "ignition", ()),
+    WIDGETS: (QT, "qt", ("-DQT_NO_KEYWORDS",)),  # slots is a word of Python's headers, too
+}
 # A header or program that is needed, and its package in Debian.
 HEADERS = {
     "Python.h": "python3-dev",
@@ -67,7 +85,7 @@ HEADERS = {
 }
 MANIFEST = Path("share", "libgz", "classic_cxx.txt")
 # Files by their parts, which are compiled as one, and how. Forwards spend their time in Python, and compile faster so.
-PARTS_OF = {"native": ("bridge", "library", "hot", "roscpp", "uri")}
+PARTS_OF = {"native": ("bridge", "library", "hot", "roscpp", "uri", "gui")}
 QUALITY = {"native": "-O1"}
 
 
@@ -128,7 +146,7 @@ def _toolchain_key() -> str:
     """A key of what else decides whether a library and a plugin fit together."""
     release = platform.freedesktop_os_release()
     version = _output([*compiler(), "--version"]).partition("\n")[0]
-    packages = _package_flags("--modversion")
+    packages = package_flags("--modversion")
     text = f"{release.get('ID')} {release.get('VERSION_ID')} {version} {packages} {sysconfig.get_paths()['include']}"
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
@@ -166,7 +184,8 @@ def _packages() -> tuple[str, ...]:
 
 
 @functools.cache
-def _package_flags(option: str, packages: tuple[str, ...] = ()) -> list[str]:
+def package_flags(option: str, packages: tuple[str, ...] = ()) -> list[str]:
+    """What pkg-config says of packages, by default of those that the library needs; nothing if one is missing."""
     words = shlex.split(_output(["pkg-config", option, *(packages or _packages())]))
     # The standard is ours; folders with .. in them make messages unreadable.
     return [re.sub(r"/usr/\S*\.\./include", "/usr/include", word) for word in words if not word.startswith("-std=")]
@@ -178,15 +197,15 @@ def _boost() -> list[str]:
 
 def _include() -> list[str]:
     """The compiler's options for what plugins use beside the library."""
-    return [*_package_flags("--cflags"), *_package_flags("--cflags", TRANSPORT)]
+    return [*package_flags("--cflags"), *package_flags("--cflags", TRANSPORT)]
 
 
 def _libraries() -> list[str]:
     """The linker's options for what plugins use beside the library."""
-    transport = _package_flags("--libs", TRANSPORT)
+    transport = package_flags("--libs", TRANSPORT)
     if transport:
         transport = ["-Wl,--push-state,--as-needed", *transport, "-Wl,--pop-state"]
-    return [*_package_flags("--libs"), *_boost(), *transport]
+    return [*package_flags("--libs"), *_boost(), *transport]
 
 
 def check_needs() -> None:
@@ -206,7 +225,7 @@ def check_needs() -> None:
             missing.append(package)
     text = "".join(f"#if !__has_include(<{name}>)\nlibgz_missing {name}\n#endif\n" for name in HEADERS)
     if command:
-        include = [f"-I{sysconfig.get_paths()['include']}", *_package_flags("--cflags")]
+        include = [f"-I{sysconfig.get_paths()['include']}", *package_flags("--cflags")]
         done = subprocess.run(
             [*command, "-E", "-P", "-x", "c++", *include, "-"], input=text, capture_output=True, text=True, check=False
         )
@@ -261,8 +280,9 @@ def built(progress: Progress = lambda _line: None) -> Library:
                     made = Path(place) / key
                     _build(made, key, folder / "lib", progress)
                     made.rename(folder)
-                if _package_flags("--libs", TRANSPORT) and not (folder / "lib" / IGNITION).exists():
-                    _build_ignition(Library(folder, key), progress)
+            for name, (packages, _, _) in APART.items():
+                if package_flags("--libs", packages) and not (folder / "lib" / name).exists():
+                    _build_apart(name, Library(folder, key), progress)
     except LibraryError:  # which is an OSError, too
         raise
     except OSError as error:
@@ -332,14 +352,14 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
     for name, parts in PARTS_OF.items():
         (sources / f"{name}.cc").write_text("".join(f'#include "{part}.cc"\n' for part in parts))
     flags = [f"-std={STANDARD}", "-fPIC", "-g0", "-w", EXACT, f"-I{include}", f"-I{messages}"]
-    flags += [f"-I{sysconfig.get_paths()['include']}", *_package_flags("--cflags")]
+    flags += [f"-I{sysconfig.get_paths()['include']}", *package_flags("--cflags")]
     # The longest first.
     objects = _compile(sources, ("api", "native", "messages"), flags, progress)
     progress("linking")
     link = [*compiler(), "-shared", "-Wl,-z,now"]
     _run([*link, f"-Wl,-soname,{MESSAGES}", "-o", str(out / MESSAGES), objects.pop("messages"), "-lprotobuf"])
     (out / "libgazebo_msgs.so").symlink_to(MESSAGES)
-    libraries = [f"-L{out}", "-lgazebo_msgs", *_package_flags("--libs"), *_boost()]
+    libraries = [f"-L{out}", "-lgazebo_msgs", *package_flags("--libs"), *_boost()]
     _run([*link, f"-Wl,-soname,{SONAME}", "-o", str(out / SONAME), *objects.values(), *libraries])
     (out / "libgazebo.so").symlink_to(SONAME)
     for name in (*(f"gazebo_{part}" for part in PARTS), *itertools.chain(*BASE_PLUGINS.values())):
@@ -349,15 +369,18 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
         path.unlink()
 
 
-def _build_ignition(library: Library, progress: Progress) -> None:
-    """Build the part for ignition-transport, which may have been installed after the library was built."""
-    progress("compiling for ignition-transport")
+def _build_apart(name: str, library: Library, progress: Progress) -> None:
+    """Build a part for packages that may have been installed after the library was built."""
+    packages, stem, options = APART[name]
+    progress(f"compiling for {packages[0]}")
     with tempfile.TemporaryDirectory(dir=library.lib) as folder:
-        made = Path(folder) / IGNITION
-        source = str(NATIVE / "ignition.cc")
-        flags = [*library.compiler_flags(), "-g0", "-O1", "-w", "-shared", "-Wl,-z,now", "-Wl,-rpath,$ORIGIN"]
-        _run([*compiler(), *flags, "-o", str(made), source, *library.linker_flags()])
-        made.rename(library.lib / IGNITION)
+        made = Path(folder) / name
+        flags = [*library.compiler_flags(), f"-I{sysconfig.get_paths()['include']}", *options]
+        flags += [*package_flags("--cflags", packages), "-g0", "-O1", "-w", "-shared", "-Wl,-z,now"]
+        libraries = [*library.linker_flags(), *package_flags("--libs", packages)]
+        source = str(NATIVE / f"{stem}.cc")
+        _run([*compiler(), *flags, "-Wl,-rpath,$ORIGIN", "-o", str(made), source, *libraries])
+        made.rename(library.lib / name)
 
 
 def _unity(messages: Path) -> str:

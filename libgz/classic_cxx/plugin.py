@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import logging
 import os
 import re
 import socket
 import sys
+from collections.abc import Callable
 from ctypes import c_char_p, c_int, c_void_p, py_object
-from functools import cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -17,13 +18,16 @@ from urllib.parse import urlsplit
 from libgz.base.errors import PluginError
 from libgz.base.files import read_limited
 from libgz.base.trust import check_trusted
+from libgz.classic.gui import GUI
 from libgz.classic.plugin import GUIPlugin, ModelPlugin, SensorPlugin, SystemPlugin, VisualPlugin, WorldPlugin
 from libgz.classic.plugin_base import PluginT
 from libgz.classic_cxx import rows
-from libgz.classic_cxx.library import IGNITION, MESSAGES, SONAME, cache_folder, source_key
+from libgz.classic_cxx.desktop import desktop
+from libgz.classic_cxx.library import IGNITION, MESSAGES, SONAME, WIDGETS, cache_folder, source_key
 from libgz.classic_cxx.own_messages import OwnMessages, mapped
 from libgz.cxx.host import frames_address, install, loading, track, watch
 from libgz.cxx.shared_object import SharedObject
+from libgz.simulation.event import owner
 from libgz.simulation.plugins import Plugin, edition
 
 __all__ = ["CompiledPlugin", "is_plugin", "load"]
@@ -155,20 +159,69 @@ class CompiledPlugin:
         """Call the plugin's Reset."""
         self.functions.call(self._object, RESET)
 
-    def __del__(self) -> None:
+    def _deletion(self) -> Callable[[], None] | None:
+        """What deletes the C++ object, once; it needs this one no more."""
         plugin, self._object = self._object, None
         if plugin is None or sys.is_finalizing():
-            return
-        try:
-            self.functions.call(plugin, DELETE)
-        except PluginError as error:
-            log.error("the destructor of plugin %r (%s) failed: %s", self.handleName, self.path, error)
+            return None
+        return functools.partial(_delete, self.functions, plugin, f"{self.handleName!r} ({self.path})")
+
+    def __del__(self) -> None:
+        deletion = self._deletion()
+        if deletion is not None:
+            deletion()
 
 
-@cache
-def _adapter(kind: str) -> type[Any]:
+def _delete(functions: Any, plugin: int, label: str) -> None:
+    try:
+        functions.call(plugin, DELETE)
+    except PluginError as error:
+        log.error("the destructor of plugin %s failed: %s", label, error)
+
+
+class WithWidgets(CompiledPlugin):
+    """A GUI plugin that is a widget of Qt, in the client's window on the screen.
+
+    Attributes:
+        widget_of: the address of the function that gives its widget.
+    """
+
+    widget_of: int
+    gui: GUI
+
+    def __init__(self) -> None:
+        self._desktop = desktop(Path(self.functions._name).with_name(WIDGETS))
+        super().__init__()
+
+    def Load(self, *values: Any) -> None:
+        """Put the widget into the window, call the plugin's Load, and show the widget."""
+        self.gui.SetVisible(False)  # the page has no panel of it
+        by = owner.get()
+        failed = self._desktop.failed if by is None else functools.partial(by.stop, "an event of Qt")
+        place = self._object or 0, self.widget_of
+        self._desktop.add(*place, failed)
+        super().Load(*values)
+        self._desktop.show(*place)
+
+    def __del__(self) -> None:
+        deletion = self._deletion()
+        if deletion is not None:
+            self._desktop.delete(deletion)
+
+
+@functools.cache
+def _adapter(kind: str, widgets: bool) -> type[Any]:
     """The class of plugins of a kind, without a file."""
-    return type(f"Compiled{kind}Plugin", (CompiledPlugin, KINDS[kind]), {"__module__": "C++"})
+    base = WithWidgets if widgets else CompiledPlugin
+    return type(f"Compiled{kind}Plugin", (base, KINDS[kind]), {"__module__": "C++"})
+
+
+def _address(shared: SharedObject, name: str) -> int | None:
+    """The address of a function; None if a file does not have it."""
+    try:
+        return ctypes.cast(shared.library[name], c_void_p).value
+    except AttributeError:
+        return None
 
 
 def _start_ros(functions: Any, shared: SharedObject, path: Path) -> None:
@@ -228,18 +281,17 @@ def load(path: Path) -> Plugin:
         shared = SharedObject(path)
         _messages.keep(path, shared, data, before)
         track(shared, path)
-        try:
-            maker = ctypes.cast(shared.library["libgz_new_plugin"], c_void_p).value
-        except AttributeError:
-            raise PluginError(
-                f"error loading plugin: {path} hides its RegisterPlugin; build it without -fvisibility"
-            ) from None
+        maker, widget_of = _address(shared, "libgz_new_plugin"), _address(shared, "libgz_widget_of")
+        if maker is None:
+            raise PluginError(f"error loading plugin: {path} hides its RegisterPlugin; build it without -fvisibility")
     if ROSCPP in data:
         _start_ros(functions, shared, path)
     if TRANSPORT in data:
         _start_ignition(functions, path)
     values = {"shared": shared, "maker": maker, "functions": functions, "path": path, "__module__": "C++"}
+    if widget_of is not None:
+        values["widget_of"] = widget_of
     plugin = Plugin(path, edited=edited)
-    plugin.registered = [(kind, type(path.stem, (_adapter(kind),), values))]
+    plugin.registered = [(kind, type(path.stem, (_adapter(kind, widget_of is not None),), values))]
     _loaded[path] = plugin
     return plugin

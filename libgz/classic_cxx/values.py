@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.base.errors import GazeboError, NotFoundError
-from libgz.classic import common, transport
+from libgz.classic import common, gui, msgs, transport
 from libgz.classic.common import console
 from libgz.classic.event import Events
 from libgz.classic.math import Inertiald, MassMatrix3d, Pose3d
@@ -18,6 +18,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 
 __all__ = [
+    "connect",
     "element_from",
     "element_text",
     "formatted",
@@ -136,8 +137,22 @@ def trajectory_from(number: int, kind: str, duration: float, start: float, end: 
 # Events and topics ---------------------------------------------------------------------------------------------------
 
 
+def connect(event: str, callback: Callable[..., object]) -> Any:
+    """Connect a callback to an event of the world whose plugin is running, or of the client: ``gui.KeyPress``."""
+    space, _, name = event.rpartition(".")
+    if event == "gui.KeyPress":  # Python has the whole message
+        return gui.Events.ConnectKeyPress(lambda key: callback(key.text))
+    return getattr(gui.Events if space else Events, f"Connect{name}")(callback)
+
+
 def signal(event: str, *values: Any) -> None:
-    """Signal an event of the world whose plugin is running."""
+    """Signal such an event."""
+    space, _, name = event.rpartition(".")
+    if space:
+        if name == "KeyPress":
+            values = (msgs.KeyEvent(text=values[0]),)
+        getattr(gui.Events, name[:1].lower() + name[1:])(*values)
+        return
     if event in ("WorldUpdateBegin", "BeforePhysicsUpdate"):
         values = (common.UpdateInfo(*values),)
     getattr(Events, event[:1].lower() + event[1:])(*values)

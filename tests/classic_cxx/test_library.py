@@ -315,13 +315,13 @@ def test_what_is_missing_is_named_with_the_command(monkeypatch):
     monkeypatch.setenv("PATH", "/nothing")
     monkeypatch.delenv("CXX", raising=False)
     library_module._packages.cache_clear()
-    library_module._package_flags.cache_clear()
+    library_module.package_flags.cache_clear()
     try:
         with pytest.raises(LibraryError, match=r"apt-get install g\+\+ pkg-config protobuf-compiler python3-dev"):
             library_module.check_needs()
     finally:
         library_module._packages.cache_clear()
-        library_module._package_flags.cache_clear()
+        library_module.package_flags.cache_clear()
 
 
 def test_sources_of_classic_are_recognised(tmp_path):

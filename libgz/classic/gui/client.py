@@ -24,7 +24,7 @@ from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.sdf.element import Element
 
-__all__ = ["Client", "ini_plugins"]
+__all__ = ["Client", "ini_plugins", "read_ini"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -32,16 +32,21 @@ SIZE = (800, 600)  # [px]
 NEAR, FAR = 0.1, 1000.0  # [m]
 
 
-def ini_plugins() -> list[str]:
-    """The plugins that GAZEBO_GUI_INI_FILE, or ~/.gazebo/gui.ini, names: ``[overlay_plugins] filenames=a.so:b.so``."""
+def read_ini() -> configparser.ConfigParser:
+    """The file that GAZEBO_GUI_INI_FILE names, or ~/.gazebo/gui.ini; empty if it cannot be read, which is logged."""
     path = Path(os.environ.get("GAZEBO_GUI_INI_FILE") or "~/.gazebo/gui.ini").expanduser()
     parser = configparser.ConfigParser(interpolation=None, strict=False)
     try:
         parser.read(path, encoding="utf-8")
     except (configparser.Error, UnicodeDecodeError) as error:
         log.warning("%s cannot be read: %s", path, error)
-        return []
-    names = parser.get("overlay_plugins", "filenames", fallback="")
+        return configparser.ConfigParser()
+    return parser
+
+
+def ini_plugins() -> list[str]:
+    """The plugins that gui.ini names: ``[overlay_plugins] filenames=a.so:b.so``."""
+    names = read_ini().get("overlay_plugins", "filenames", fallback="")
     return [name.strip() for name in names.split(":") if name.strip()]
 
 
@@ -65,6 +70,7 @@ class Client(Closing):
         try:
             camera = UserCamera(self.world, "user_camera", *size, near=NEAR, far=FAR)
             self.window = MainWindow(scene_of(self.world), camera)
+            self.window.frame = self.frame
             set_main_window(self.window)
             self._aim(camera, pose)
             for filename, name, element in self._named(filenames):
@@ -163,7 +169,11 @@ class Client(Closing):
             self.frame()
             yield
             due = max(due + 1.0 / rate, time.monotonic())
-            time.sleep(max(due - time.monotonic(), 0.0))
+            wait = max(due - time.monotonic(), 0.0)
+            if self.window.desktop is not None:
+                self.window.desktop.turn(wait)
+            else:
+                time.sleep(wait)
 
     def close(self) -> None:
         """Close the client. Can be called twice."""
@@ -172,6 +182,8 @@ class Client(Closing):
         self.plugins.clear()
         window: MainWindow | None = getattr(self, "window", None)
         if window is not None:
+            if window.desktop is not None:
+                window.desktop.close()
             window.camera.close()
         set_main_window(None)
         self.link.close()

@@ -19,6 +19,11 @@ EVENTS = {
     "ViewMode": ("mode",),
     "SetUserCamera": ("name",),
     "CreateEntity": ("kind", "data"),
+    "EditModel": ("model's name",),
+    "LeftPaneVisibility": ("on",),
+    "ShowToolbars": ("on",),
+    "FPS": (),
+    "Orbit": (),
 }
 
 _events = {name: Event(name) for name in EVENTS}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -125,6 +125,16 @@ class GUI:
         self._buttons[label]()
 
 
+class Desktop(Protocol):
+    """A window on the user's screen."""
+
+    def turn(self, seconds: float) -> None:
+        """Let it handle events for a time [s]."""
+
+    def close(self) -> None:
+        """Close it."""
+
+
 @takes_names
 class MainWindow:
     """The client's window, as plugins use it.
@@ -135,6 +145,8 @@ class MainWindow:
         camera: the user's camera.
         places: the overlays of the plugins, by name.
         open: until it is closed.
+        frame: updates what it shows.
+        desktop: its part on the user's screen, once a plugin has widgets of its own.
     """
 
     def __init__(self, scene: Scene, camera: UserCamera) -> None:
@@ -142,6 +154,8 @@ class MainWindow:
         self.scene, self.camera = scene, camera
         self.places: dict[str, GUI] = {}
         self.open = True
+        self.frame: Callable[[], object] = lambda: None
+        self.desktop: Desktop | None = None
 
     def setWindowTitle(self, title: str) -> None:
         """Set the title."""

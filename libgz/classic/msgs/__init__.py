@@ -33,6 +33,11 @@ __all__ = [
 def __getattr__(name: str) -> _typing.Any:
     if name.startswith("_"):
         raise AttributeError(name)
+    if name.endswith("ToSDF"):  # which needs the reader of SDF
+        from libgz.classic.msgs import to_sdf as _to_sdf
+
+        if name in _to_sdf.__all__:
+            return getattr(_to_sdf, name)
     try:
         found = message_type(name)
     except _NotFoundError as error:

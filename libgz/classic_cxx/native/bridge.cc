@@ -443,6 +443,15 @@ std::pair<const std::type_info *, std::shared_ptr<void>> &Call::Slot()
   return (*static_cast<Slots *>(this->self->kept))[this->name];
 }
 
+// The client ---------------------------------------------------------------------------------------------------------
+
+void load_element(void *element, const std::function<void(sdf::ElementPtr)> &load)
+{
+  sdf::ElementPtr sdf = element_of(static_cast<PyObject *>(element));
+  Unlocked unlocked;
+  load(sdf);
+}
+
 // Values -----------------------------------------------------------------------------------------------------------
 
 PyObject *build(const char *name, std::initializer_list<double> values)
@@ -789,11 +798,7 @@ static event::ConnectionPtr connect_event(const char *event, const F &callback)
   text = std::string("a callback of event ") + event;
   Connecting named(text.c_str());
   Ref made(to(callback));
-  Ref connect(PyObject_GetAttrString(
-      attribute("libgz.classic.event", "Events"), (std::string("Connect") + event).c_str()));
-  if (!connect)
-    raise_python();
-  Ref connection(PyObject_CallOneArg(connect.get(), made.get()));
+  Ref connection(PyObject_CallFunction(attribute("libgz.classic_cxx.values", "connect"), "sO", event, made.get()));
   if (!connection)
     raise_python();
   return connection_of(connection.get());
@@ -925,12 +930,6 @@ void SystemPlugin::LibgzLoad(void *, void *arguments)
   libgz::Unlocked unlocked;
   this->Load(static_cast<int>(words->size()), pointers->data());
 }
-void GUIPlugin::LibgzLoad(void *, void *element)
-{
-  auto sdf = libgz::element_of(static_cast<PyObject *>(element));
-  libgz::Unlocked unlocked;
-  this->Load(sdf);
-}
 }  // namespace gazebo
 
 // What boost calls where a condition of its own fails, such as that a pointer is not null.
@@ -953,13 +952,34 @@ void assertion_failed_msg(char const *expression, char const *text, char const *
 
 // What Python calls, by ctypes.PyDLL: with its lock; exceptions are set -------------------------------------------------
 
-extern "C" {
-enum { LIBGZ_INIT, LIBGZ_RESET, LIBGZ_DELETE };
 struct LibgzPlugin
 {
   libgz::PluginRoot *plugin;
   libgz::Plugin context;
 };
+namespace libgz {
+std::shared_ptr<const void> running_plugin() { return Frame::current(); }
+PluginRoot *root_of(void *plugin) { return static_cast<LibgzPlugin *>(plugin)->plugin; }
+void run_as(const std::shared_ptr<const void> &plugin, const char *what, const std::function<void()> &code)
+{
+  Frame frame(what, std::static_pointer_cast<const Context>(plugin));
+  code();
+}
+std::shared_ptr<const void> context_of(void *plugin) { return static_cast<LibgzPlugin *>(plugin)->context; }
+PyObject *caught()
+{
+  set_error();
+  PyObject *type, *value, *traceback;
+  PyErr_Fetch(&type, &value, &traceback);
+  PyErr_NormalizeException(&type, &value, &traceback);
+  Py_XDECREF(type);
+  Py_XDECREF(traceback);
+  return value;
+}
+}  // namespace libgz
+
+extern "C" {
+enum { LIBGZ_INIT, LIBGZ_RESET, LIBGZ_DELETE };
 void libgz_start(void *frames) { libgz::frames = reinterpret_cast<libgz_frame **(*) ()>(frames); }
 void *libgz_create(void *function, const char *file, const char *name, const char *label, PyObject *shared)
 {
@@ -1008,7 +1028,10 @@ void libgz_call(void *plugin, int what)
     else if (what == LIBGZ_RESET)
       one->plugin->LibgzReset();
     else
+    {
+      libgz::drop_filters(one->context.get());
       delete std::exchange(one->plugin, nullptr);
+    }
   }
   catch (...)
   {

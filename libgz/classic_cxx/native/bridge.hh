@@ -114,6 +114,16 @@ const unsigned char *bytes_of(PyObject *object);
 using Function = std::function<PyObject *(PyObject *const *)>;
 PyObject *callable(Function function, int count);
 
+// For what calls plugins beside events and Load; a plugin as a pointer is what libgz_create has returned.
+using Running = std::shared_ptr<const void>;  // a plugin as far as its callbacks need it
+Running running_plugin();
+Running context_of(void *plugin);
+PluginRoot *root_of(void *plugin);
+void run_as(const Running &plugin, const char *what, const std::function<void()> &code);  // under the plugin's name
+PyObject *caught();  // what is being handled, as an exception of Python: a new reference
+void drop_filters(const void *plugin);
+extern void *main_window;
+
 /* User code runs without the interpreter's lock, so that its threads can call libgz while it waits for them. */
 struct Unlocked
 {

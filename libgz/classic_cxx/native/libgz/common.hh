@@ -636,4 +636,23 @@ class GAZEBO_VISIBLE Events
 };
 }  // namespace event
 }  // namespace gazebo
+
+// sdformat reads elements as the types that it knows.
+namespace sdf {
+inline namespace SDF_VERSION_NAMESPACE {
+template <>
+inline gazebo::common::Time Element::Get<gazebo::common::Time>(const std::string &key) const
+{
+  const sdf::Time found = this->Get<sdf::Time>(key);
+  return gazebo::common::Time(found.sec, found.nsec);
+}
+template <>
+inline std::pair<gazebo::common::Time, bool> Element::Get<gazebo::common::Time>(
+    const std::string &key, const gazebo::common::Time &otherwise) const
+{
+  const auto found = this->Get<sdf::Time>(key, sdf::Time(otherwise.sec, otherwise.nsec));
+  return {gazebo::common::Time(found.first.sec, found.first.nsec), found.second};
+}
+}  // namespace SDF_VERSION_NAMESPACE
+}  // namespace sdf
 #endif

@@ -1,6 +1,7 @@
 /* The whole API; each header of classic includes this. License: Apache License 2.0. */
 #ifndef LIBGZ_GAZEBO_HH
 #define LIBGZ_GAZEBO_HH
+#ifndef Q_MOC_RUN  // Qt's moc reads the plugin's own headers only
 /* What Gazebo's headers bring along, most of it by boost's network library: plugins use it without naming it. */
 #include <dirent.h>
 #include <float.h>
@@ -35,4 +36,5 @@
 #define DIAG_TIMER_START(name) ((void)0)
 #define DIAG_TIMER_LAP(name, prefix) ((void)0)
 #define DIAG_TIMER_STOP(name) ((void)0)
+#endif
 #endif

@@ -1,4 +1,4 @@
-/* The six kinds of plugins, and how a file registers its class. License: Apache License 2.0. */
+/* The kinds of plugins but that of the client, and how a file registers its class. License: Apache License 2.0. */
 #ifndef LIBGZ_PLUGIN_HH
 #define LIBGZ_PLUGIN_HH
 #include <dlfcn.h>
@@ -122,25 +122,11 @@ class GAZEBO_VISIBLE VisualPlugin : public PluginT<VisualPlugin>
   void LibgzReset() override { this->Reset(); }
 };
 
-/* A plugin of the client. Qt's widgets, which it is in classic, are not there. */
-class GAZEBO_VISIBLE GUIPlugin : public PluginT<GUIPlugin>
-{
- public:
-  GUIPlugin() { this->type = GUI_PLUGIN; }
-  virtual void Load(sdf::ElementPtr) {}
-  virtual void Init() {}
-  virtual void Reset() {}
-  void LibgzLoad(void *holder, void *element) override;
-  void LibgzInit() override { this->Init(); }
-  void LibgzReset() override { this->Reset(); }
-};
-
 typedef boost::shared_ptr<WorldPlugin> WorldPluginPtr;
 typedef boost::shared_ptr<ModelPlugin> ModelPluginPtr;
 typedef boost::shared_ptr<SensorPlugin> SensorPluginPtr;
 typedef boost::shared_ptr<SystemPlugin> SystemPluginPtr;
 typedef boost::shared_ptr<VisualPlugin> VisualPluginPtr;
-typedef boost::shared_ptr<GUIPlugin> GUIPluginPtr;
 }  // namespace gazebo
 
 // The text is read before the file is loaded: its kind, the library that it needs, and where that is.
@@ -165,5 +151,4 @@ typedef boost::shared_ptr<GUIPlugin> GUIPluginPtr;
 #define GZ_REGISTER_SENSOR_PLUGIN(classname) LIBGZ_REGISTER(Sensor, classname)
 #define GZ_REGISTER_SYSTEM_PLUGIN(classname) LIBGZ_REGISTER(System, classname)
 #define GZ_REGISTER_VISUAL_PLUGIN(classname) LIBGZ_REGISTER(Visual, classname)
-#define GZ_REGISTER_GUI_PLUGIN(classname) LIBGZ_REGISTER(GUI, classname)
 #endif

@@ -135,11 +135,16 @@ WORLD = """\
   <plugin name="good" filename="liboverlay.so"><task>spawn</task></plugin>
   <plugin name="bad" filename="liboverlay.so"><task>fail</task></plugin>
   <plugin name="slow" filename="liboverlay.so"><task>wait</task></plugin>
+  <plugin name="plain" filename="libplain.so"/>
 </gui></world></sdf>
 """
 WITHOUT = """\
 #include <gazebo/gui/GuiPlugin.hh>
-class Plain : public gazebo::GUIPlugin {{ {} }};
+class Plain : public gazebo::GUIPlugin
+{{
+  void Load(sdf::ElementPtr) override {{ gzerr << "plain loaded" << std::endl; }}
+  {}
+}};
 GZ_REGISTER_GUI_PLUGIN(Plain)
 """
 with_qt = pytest.mark.skipif(not package_flags("--cflags", QT), reason="Qt is not installed")
@@ -165,6 +170,11 @@ def command(name, *words):
 def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
     source = write(tmp_path)
     assert build([source], tmp_path / "liboverlay.so") == []
+    plain = tmp_path / "plain.cc"
+    plain.write_text(WITHOUT.format(""))
+    with monkeypatch.context() as patch:
+        patch.setattr(qt_module, "package_flags", lambda *_words: [])
+        assert build([plain], tmp_path / "libplain.so") == []
     world = tmp_path / "overlay.world"
     world.write_text(WORLD)
     for name in ("DISPLAY", "QT_QPA_PLATFORM"):
@@ -200,6 +210,7 @@ def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
     assert "they run unseen, by Qt's platform offscreen" in errors
     assert "Exception occured in an event of Qt of plugin with name[bad]" in errors
     assert "std::runtime_error: no such button" in errors
+    assert "plain loaded" in errors
     pixels = np.asarray(Image.open(tmp_path / "window.png").convert("RGB"))
     assert pixels.shape == (600, 800, 3)
     assert tuple(pixels[42, 302]) == (10, 200, 30)  # where the plugin has moved its widget
@@ -224,7 +235,7 @@ def test_without_qt_a_plugin_without_widgets_compiles(library, tmp_path, without
     source = tmp_path / "plain.cc"
     source.write_text(WITHOUT.format(""))
     assert check([source]) == []
-    source.write_text(WITHOUT.format("Q_OBJECT"))
+    source.write_text(WITHOUT.format("; Q_OBJECT"))
     (error, *_) = check([source])
     assert "plugins with widgets need Qt: apt-get install qtbase5-dev" in error.message
     source.write_text(WITHOUT.format("\n  Q_OBJECT\n"))

@@ -51,7 +51,7 @@ CODE = (*HEADERS, ".cc", ".cpp", ".cxx")
 COMPILES = "compiles"
 QT, ABSENT = "windows of Qt", "a library that is not on this computer"
 KINDS = {
-    QT: r"Q_OBJECT|\bQ[A-Z]\w+|\bQt|gazebo/gui/|'gui' (has not|is not)|gui::",
+    QT: r"Q_OBJECT|qtbase5|\bQ[A-Z]\w+|\bQt|gazebo/gui/|'gui' (has not|is not)|gui::",
     "OGRE": r"[Oo]gre|OGRE|MovableText|RenderEngine|RTShaderSystem|selection_buffer|'create_scene|VideoVisual",
     "internals of engines": r"\b(bullet|dart|simbody|ode)/|joints/contact\.h|DART|Simbody|Bullet|\bd(Body|Geom)ID",
     "a name of Gazebo": r"^gazebo/\S+: No such file|#error <gazebo/|gazebo::|has no member",

@@ -214,12 +214,12 @@ class GAZEBO_VISIBLE Conversions
 #endif
 }  // namespace gui
 
-/* A plugin of the client, all of it here, so that one which was compiled without Qt is another class than one with it. */
+/* A plugin of the client. All of it is in the plugin's own file, and nothing of it in the library: plugins with and without
+ * widgets can be loaded together.
+ */
 #ifdef LIBGZ_HAS_QT
-inline namespace widgets {
 class GAZEBO_VISIBLE GUIPlugin : public QWidget, public PluginT<GUIPlugin>
 #else
-inline namespace without_widgets {
 class GAZEBO_VISIBLE GUIPlugin : public PluginT<GUIPlugin>
 #endif
 {
@@ -241,8 +241,6 @@ class GAZEBO_VISIBLE GUIPlugin : public PluginT<GUIPlugin>
   }
 #endif
 };
-}  // namespace
-typedef boost::shared_ptr<GUIPlugin> GUIPluginPtr;
 }  // namespace gazebo
 
 #ifdef LIBGZ_HAS_QT

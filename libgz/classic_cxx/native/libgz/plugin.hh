@@ -127,6 +127,8 @@ typedef boost::shared_ptr<ModelPlugin> ModelPluginPtr;
 typedef boost::shared_ptr<SensorPlugin> SensorPluginPtr;
 typedef boost::shared_ptr<SystemPlugin> SystemPluginPtr;
 typedef boost::shared_ptr<VisualPlugin> VisualPluginPtr;
+class GUIPlugin;
+typedef boost::shared_ptr<GUIPlugin> GUIPluginPtr;
 }  // namespace gazebo
 
 // The text is read before the file is loaded: its kind, the library that it needs, and where that is.

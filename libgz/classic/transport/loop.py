@@ -28,6 +28,8 @@ CONNECTIONS = 500  # that are accepted at the same time
 BURST = 0.03  # [s] of handling what comes in at once, before the share counts
 DEBT = 0.06  # [s] of it that is counted at most: more is Python's, such as a collection of garbage, not the clients'
 CHUNK = 1 << 16  # [bytes] received at once from one connection
+ACCEPTS = 16  # connections that are accepted before others have their turn
+FORGETTING = 10.0  # [s] after which what a connection has cost counts half
 EVENTS = 32  # connections that are handled before others have their turn
 STALLED = 1.0  # [s] without progress, after which a receiver is sent nothing more until it receives again
 QUEUE_BYTES, QUEUE_COUNT = 8 << 20, 1000  # that wait for one receiver; then the oldest are dropped
@@ -43,6 +45,8 @@ class SocketLoop:
 
     def __init__(self, share: float | None = None) -> None:
         self._share, self._credit, self._counted = share, BURST, time.monotonic()
+        self._costs: dict[int, float] = {}  # of handling what a descriptor has sent [s]; halved from time to time
+        self._forgotten = self._counted
         self._main = selectors.DefaultSelector()  # what is always handled: calls, sending, and all that comes in
         self._inputs = selectors.EpollSelector()
         self._reading = True
@@ -108,24 +112,29 @@ class SocketLoop:
 
     def _register_listener(self, listener: socket.socket, accept: Callable[[Connection], None], largest: int) -> None:
         def on_ready(_mask: int) -> None:
-            try:
-                made, _ = listener.accept()
-            except OSError:
-                return
-            refused = self._peers.refusal(made) if self._peers is not None else ""
-            if refused:
-                made.close()
-                self.warn("a connection was refused: %s", refused)
-                return
-            connection = Connection(self, made, largest)
-            self.accepted[connection] = None
-            if len(self.accepted) > CONNECTIONS:
-                self._make_room(connection)
-            if connection.open:
-                accept(connection)
-                connection.start()
+            for _ in range(ACCEPTS):
+                try:
+                    made, _address = listener.accept()
+                except OSError:
+                    return
+                self._greet(made, accept, largest)
 
         self._inputs.register(listener, selectors.EVENT_READ, on_ready)
+
+    def _greet(self, made: socket.socket, accept: Callable[[Connection], None], largest: int) -> None:
+        """Serve a new connection, if its peer may connect."""
+        refused = self._peers.refusal(made) if self._peers is not None else ""
+        if refused:
+            made.close()
+            self.warn("a connection was refused: %s", refused)
+            return
+        connection = Connection(self, made, largest)
+        self.accepted[connection] = None
+        if len(self.accepted) > CONNECTIONS:
+            self._make_room(connection)
+        if connection.open:
+            accept(connection)
+            connection.start()
 
     def _make_room(self, new: Connection) -> None:
         """Close the oldest connection that has sent nothing valid, or else takes nothing, or else the new one."""
@@ -175,15 +184,25 @@ class SocketLoop:
         now = time.monotonic()
         if self._share is not None:
             self._credit = max(min(BURST, self._credit + self._share * (now - self._counted)) - spent, -DEBT)
+        if now > self._forgotten + FORGETTING:
+            self._forgotten = now
+            self._costs = {fd: cost / 2.0 for fd, cost in self._costs.items()}
         self._counted = now
 
     def _handle_inputs(self, _mask: int) -> None:
         begin = time.thread_time()
-        ready = self._inputs.select(0)[:EVENTS]
-        ready.sort(key=lambda entry: entry[0].fileobj not in self._listeners)  # new connections first
-        for key, mask in ready:
+        ready = self._inputs.select(0)
+        # New connections first, then those that cost least: who sends without an end must not keep others waiting.
+        ready.sort(key=lambda entry: (entry[0].fileobj not in self._listeners, self._costs.get(entry[0].fd, 0.0)))
+        last = begin
+        for key, mask in ready[:EVENTS]:
+            self._costs[key.fd] = self._costs.get(key.fd, 0.0)
             self._guarded(key.data, mask)
-            if self._share is not None and time.thread_time() - begin > BURST:
+            now = time.thread_time()
+            if key.fd in self._costs:  # else it was closed
+                self._costs[key.fd] += now - last
+            last = now
+            if self._share is not None and now - begin > BURST:
                 break  # what is left is ready the next time, too
         self._count(time.thread_time() - begin)
         if self._credit <= 0.0 and self._share is not None:
@@ -225,6 +244,7 @@ class SocketLoop:
         """Stop handling a connection's socket."""
         self.accepted.pop(connection, None)
         self._connections.discard(connection)
+        self._costs.pop(connection.socket.fileno(), None)
         with contextlib.suppress(KeyError, ValueError):
             self._inputs.unregister(connection.socket)
         self.write_to(connection, False)

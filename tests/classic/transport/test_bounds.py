@@ -2,6 +2,8 @@
 
 import socket
 import time
+from selectors import SelectorKey
+from types import SimpleNamespace
 
 import pytest
 
@@ -237,3 +239,21 @@ def test_a_frame_that_is_larger_than_allowed_is_refused_by_its_head():
     assert Frames(10).add(b"%08x" % 10) == []
     with pytest.raises(ParameterError, match="a message has 11 bytes; 10 are allowed"):
         Frames(10).add(b"%08x" % 11)
+
+
+def test_who_sends_without_an_end_keeps_nobody_waiting(socket_loop, monkeypatch):
+    handled = []
+
+    def flood(_mask):
+        handled.append("flood")
+        sum(range(10_000))
+
+    def ready(_timeout):  # all the time, in the same order
+        keys = [SelectorKey(number, number, 1, flood) for number in (1001, 1002, 1003)]
+        return [(key, 1) for key in (*keys, SelectorKey(1004, 1004, 1, lambda _: handled.append("quiet")))]
+
+    monkeypatch.setattr(loop, "EVENTS", 2)
+    monkeypatch.setattr(socket_loop, "_inputs", SimpleNamespace(select=ready))
+    for _ in range(4):
+        socket_loop._handle_inputs(0)
+    assert handled.count("quiet") >= 2

@@ -155,9 +155,9 @@ class Master:
             self._send_all("topic_namespace_add", message)
 
     def _advertise(self, client: _Client, publisher: Any) -> None:
-        self._send_all("publisher_add", publisher)
-        client.publishers.append(publisher)
+        client.publishers.append(publisher)  # before sending, which may find that the client has closed
         self._published.add(client, publisher)
+        self._send_all("publisher_add", publisher)
         for other in self._subscribed.clients(publisher.topic):
             other.connection.send(packet("publisher_advertise", publisher))
 

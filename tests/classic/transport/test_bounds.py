@@ -209,6 +209,19 @@ def test_who_leaves_costs_what_it_has_announced_not_what_others_have(socket_loop
     assert master._all_publishers().publisher == []
 
 
+def test_who_is_found_to_have_left_while_it_announces_leaves_nothing(socket_loop):
+    master, (left, other) = Master(socket_loop, []), (_Client(Far()) for _ in range(2))
+    left.connection.send = lambda _data: left in master._clients and master._remove(left)
+    sent = []
+    other.connection.send = sent.append
+    master._clients.extend((left, other))
+    message = message_type("Publish")(topic="/t", msg_type="gazebo.msgs.Pose", host="127.0.0.1", port=1)
+    master._receive(left, packet("advertise", message)[8:])
+    sent.clear()
+    master._receive(other, packet("subscribe", message_type("Subscribe")(topic="/t", host="h", port=1))[8:])
+    assert sent == []
+
+
 def test_what_clients_announce_is_bounded_each_and_together(socket_loop, monkeypatch):
     monkeypatch.setattr(master_module, "MOST", 3)
     monkeypatch.setattr(master_module, "MOST_OF_ALL", 6)

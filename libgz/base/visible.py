@@ -22,5 +22,9 @@ def one_line(text: str) -> str:
 
 
 def visible_xml(text: str) -> str:
-    """A document whose control characters are references, so that it says the same and cannot command a terminal."""
-    return _COMMANDS.sub(lambda found: f"&#{ord(found[0])};", text)
+    """A document whose control characters are references, so that it says the same and cannot command a terminal.
+
+    Its lines end as a parser reads them: a reference to a carriage return is a character of its own.
+    """
+    lines = text.replace("\r\n", "\n").replace("\r", "\n")
+    return _COMMANDS.sub(lambda found: f"&#{ord(found[0])};", lines)

@@ -52,6 +52,14 @@ def test_printed_documents_say_the_same_without_control_characters(tmp_path, cap
     assert "a\x9b2J\u202e" in {element.get("name") for element in root.iter("*")}
 
 
+def test_a_document_with_line_ends_of_windows_is_printed_as_a_document(tmp_path, capfd):
+    path = tmp_path / "a.world"
+    text = '<?xml version="1.0"?>\n<gz:world xmlns:gz="x">\n<model:Pioneer2AT xmlns:model="y"\nid="a"/>\n</gz:world>\n'
+    path.write_text(text, newline="\r\n")
+    assert main(["upgrade", str(path)]) == 0
+    assert capfd.readouterr().out == text
+
+
 def test_a_state_of_a_log_is_printed_without_control_characters(tmp_path, capsys):
     path = tmp_path / "state.log"
     text = "<sdf version='1.6'><model name='a\x9b2J'><link name='l'/></model></sdf>"

@@ -155,21 +155,36 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             for env, row, values, ended in zip(self.envs, rows, clipped, again.tolist(), strict=True)
         ]
         # Resets last: Python does them while native code does the steps of the others.
-        stepped = self._crew.run(tasks, np.argsort(again, kind="stable").tolist())
-        for number, outcome in enumerate(stepped):
-            if isinstance(outcome, BaseException):
-                raise GazeboError(f"environment {number} of {self.num_envs}: {outcome}") from outcome
+        stepped = self._done(range(self.num_envs), tasks, np.argsort(again, kind="stable").tolist())
         self._seen, cut, infos = map(list, zip(*stepped, strict=True))
         rewards, ends, cuts = self._outcomes[:, -2].copy(), self._outcomes[:, -1] != 0.0, np.array(cut, np.bool_)
         rewards[again], ends[again] = 0.0, False
         self._ended = ends | cuts
         finals: dict[str, Any] = {}
         if modes == AutoresetMode.SAME_STEP:
-            for number in np.flatnonzero(self._ended).tolist():
+            over = np.flatnonzero(self._ended).tolist()
+            for number in over:
                 final = {"final_obs": self._observation(number), "final_info": infos[number]}
                 finals = self._add_info(finals, final, number)
-                self._seen[number], infos[number] = self.envs[number].reset()
+            begun = self._done(over, [_reset(self.envs[number]) for number in over])
+            for number, (seen, _, info) in zip(over, begun, strict=True):
+                self._seen[number], infos[number] = seen, info
         return self._collected(), rewards, ends, cuts, finals | self._joined(infos)
+
+    def _done(
+        self, numbers: Sequence[int], tasks: Sequence[Task[Stepped]], order: Sequence[int] | None = None
+    ) -> list[Stepped]:
+        """Run tasks of environments with these numbers.
+
+        Raises:
+            GazeboError: one failed.
+        """
+        done: list[Stepped] = []
+        for number, outcome in zip(numbers, self._crew.run(tasks, order), strict=True):
+            if isinstance(outcome, BaseException):
+                raise GazeboError(f"environment {number} of {self.num_envs}: {outcome}") from outcome
+            done.append(outcome)
+        return done
 
     def _joined(self, infos: list[dict[str, Any]]) -> dict[str, Any]:
         """The infos of all environments as Gymnasium has them: an array of each entry, and a mask of who has it."""

@@ -111,6 +111,22 @@ def test_an_environment_that_fails_is_named(make):
     assert [env.world.iterations for env in envs.envs[:2]] == [count + 10 for count in before]
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
+def test_an_environment_whose_reset_fails_is_named(make, mode):
+    envs = make("PendulumSwingUp", autoreset_mode=mode, time_limit=0.01)
+    envs.reset(seed=0)
+
+    def fail(*_values):
+        raise ValueError("no place is free")
+
+    envs.envs[2]._start = fail
+    actions = np.zeros((COUNT, 1), np.float32)
+    if mode == AutoresetMode.NEXT_STEP:
+        envs.step(actions)
+    with pytest.raises(GazeboError, match=r"^environment 2 of 4: no place is free"):
+        envs.step(actions)
+
+
 def test_what_is_wrong_is_refused(make):
     for options, message in (
         ({"autoreset_mode": "Never"}, "autoreset_mode is 'Never'; allowed are NextStep, SameStep, Disabled"),

@@ -93,7 +93,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     Attributes:
         world: the present world; a reset may replace it where `randomise` is used.
         sampled: the values that `randomise` chose at the last reset.
-        outcome: what `measure` computes.
+        outcome: what `measure` computes; `make_vec` replaces it by one in an array of all environments.
 
     Raises:
         WorldFileError: there is no such world, or it has errors.

@@ -8,7 +8,7 @@ from libgz.classic_cxx.table import Row, rows
 
 __all__ = ["api_page"]
 
-SPACES = ("", "common", "event", "msgs", "physics", "rendering", "sensors", "transport", "util")
+SPACES = ("", "common", "event", "gui", "msgs", "physics", "rendering", "sensors", "transport", "util")
 
 
 def api_page() -> str:

@@ -108,6 +108,7 @@ def declaration_checks():
             yield f"namespace {owner.rpartition('::')[0]} {{ using M{number} = decltype({call}); }}"
 
 
+INCLUDES = "#include <gazebo/gazebo.hh>\n#include <gazebo/gui/gui.hh>"
 BROUGHT_ALONG = """\
 termios settings; ifreq request; struct sigaction handler; std::future<int> later;
 epoll_event event; itimerspec timer; boost::unordered_map<int, int> numbers;
@@ -132,7 +133,7 @@ def errors_in(library, source, version):
 
 def test_all_that_the_table_says_is_declared(library, tmp_path):
     source = tmp_path / "declared.cc"
-    source.write_text("\n".join(["#include <gazebo/gazebo.hh>", *declaration_checks(), BROUGHT_ALONG, ""]))
+    source.write_text("\n".join([INCLUDES, *declaration_checks(), BROUGHT_ALONG, ""]))
     assert errors_in(library, source, 11) == []
 
 

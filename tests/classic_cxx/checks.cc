@@ -661,7 +661,7 @@ class Counter : public Sensor
 {
  public:
   Counter() : Sensor(sensors::OTHER) {}
-  ~Counter() { gzmsg << "counter deleted" << std::endl; }
+  ~Counter() { gzmsg << this->Name() << " deleted" << std::endl; }
   void Load(const std::string &_world) override
   {
     Sensor::Load(_world);
@@ -679,6 +679,7 @@ class Counter : public Sensor
   {
     Sensor::Fini();
     gzmsg << "counter ends" << std::endl;
+    throw std::runtime_error("no end");
   }
   std::string Topic() const override { return "~/" + this->Name() + "/counts"; }
   bool IsActive() const override { return Sensor::IsActive() && this->world->SimTime() > 0.045; }

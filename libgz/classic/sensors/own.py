@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
-from libgz.base.errors import ParameterError
+from libgz.base.errors import ParameterError, PluginError
 from libgz.classic.sensors.kinds import OWN, Act
-from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
+from libgz.classic.sensors.sensor import LinkSensor, Sensor, SensorOwner
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
     from libgz.sdf.element import Element
 
 __all__ = ["OwnSensor", "being_made", "register"]
+
+log = logging.getLogger("libgz.classic")
 
 _made: list[OwnSensor] = []  # whose C++ object is being made, innermost last
 
@@ -24,9 +27,10 @@ class OwnSensor(LinkSensor):
     """
 
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
-        super().__init__(sensors, parent, sdf)
-        self._act: Act = OWN[sdf.Get(str, "type")]
+        self._act: Act = _nothing
         self._running: set[str] = set()
+        super().__init__(sensors, parent, sdf)
+        self._act = OWN[sdf.Get(str, "type")]
         _made.append(self)
         try:
             self._act(self, "new")
@@ -48,9 +52,18 @@ class OwnSensor(LinkSensor):
         self._call("Init")
 
     def Fini(self) -> None:
-        """Call Fini."""
-        self._call("Fini")
+        """Call Fini; an error in it is logged, for the sensor ends anyway."""
+        try:
+            self._call("Fini")
+        except PluginError as error:
+            log.error("Fini of sensor %s failed: %s", self.ScopedName(), str(error))  # its traceback has this object
         super().Fini()
+
+    def __del__(self) -> None:
+        """Delete the C++ object while this one is whole: its destructor may call methods of its base class."""
+        act, self._act = self._act, _nothing  # its file stays in memory until it is deleted
+        vars(self).pop("_cxx", None)
+        del act
 
     def IsActive(self) -> bool:
         """Whether it may measure."""
@@ -62,6 +75,10 @@ class OwnSensor(LinkSensor):
 
     def measure(self, elapsed: float) -> None:
         """Nothing: UpdateImpl has measured."""
+
+
+def _nothing(_sensor: Sensor, _method: str) -> bool:
+    return False
 
 
 def being_made() -> OwnSensor:

@@ -134,7 +134,10 @@ class SocketLoop:
             self._make_room(connection)
         if connection.open:
             accept(connection)
-            connection.start()
+        if connection.open:
+            # Its turn comes with those of others, and not before: a client may connect again and again.
+            self._costs[made.fileno()] = max(self._costs.values(), default=0.0)
+            self.read_from(connection)
 
     def _make_room(self, new: Connection) -> None:
         """Close the oldest connection that has sent nothing valid, or else takes nothing, or else the new one."""

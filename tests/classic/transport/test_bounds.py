@@ -270,3 +270,25 @@ def test_who_sends_without_an_end_keeps_nobody_waiting(socket_loop, monkeypatch)
     for _ in range(4):
         socket_loop._handle_inputs(0)
     assert handled.count("quiet") >= 2
+
+
+def test_who_connects_again_and_again_keeps_nobody_waiting(socket_loop, monkeypatch):
+    handled, keys = [], [SelectorKey(1001, 1001, 1, lambda _: handled.append("quiet"))]
+
+    def register(own, events, data):
+        keys.insert(0, SelectorKey(own, own.fileno(), events, data))
+
+    def accept(connection):
+        connection.on_frame = lambda _: handled.append("new")
+
+    inputs = SimpleNamespace(select=lambda _: [(key, 1) for key in keys], register=register)
+    monkeypatch.setattr(socket_loop, "_inputs", inputs)
+    socket_loop._costs[1001] = 1.0
+    own, other = socket.socketpair()
+    with other:
+        other.sendall(frame(b"x"))
+        socket_loop._greet(own, accept, 1 << 16)
+        assert handled == []
+        socket_loop._costs[1001] = 0.5
+        socket_loop._handle_inputs(0)
+    assert handled == ["quiet", "new"]

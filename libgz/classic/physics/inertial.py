@@ -144,7 +144,8 @@ class Inertial:
         if not isinstance(other, Inertial):
             return NotImplemented
         both = Inertial(self.Mass() + other.Mass())
-        both.SetCoG((self.CoG() * self.Mass() + other.CoG() * other.Mass()) / both.Mass())
+        if both.Mass() != 0.0:  # else Gazebo's has no numbers
+            both.SetCoG((self.CoG() * self.Mass() + other.CoG() * other.Mass()) / both.Mass())
         both.SetMOI(self.MOI(both.Pose()) + other.MOI(both.Pose()))
         return both
 

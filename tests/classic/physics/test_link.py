@@ -262,6 +262,7 @@ def test_an_entity_is_put_on_the_one_below(run):
 def test_own_inertials_take_elements_and_messages():
     own = Inertial(0.0)  # as in Gazebo, which refuses nothing
     assert (own.Mass(), own.PrincipalMoments()) == (0.0, Vector3d(1, 1, 1))
+    assert ((own + own).Mass(), (own + own).CoG()) == (0.0, Vector3d())
     text = "<mass>2</mass><pose>1 2 3 0 0 .5</pose><inertia><ixx>3</ixx><iyy>4</iyy><izz>5</izz><ixy>.1</ixy></inertia>"
     document = SDF()
     model = f"<model name='m'><link name='l'><inertial>{text}</inertial></link></model>"

@@ -131,10 +131,17 @@ class HarnessPlugin(ModelPlugin):
 
     def OnAttach(self, message: Any) -> None:
         """Hold the model again, at the message's pose."""
-        self.Attach(msgs.ConvertIgn(message))
+        try:
+            self.Attach(msgs.ConvertIgn(message))
+        except ParameterError as error:
+            log.error("HarnessPlugin: %s", error)
 
     def Attach(self, pose: Pose3d) -> None:
-        """Hold the model again, with the link that the removed joint held at a pose [m]."""
+        """Hold the model again, with the link that the removed joint held at a pose [m].
+
+        Raises:
+            ParameterError: the pose is not finite, or out of range.
+        """
         if self.attached:
             log.error("HarnessPlugin: the model is attached already")
             return

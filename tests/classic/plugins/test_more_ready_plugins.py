@@ -243,7 +243,7 @@ def test_an_elevator_without_gains_has_those_of_gazebo(run, caplog):
     assert not caplog.records
 
 
-def test_a_harness_holds_lowers_and_detaches(run):
+def winched():
     joint = (
         "<joint name='rope' type='prismatic'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz>"
         "<limit><lower>-10</lower><upper>10</upper></limit></axis></joint>"
@@ -251,8 +251,11 @@ def test_a_harness_holds_lowers_and_detaches(run):
     limits = "<cmd_min>-1000</cmd_min><cmd_max>1000</cmd_max>"
     holding, pulling = f"<p>5000</p><d>500</d>{limits}", f"<p>500</p>{limits}"
     winch = f"<winch><joint>rope</joint><pos_pid>{holding}</pos_pid><vel_pid>{pulling}</vel_pid></winch>"
-    element = f"<plugin name='h' filename='libHarnessPlugin.so'>{joint}{winch}<detach>rope</detach></plugin>"
-    core, world = run(body("robot", "0 0 5 0 0 0", mass=2.0, inside=element))
+    return f"<plugin name='h' filename='libHarnessPlugin.so'>{joint}{winch}<detach>rope</detach></plugin>"
+
+
+def test_a_harness_holds_lowers_and_detaches(run):
+    core, world = run(body("robot", "0 0 5 0 0 0", mass=2.0, inside=winched()))
     robot = world.ModelByName("robot")
     core.run(2.0)
     assert robot.WorldPose().Pos().Z() == pytest.approx(5.0 - 2.0 * 9.8 / 5000.0, abs=2e-3)
@@ -278,6 +281,20 @@ def test_a_harness_holds_lowers_and_detaches(run):
     core.run(1.0)
     assert world.ModelByName("robot").WorldPose().Pos().Z() == pytest.approx(5.0, abs=0.01)  # its winch acts again
     assert again is not None
+
+
+def test_a_harness_is_not_attached_at_an_invalid_pose(run, caplog):
+    core, world = run(body("robot", "0 0 5 0 0 0", mass=2.0, inside=winched()))
+    robot, kept = world.ModelByName("robot"), [send("~/robot/harness/detach", msgs.GzString(data="true"))]
+    core.run(0.1)
+    for x in (math.nan, 1e300, 1.0):
+        pose = msgs.Pose()
+        msgs.Set(pose, Pose3d(0.0, 0.0, 7.0, 0.0, 0.0, 0.0))
+        pose.position.x = x
+        kept.append(send("~/robot/harness/attach", pose))
+        core.run(0.1)
+    assert robot.WorldPose().Pos() == pytest.approx((1.0, 0.0, 7.0), abs=0.1)
+    assert [record.getMessage()[:28] for record in caplog.records] == ["HarnessPlugin: position [m] "] * 2
 
 
 # Places

@@ -161,7 +161,7 @@ class WorldVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         rewards[again], ends[again] = 0.0, False
         self._ended = ends | cuts
         finals: dict[str, Any] = {}
-        if modes == AutoresetMode.SAME_STEP:
+        if modes == AutoresetMode.SAME_STEP and self._ended.any():
             over = np.flatnonzero(self._ended).tolist()
             for number in over:
                 final = {"final_obs": self._observation(number), "final_info": infos[number]}

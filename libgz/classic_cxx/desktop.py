@@ -8,7 +8,6 @@ from __future__ import annotations
 import ctypes
 import logging
 import os
-import threading
 from collections.abc import Callable
 from ctypes import c_char_p, c_double, c_int, c_void_p, py_object
 from pathlib import Path
@@ -66,7 +65,6 @@ class Desktop:
 
     def __init__(self, library: Path, window: gui.MainWindow) -> None:
         self._window = window
-        self._thread = threading.get_ident()
         self._ended: list[Callable[[], None]] = []  # deletions, while no event of Qt is handled
         try:
             native = ctypes.PyDLL(str(library), mode=os.RTLD_NOW)

@@ -96,6 +96,8 @@ bool Overlay::OnKey(const common::KeyEvent &event)
 void Overlay::OnStats(ConstWorldStatisticsPtr &message)
 {
   emit SetTime(QString::number(message->sim_time().sec()));
+  if (getenv("QUIT"))
+    QCoreApplication::quit();
   if (this->dialog)
     this->dialog->accept();  // stops OnButton's wait
   else if (++this->stats == 3)
@@ -199,10 +201,12 @@ def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
                 if {"the ball is there", "dialog 1", "spawn key y"} <= set(said):
                     client.send_signal(signal.SIGTERM)
             errors = client.communicate(timeout=PATIENCE)[1]
+            quitting = subprocess.run(client.args, env={**environment, "QUIT": "1"}, timeout=PATIENCE, check=False)
         finally:
             client.kill()
             server.terminate()
     assert client.returncode == 0, errors
+    assert quitting.returncode == 0
     assert said.count("the ball is there") == 1
     assert {"spawn ready", "fail ready", "wait ready", "spawn key x", "wait key y"} <= set(said)
     assert "wait key x" not in said  # the filter ahead of it has handled that

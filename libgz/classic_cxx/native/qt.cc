@@ -169,9 +169,16 @@ extern "C" {
 void libgz_qt_open(const char *platform, int width, int height, PyObject *failed, PyObject *nested)
 {
   using namespace libgz;
-  static std::string words[] = {"gzclient", "-platform", platform};
-  static char *argv[] = {&words[0][0], &words[1][0], &words[2][0], nullptr};
-  static int argc = 3;
+  static std::string words[3];
+  static char *argv[4];
+  static int argc;
+  argc = 0;  // Qt removes words from it
+  for (const char *word : {"gzclient", "-platform", platform})
+  {
+    words[argc] = word;
+    argv[argc] = &words[argc][0];
+    ++argc;
+  }
   {
     Unlocked unlocked;
     application = new Application(argc, argv);
@@ -214,17 +221,23 @@ void libgz_qt_show(void *plugin, void *widget_of, int shown)
   Unlocked unlocked;
   widget->setVisible(shown);
 }
-/* Let Qt handle events for a time [s]; whether the window is still open. */
+/* Let Qt handle events for a time [s]; whether the window is still open, and no plugin has called QCoreApplication::quit:
+ * no loop of Qt runs after that.
+ */
 int libgz_qt_turn(double seconds)
 {
   using namespace libgz;
+  bool over = false;
   {
     Unlocked unlocked;
     QEventLoop loop;
-    QTimer::singleShot(static_cast<int>(1e3 * seconds), &loop, &QEventLoop::quit);
+    QTimer::singleShot(static_cast<int>(1e3 * seconds), &loop, [&] {
+      over = true;
+      loop.quit();
+    });
     loop.exec();
   }
-  return window->open;
+  return window->open && over;
 }
 /* End what waits in an event of Qt. */
 void libgz_qt_leave() { QCoreApplication::exit(); }

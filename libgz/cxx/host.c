@@ -235,7 +235,7 @@ static void on_signal(int number, siginfo_t *info, void *context)
             else if (code != NULL)
                 write_thread(NAMES[i], code);
             if (!reported && (top != NULL || code != NULL))
-                write_text(next == &before[i] ? ": the process ends\n" : ": a plugin's own handler follows\n");
+                write_text(next == &before[i] ? ": the process ends\n" : ": a handler that was installed later follows\n");
             reported = next != &before[i];
             /* The instruction repeats, and ends the process as it would have without this handler. */
             sigaction(number, next, NULL);

@@ -149,12 +149,12 @@ CASES = {
     "segv with a handler in OnUpdate": (
         SEGV,
         DIED.format("SEGV", "a callback of event WorldUpdateBegin"),
-        ": a plugin's own handler follows\nown words",
+        ": a handler that was installed later follows\nown words",
     ),
     "segv with an exit in OnUpdate": (
         4,
         DIED.format("SEGV", "a callback of event WorldUpdateBegin"),
-        "handler follows",
+        "installed later follows",
     ),
     "own event in OnUpdate": (SEGV, DIED.format("SEGV", "a callback of event WorldUpdateBegin")),
     "overflow in Load": (SEGV, DIED.format("SEGV", "Load")),

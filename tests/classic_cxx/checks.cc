@@ -711,6 +711,7 @@ class System : public SystemPlugin
   {
     gzmsg << "system " << _argc << " " << _argv[_argc - 1] << std::endl;
     sensors::RegisterCounter();
+    sensors::SensorFactory::RegisterSensor("nothing", []() -> sensors::Sensor * { return nullptr; });
   }
 };
 class Look : public VisualPlugin

@@ -13,6 +13,7 @@ from topics import Heard
 
 import libgz
 from libgz.apps.classic_command import SystemPlugins
+from libgz.base.errors import WorldFileError
 from libgz.classic import msgs, physics, transport
 from libgz.classic.sensors import SensorManager, get_sensor
 from libgz.classic.sensors.kinds import OWN
@@ -304,6 +305,15 @@ def test_a_sensor_of_a_plugins_own_class(place, said, caplog, monkeypatch):
     assert problems(caplog) == [
         "Fini of sensor default::robot::arm::own failed: it threw std::runtime_error: no end",
     ]
+
+
+def test_a_factory_that_makes_no_sensor_is_named(place, caplog, monkeypatch):
+    monkeypatch.delitem(OWN, "counter", raising=False)
+    monkeypatch.delitem(OWN, "nothing", raising=False)
+    with SystemPlugins(["libsystem.so"]) as system:
+        system.load(["gzserver", "-s", "libsystem.so"])
+        with pytest.raises(WorldFileError, match="the factory of sensors of type nothing made none"):
+            world_of(sensor="</sensor><sensor name='none' type='nothing'>")
 
 
 def derived(name, inside, **parts):

@@ -78,6 +78,9 @@ Overlay::~Overlay()
 }
 void Overlay::Load(sdf::ElementPtr sdf)
 {
+  gui::setINIProperty("overlay.shown", std::string("true"));
+  if (!gui::getINIProperty<bool>("overlay.shown", false) || gui::getINIProperty<int>("overlay.shown", 3) != 3)
+    throw std::runtime_error("properties");
   this->task = sdf->Get<std::string>("task");
   this->node.reset(new transport::Node);
   this->node->Init(gui::get_world());

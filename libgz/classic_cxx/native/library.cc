@@ -1041,7 +1041,7 @@ void SensorFactory::RegisterSensor(const std::string &type, SensorFactoryFn fact
 {
   libgz::Gil gil;
   libgz::Ref act(libgz::callable(
-      [factory](PyObject *const *args) -> PyObject * {
+      [factory, type](PyObject *const *args) -> PyObject * {
         const std::string method = libgz::text_of(args[1]);
         bool done = true;
         if (method == "new")
@@ -1051,6 +1051,8 @@ void SensorFactory::RegisterSensor(const std::string &type, SensorFactoryFn fact
             libgz::Unlocked unlocked;
             own.reset(factory());
           }
+          if (!own)
+            throw std::runtime_error("the factory of sensors of type " + type + " made none");
           libgz::keep(args[0], {boost::shared_ptr<libgz::Object>(own.get(), [own](libgz::Object *) {}), own});
           Py_RETURN_TRUE;
         }

@@ -44,7 +44,14 @@ T getINIProperty(const std::string &key, const T &otherwise)
 {
   std::string text;
   T value;
-  return libgz::find_property(key, text) && boost::conversion::try_lexical_convert(text, value) ? value : otherwise;
+  if (!libgz::find_property(key, text))
+    return otherwise;
+  if constexpr (std::is_same<T, bool>::value)
+  {
+    if (text == "true" || text == "false")
+      return text == "true";
+  }
+  return boost::conversion::try_lexical_convert(text, value) ? value : otherwise;
 }
 template <typename T>
 bool setINIProperty(const std::string &key, const T &value)

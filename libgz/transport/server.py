@@ -360,7 +360,6 @@ class Server(LocalServer):
         It waits for nothing and can be called from any thread, right before the process ends.
         """
         atexit.unregister(self.stop)
-        ending.forget(self.path)
         owned = self._directory.owned
         if self.shared is not None:
             self.shared.close()
@@ -370,6 +369,7 @@ class Server(LocalServer):
                 with contextlib.suppress(OSError):
                     self._semaphores.remove()
             self._semaphores, self._posting.set = None, -1
+        ending.forget(self.path)  # last: native code may end the process meanwhile, and removes what is left
 
 
 def free_server_id(first: int = 0) -> int:

@@ -7,6 +7,7 @@ from served import serve
 
 import libgz
 from libgz.interfaces.position import Position
+from libgz.transport import ending
 from libgz.transport.semaphores import SemaphoreSet
 from libgz.transport.server import LocalServer, Server
 
@@ -83,3 +84,18 @@ def test_the_old_functions_of_servers(wire):
     assert not Path(server.path).exists()
     assert libgz.gz_server_init(server, wire, 0) == 0  # a stopped server can be started again
     assert libgz.gz_server_fini(server) == 0
+
+
+def test_native_code_can_remove_what_is_left_until_nothing_is(wire, monkeypatch):
+    """A second signal may end the process at any moment, as on a busy machine."""
+    server, left = Server(wire), []
+    server.start()
+
+    def forget(path):
+        with pytest.raises(FileNotFoundError):
+            SemaphoreSet.attach(wire)
+        left.append(Path(path).exists())
+
+    monkeypatch.setattr(ending, "forget", forget)
+    server.stop()
+    assert left == [False]

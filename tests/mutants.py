@@ -155,7 +155,7 @@ def _tree(rng: random.Random, data: bytes, donors: Sequence[bytes]) -> bytes:
         del element[:]
         element.text = rng.choice((None, " ", "\u00a0", "1", *NAMES))
     elif kind == 8:
-        element.set(rng.choice(("name", "version", "type", *stranger.attrib)), rng.choice((*VERSIONS, *NAMES)))
+        element.set(rng.choice(("name", "version", "type", *_settable(stranger))), rng.choice((*VERSIONS, *NAMES)))
     elif kind == 9 and len(element.attrib):
         del element.attrib[rng.choice(list(element.attrib))]
     elif kind == 10:
@@ -163,13 +163,18 @@ def _tree(rng: random.Random, data: bytes, donors: Sequence[bytes]) -> bytes:
     elif kind == 11:
         element.append(etree.fromstring(rng.choice(INCLUDES)))
     else:  # expressions
-        with_attributes = [element for element in elements if element.attrib]
+        with_attributes = [element for element in elements if _settable(element)]
         element = rng.choice(with_attributes or elements)
-        name = rng.choice(list(element.attrib) or ["value"])
+        name = rng.choice(_settable(element) or ["value"])
         element.set(
             name, rng.choice(EXPRESSIONS) if rng.random() < 0.7 else element.get(name, "") + rng.choice(EXPRESSIONS)
         )
     return etree.tostring(root, encoding="utf-8")
+
+
+def _settable(element: etree._Element) -> list[str]:
+    """Names of the attributes that lxml sets: not those with a prefix without xmlns, which it only reads."""
+    return [str(name) for name in element.attrib if str(name)[0] == "{" or ":" not in str(name)]
 
 
 def _parsed(data: bytes) -> etree._Element | None:

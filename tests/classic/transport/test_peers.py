@@ -1,6 +1,7 @@
 """Who may connect over the loopback interface, and what clients of a server may do that can only be watched."""
 
 import contextlib
+import errno
 import ipaddress
 import logging
 import os
@@ -98,6 +99,11 @@ def connected(family=socket.AF_INET, host="127.0.0.1", at="127.0.0.1"):
     return client, server
 
 
+def answer_nothing(*_):
+    """What becomes of a question where the kernel answers none, or descriptors are missing."""
+    raise OSError(errno.EMFILE, "Too many open files")
+
+
 WAYS = [(socket.AF_INET, "127.0.0.1"), (socket.AF_INET, "127.0.0.9"), (socket.AF_INET6, "::ffff:127.0.0.1")]
 
 
@@ -105,7 +111,7 @@ WAYS = [(socket.AF_INET, "127.0.0.1"), (socket.AF_INET, "127.0.0.9"), (socket.AF
 @pytest.mark.parametrize(("family", "host"), WAYS)
 def test_a_peer_of_another_user_is_named(monkeypatch, family, host, asked):
     if not asked:
-        monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)
+        monkeypatch.setattr(peers, "_asked_for", answer_nothing)
     monkeypatch.setattr(peers.os, "geteuid", lambda: 77)
     monkeypatch.setattr(peers, "ROOT", 78)
     with socket.create_server(("0.0.0.0", 0)) as listener, socket.socket(family) as client:
@@ -136,6 +142,51 @@ def test_another_user_of_this_machine_is_refused_at_the_address_for_other_machin
         assert check.refusal(server) == ""
 
 
+@pytest.mark.parametrize("asking", [True, False], ids=["asked", "listed"])
+def test_a_peer_of_whom_nobody_can_be_asked_is_refused_at_every_address(monkeypatch, tmp_path, asking):
+    """A server without descriptors, which clients can bring about, would serve every user."""
+    client, server = connected()
+    with client, server:
+        if not asking:
+            monkeypatch.setattr(peers, "_asked_for", answer_nothing)
+            monkeypatch.setattr(peers, "TABLES", (tmp_path / "tcp",))
+            (tmp_path / "tcp").write_text("the list\n")
+        for near_by in (True, False):
+            check = PeerCheck()
+            assert check.refusal(server) == ("" if asking else "its user is unknown: it has closed its socket")
+            with monkeypatch.context() as broken:
+                broken.setattr(ipaddress.IPv4Address, "is_loopback", near_by)
+                if asking:
+                    broken.setattr(peers, "_asked_for", answer_nothing)
+                else:
+                    broken.setattr(Path, "read_bytes", answer_nothing)
+                assert check.refusal(server) == "its user is unknown: [Errno 24] Too many open files"
+
+
+def link_local_address():
+    """A link-local address of this machine; None if it has none."""
+    table = Path("/proc/net/if_inet6")
+    rows = [row.split() for row in table.read_text().splitlines()] if table.exists() else []
+    found = next((row for row in rows if row[0].startswith("fe80")), None)
+    return found and f"{ipaddress.IPv6Address(int(found[0], 16))}%{found[5]}"
+
+
+def test_a_peer_at_a_link_local_address_has_its_user(monkeypatch):
+    at = link_local_address()
+    if at is None:
+        pytest.skip("this machine has no link-local address")
+    with socket.socket(socket.AF_INET6) as listener, socket.socket(socket.AF_INET6) as client:
+        listener.bind(socket.getaddrinfo(at, 0, type=socket.SOCK_STREAM)[0][4])
+        listener.listen()
+        client.connect(listener.getsockname())
+        server, _ = listener.accept()
+        with server:
+            assert PeerCheck().refusal(server) == ""
+            monkeypatch.setattr(peers.os, "geteuid", lambda: 77)
+            monkeypatch.setattr(peers, "ROOT", 78)
+            assert PeerCheck().refusal(server) == f"it is of user {os.getuid()}, not of user 77 or root"
+
+
 def test_who_listens_at_the_port_of_a_peer_is_not_taken_for_it():
     with socket.create_server(("0.0.0.0", 0)) as other:
         far, near = ("192.0.2.77", other.getsockname()[1]), ("192.0.2.78", 11345)
@@ -158,7 +209,7 @@ def test_a_peer_that_has_closed_its_socket_is_not_taken_for_root(monkeypatch, as
     if asked:  # any user can connect and leave at once: reading lists for each would keep the server busy
         monkeypatch.setattr(PeerCheck, "_listed", lambda *_: pytest.fail("the lists were read"))
     else:
-        monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)
+        monkeypatch.setattr(peers, "_asked_for", answer_nothing)
     client, server = connected()
     with server:
         assert PeerCheck().refusal(server) == ""
@@ -168,7 +219,7 @@ def test_a_peer_that_has_closed_its_socket_is_not_taken_for_root(monkeypatch, as
 
 
 def test_where_the_kernel_names_no_users_it_is_said_and_nobody_is_refused(monkeypatch, tmp_path, caplog):
-    monkeypatch.setattr(peers, "_asked_for", lambda local, remote: None)
+    monkeypatch.setattr(peers, "_asked_for", answer_nothing)
     monkeypatch.setattr(peers, "TABLES", (tmp_path / "tcp",))
     client, server = connected()
     with client, server, caplog.at_level(logging.WARNING):

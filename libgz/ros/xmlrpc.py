@@ -91,7 +91,7 @@ class _Connection(http.client.HTTPConnection):
 
 
 class _TimedSocket(socket.socket):
-    """A connected socket that is used until a time [s], as `time.monotonic` counts."""
+    """A connected socket that is used until a time [s], as `time.monotonic` counts; later, TimeoutError is raised."""
 
     def __init__(self, descriptor: int, deadline: float) -> None:
         super().__init__(fileno=descriptor)
@@ -107,6 +107,11 @@ class _TimedSocket(socket.socket):
         """Send all."""
         self._wait()
         super().sendall(*values)
+
+    def send(self, *values: Any) -> int:
+        """Send what is taken at once."""
+        self._wait()
+        return super().send(*values)
 
     def recv_into(self, *values: Any) -> int:
         """Receive what comes next."""
@@ -196,12 +201,13 @@ class _HttpServer(http.server.ThreadingHTTPServer):
             log.warning(f"{text}%s", *shown_values, self._tally.times(cause))
 
     def get_request(self) -> Any:
-        """A connection; without descriptors for it, some time later."""
+        """A connection, which ends after a time; without descriptors for it, some time later."""
         try:
-            return super().get_request()
+            made, address = super().get_request()
         except OSError:
             time.sleep(PAUSE)  # else the socket, which stays readable, would be asked again at once
             raise
+        return _TimedSocket(made.detach(), time.monotonic() + PATIENCE), address
 
     def verify_request(self, request: Any, client_address: Any) -> bool:
         """Whether the peer may connect."""
@@ -212,32 +218,51 @@ class _HttpServer(http.server.ThreadingHTTPServer):
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """Serve a connection as soon as one of the threads is free."""
-        end = time.monotonic() + WAITING
-        while not self._free.acquire(timeout=QUICK):
-            self._close_slowest()
-            if time.monotonic() > end:
-                text = "ROS: %d requests are under way; one of %s is refused"
-                self.warn("many", text, MOST_THREADS, client_address[0])
-                self.shutdown_request(request)
-                return
+        if not self._free.acquire(blocking=False) and not self._free_one():
+            text = "ROS: %d requests are under way; one of %s is refused"
+            self.warn("many", text, MOST_THREADS, client_address[0])
+            self.shutdown_request(request)
+            return
         self._since[request] = time.monotonic()
-        super().process_request(request, client_address)
+        try:
+            super().process_request(request, client_address)
+        except RuntimeError:  # the system has no thread left
+            self._end(request)
+            raise
 
-    def _close_slowest(self) -> None:
-        """Close the request that has taken longest, such as one that comes byte by byte: others wait."""
+    def _free_one(self) -> bool:
+        """Wait for a thread, whether there is one in time; requests that take long are closed for it."""
+        end = time.monotonic() + WAITING
+        while not self._free.acquire(timeout=self._close_slowest()):
+            if time.monotonic() > end:
+                return False
+        return True
+
+    def _close_slowest(self) -> float:
+        """Close the request that has taken longest, such as one that comes byte by byte: others wait.
+
+        Returns:
+            How long to wait until that has an effect, or until it has taken long [s].
+        """
         request, since = min(list(self._since.items()), key=operator.itemgetter(1), default=(None, math.inf))
-        if request is not None and since < time.monotonic() - QUICK:
-            self._since.pop(request, None)
-            with contextlib.suppress(OSError):
-                request.shutdown(socket.SHUT_RDWR)
+        left = since + QUICK - time.monotonic()
+        if request is None or left > 0.0:
+            return min(left, QUICK)
+        self._since.pop(request, None)
+        with contextlib.suppress(OSError):
+            request.shutdown(socket.SHUT_RDWR)
+        return QUICK
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
         """Serve a connection in its thread."""
         try:
             super().process_request_thread(request, client_address)
         finally:
-            self._since.pop(request, None)
-            self._free.release()
+            self._end(request)
+
+    def _end(self, request: Any) -> None:
+        self._since.pop(request, None)
+        self._free.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A peer that goes away, or sends anything but HTTP, is no event."""
@@ -246,7 +271,6 @@ class _HttpServer(http.server.ThreadingHTTPServer):
 
 class _Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
-    timeout = PATIENCE
     disable_nagle_algorithm = True
     wbufsize = -1
     server: _HttpServer

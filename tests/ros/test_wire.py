@@ -686,6 +686,90 @@ def test_requests_that_come_byte_by_byte_are_closed_when_others_wait(node, monke
         wait_for(served)
 
 
+def test_many_that_ask_byte_by_byte_keep_nobody_waiting_long(node, monkeypatch):
+    """Those that wait before one must not each take the time after which a request is slow."""
+    monkeypatch.setattr(xmlrpc_module, "QUICK", 0.5)
+    address, slow, ending = ("127.0.0.1", node.node._slave.port), [], threading.Event()
+
+    def drip():
+        while not ending.wait(0.01):
+            for one in slow:
+                with contextlib.suppress(OSError):
+                    one.send(b"P")
+
+    with contextlib.ExitStack() as stack:
+        for _ in range(3 * xmlrpc_module.MOST_THREADS):
+            slow.append(stack.enter_context(socket.create_connection(address, 20.0)))
+        thread = threading.Thread(target=drip)
+        stack.callback(thread.join)
+        stack.callback(ending.set)
+        thread.start()
+        with socket.create_connection(address, 20.0) as sock:
+            sock.sendall(b"POST / HTTP/1.1\r\nContent-Length: 0\r\n\r\n")
+            assert b"200 OK" in sock.recv(100)
+
+
+def test_a_request_that_comes_byte_by_byte_has_an_end(node, monkeypatch):
+    """Each byte is in time."""
+    monkeypatch.setattr(xmlrpc_module, "PATIENCE", 0.2)
+    with socket.create_connection(("127.0.0.1", node.node._slave.port), 10.0) as sock:
+        sock.setblocking(False)
+
+        def closed():
+            try:
+                return not sock.recv(100)
+            except BlockingIOError:
+                sock.send(b"P")
+            except ConnectionError:
+                return True
+
+        wait_for(closed, lambda: time.sleep(0.01))
+
+
+def test_threads_that_cannot_start_are_not_counted(node, monkeypatch):
+    start = threading.Thread.start
+
+    def fail(thread):
+        if "process_request_thread" in thread.name:
+            raise RuntimeError("can't start new thread")
+        start(thread)
+
+    with monkeypatch.context() as broken:
+        broken.setattr(threading.Thread, "start", fail)
+        for _ in range(xmlrpc_module.MOST_THREADS):
+            with pytest.raises((OSError, http.client.HTTPException)):
+                ask(node.node.uri, "getPid", "/tester")
+    assert ask(node.node.uri, "getPid", "/tester")[0] == 1
+
+
+@pytest.mark.parametrize(
+    "first", ["GET /", "PUT /", "DELETE /", "CONNECT x:1", "TRACE /", "OPTIONS *", "do_POST /", "_ /"]
+)
+def test_other_methods_of_http_are_refused(node, first):
+    body = xmlrpc.client.dumps(("/tester",), "getPid").encode()
+    with socket.create_connection(("127.0.0.1", node.node._slave.port), 10.0) as sock:
+        sock.sendall(f"{first} HTTP/1.1\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body)
+        answer = b""
+        with contextlib.suppress(ConnectionError):  # what it has not read
+            while piece := sock.recv(4096):
+                answer += piece
+    assert answer.startswith(b"HTTP/1.1 501 ")
+    assert b"methodResponse" not in answer
+
+
+def test_a_body_that_comes_in_chunks_begins_no_second_request(node):
+    """One of both lengths counts; what is behind it is not read."""
+    body = xmlrpc.client.dumps(("/tester",), "getPid").encode()
+    lengths = b"Transfer-Encoding: chunked\r\nContent-Length: %d\r\n\r\n" % len(body)
+    with socket.create_connection(("127.0.0.1", node.node._slave.port), 10.0) as sock:
+        sock.sendall(2 * (b"POST / HTTP/1.1\r\n" + lengths + body))
+        answer = b""
+        with contextlib.suppress(ConnectionError):
+            while piece := sock.recv(4096):
+                answer += piece
+    assert answer.count(b"HTTP/1.1 ") == 1
+
+
 def test_without_descriptors_a_node_neither_spins_nor_ends(node, caplog):
     loop = node.node._loop
     with socket.socket() as sock, none_left():

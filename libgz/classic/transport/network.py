@@ -77,9 +77,12 @@ class Network:
         self._namespaces: list[str] = []
         self._registered: set[str] = set()  # of this process
         self._ready = threading.Event()
+        # Answers do not say what was asked. They come in the order of the questions, of which there is one at a time;
+        # one that comes late, after its question was given up, is not that of the next.
         self._answers: dict[str, Any] = {}
+        self._awaited = collections.Counter[str]()  # answers that have not come
         self._answered = threading.Condition()
-        self._asking = threading.RLock()  # answers do not say what was asked: one question at a time
+        self._asking = threading.RLock()
         listeners = listening_sockets(address) if serve else []
         if listeners:
             address = Address(address.host, listeners[0].getsockname()[1])
@@ -148,12 +151,12 @@ class Network:
         """Return the master's answer, one of the types in ANSWERS."""
         request = message_type("Request")(id=0, request=what, data=about)
         with self._asking, self._answered:
-            self._answers.pop(answer, None)
+            self._awaited[answer] += 1
             self._loop.call(lambda: self._tell("request", request))
-            self._answered.wait_for(lambda: answer in self._answers or not self._master.open, ANSWER_PATIENCE)
+            self._answered.wait_for(lambda: not self._awaited[answer] or not self._master.open, ANSWER_PATIENCE)
             if not self._master.open:
                 raise GazeboError("The server has ended.")
-            if answer not in self._answers:
+            if self._awaited[answer]:
                 raise GazeboError(f"the master at {self.address.uri} did not answer in {ANSWER_PATIENCE:g} s")
             return self._answers.pop(answer)
 
@@ -184,9 +187,10 @@ class Network:
             if self._unknown.get(key, math.inf) < math.inf:
                 del self._unknown[key]
             self._types = {key[0]: name for key, name in self._publishers.items()}
-        elif kind in ANSWERS:
+        elif kind in ANSWERS and self._awaited[kind]:
             with self._answered:
                 self._answers[kind] = message_type(ANSWERS[kind]).FromString(content)
+                self._awaited[kind] -= 1
                 self._answered.notify_all()
 
     def _master_closed(self) -> None:

@@ -1,5 +1,6 @@
 """Topics between processes: a second process, on an unused port."""
 
+import functools
 import logging
 import socket
 import subprocess
@@ -12,7 +13,7 @@ import pytest
 from classic_wire import Connection, Subscription, close_all
 from master_uri import free_master_uri
 
-from libgz.base.errors import ParameterError, ServerError
+from libgz.base.errors import GazeboError, ParameterError, ServerError
 from libgz.classic import msgs
 from libgz.classic.transport import (
     Link,
@@ -31,6 +32,7 @@ from libgz.classic.transport import (
     stop,
 )
 from libgz.classic.transport.loop import SocketLoop
+from libgz.classic.transport.master import Master
 
 manager = TopicManager.Instance()
 PATIENCE = 20.0  # [s]: a machine under load
@@ -394,6 +396,25 @@ def test_threads_that_ask_the_master_get_their_own_answers(uri, node):
         for thread in threads:
             thread.join()
         assert wrong == []
+
+
+def test_an_answer_of_the_master_that_comes_late_is_not_that_of_the_next_question(uri, node, monkeypatch):
+    answer, held = Master._request, []
+
+    def answer_late(master, client, request):
+        held.append(functools.partial(answer, master, client, request))
+        if request.data.endswith("second"):
+            held[0]()
+            threading.Timer(0.1, manager.remote._loop.call, held[1:]).start()
+
+    monkeypatch.setattr(Master, "_request", answer_late)
+    with serve():
+        kept = [node.Advertise(msgs.Pose, "~/first"), node.Advertise(msgs.Int, "~/second")]
+        with monkeypatch.context() as short:
+            short.setattr(network, "ANSWER_PATIENCE", 0.01)
+            with pytest.raises(GazeboError, match="did not answer"):
+                manager.TopicInfo(kept[0].GetTopic())
+        assert manager.TopicInfo(kept[1].GetTopic()).msg_type == "gazebo.msgs.Int"
 
 
 @pytest.mark.trial

@@ -50,28 +50,35 @@ class Frames:
 
     @property
     def waiting(self) -> int:
-        """Bytes of a frame that is not complete yet."""
+        """Bytes that have not been taken."""
         return len(self._waiting)
 
-    def add(self, data: bytes) -> list[bytes]:
-        """Add received bytes, and return the contents of the frames that are complete now.
+    def add(self, data: bytes) -> None:
+        """Add received bytes."""
+        self._waiting += data
+
+    def take(self) -> bytes | None:
+        """Take the content of the next frame out; None if it is not complete.
 
         Raises:
             ParameterError: there is no size where one must be, or it is too large.
         """
-        waiting = self._waiting
-        waiting += data
-        found, at = [], 0
-        while len(waiting) - at >= _HEAD:
-            head = bytes(waiting[at : at + _HEAD])
-            if _DIGITS.fullmatch(head) is None:
-                raise ParameterError(f"a message begins with {head!r} instead of its size")
-            size = int(head, 16)
-            if size > self._largest:
-                raise ParameterError(f"a message has {size} bytes; {self._largest} are allowed")
-            if len(waiting) - at < _HEAD + size:
-                break
-            found.append(bytes(waiting[at + _HEAD : at + _HEAD + size]))
-            at += _HEAD + size
-        del waiting[:at]
+        head = bytes(self._waiting[:_HEAD])
+        if len(head) < _HEAD:
+            return None
+        if _DIGITS.fullmatch(head) is None:
+            raise ParameterError(f"a message begins with {head!r} instead of its size")
+        size = int(head, 16)
+        if size > self._largest:
+            raise ParameterError(f"a message has {size} bytes; {self._largest} are allowed")
+        if len(self._waiting) < _HEAD + size:
+            return None
+        found = bytes(self._waiting[_HEAD : _HEAD + size])
+        del self._waiting[: _HEAD + size]
         return found
+
+    def give_back(self, most: int) -> int:
+        """Forget the last bytes, at most so many, for they will be added again; how many that are."""
+        count = min(most, len(self._waiting))
+        del self._waiting[len(self._waiting) - count :]
+        return count

@@ -28,7 +28,7 @@ CONNECTIONS = 500  # that are accepted at the same time
 BURST = 0.03  # [s] of handling what comes in at once, before the share counts
 DEBT = 0.06  # [s] of it that is counted at most: more is Python's, such as a collection of garbage, not the clients'
 CHUNK = 1 << 16  # [bytes] received at once from one connection
-ACCEPTS = 16  # connections that are accepted before others have their turn
+ACCEPTS = 16  # connections that are accepted before others have their turn, if there is time for so many
 FORGETTING = 10.0  # [s] after which what a connection has cost counts half
 EVENTS = 32  # connections that are handled before others have their turn
 STALLED = 1.0  # [s] without progress, after which a receiver is sent nothing more until it receives again
@@ -47,6 +47,7 @@ class SocketLoop:
         self._share, self._credit, self._counted = share, BURST, time.monotonic()
         self._costs: dict[int, float] = {}  # of handling what a descriptor has sent [s]; halved from time to time
         self._forgotten = self._counted
+        self._begun = 0.0  # when handling of what comes in has begun, in time of the thread [s]
         self._main = selectors.DefaultSelector()  # what is always handled: calls, sending, and all that comes in
         self._inputs = selectors.EpollSelector()
         self._reading = True
@@ -118,6 +119,8 @@ class SocketLoop:
                 except OSError:
                     return
                 self._greet(made, accept, largest)
+                if self.exhausted():
+                    return
 
         self._inputs.register(listener, selectors.EVENT_READ, on_ready)
 
@@ -193,11 +196,10 @@ class SocketLoop:
         self._counted = now
 
     def _handle_inputs(self, _mask: int) -> None:
-        begin = time.thread_time()
+        self._begun = last = time.thread_time()
         ready = self._inputs.select(0)
         # New connections first, then those that cost least: who sends without an end must not keep others waiting.
         ready.sort(key=lambda entry: (entry[0].fileobj not in self._listeners, self._costs.get(entry[0].fd, 0.0)))
-        last = begin
         for key, mask in ready[:EVENTS]:
             self._costs[key.fd] = self._costs.get(key.fd, 0.0)
             self._guarded(key.data, mask)
@@ -205,12 +207,16 @@ class SocketLoop:
             if key.fd in self._costs:  # else it was closed
                 self._costs[key.fd] += now - last
             last = now
-            if self._share is not None and now - begin > BURST:
+            if self.exhausted():
                 break  # what is left is ready the next time, too
-        self._count(time.thread_time() - begin)
+        self._count(time.thread_time() - self._begun)
         if self._credit <= 0.0 and self._share is not None:
             self._reading = False
             self._main.unregister(self._inputs.fileno())
+
+    def exhausted(self) -> bool:
+        """Whether what comes in has been handled for as long as it may be at once: the rest is handled next time."""
+        return self._share is not None and time.thread_time() - self._begun > BURST
 
     def count_partial(self, change: int) -> None:
         """Count bytes of incomplete frames; above the limit the connection with the longest one is closed."""
@@ -281,7 +287,7 @@ class Connection:
         self.size = self.partial = 0
         self.tag: Any = None
         self._frames = Frames(largest)
-        # Few short frames at once: each may go to hundreds of clients, and what that costs is counted afterwards.
+        # Few short frames at once: those for which there is no time are received again.
         self._chunk = min(CHUNK, max(largest // 16, 1 << 12))
         self._queue: collections.deque[bytes] = collections.deque()
         self._sent = 0  # bytes of the first in the queue
@@ -441,7 +447,7 @@ class Connection:
         if not self.open:
             return
         try:
-            data = self.socket.recv(self._chunk)
+            data = self.socket.recv(self._chunk, socket.MSG_PEEK)
         except (BlockingIOError, InterruptedError):
             return
         except OSError:
@@ -450,18 +456,38 @@ class Connection:
         if not data:
             self.drop()
             return
+        left = 0
         try:
-            frames = self._frames.add(data)
-            waiting, self.partial = self.partial, self._frames.waiting
-            self._loop.count_partial(self.partial - waiting)
-            for content in frames:
-                if not self.open:
-                    return
-                self.on_frame(content)
-                self.valid = True
+            left = self._handle(data)
         except ParameterError as error:
             self._loop.warn("a client was disconnected: %s", error)
             self.drop()
+        finally:
+            if self.open:
+                with contextlib.suppress(OSError):  # the next time finds that it is closed
+                    self.socket.recv(len(data) - left)
+
+    def _handle(self, data: bytes) -> int:
+        """Handle the frames that are complete with new bytes, as long as there is time; how many bytes are left.
+
+        Those stay in the socket, which remains ready: a short frame may cost as much as sending to hundreds of clients.
+
+        Raises:
+            ParameterError: they are damaged.
+        """
+        self._frames.add(data)
+        left = 0
+        while (content := self._frames.take()) is not None:
+            self.on_frame(content)
+            if not self.open:
+                return 0
+            self.valid = True
+            if self._loop.exhausted():
+                left = self._frames.give_back(len(data))
+                break
+        waiting, self.partial = self.partial, self._frames.waiting
+        self._loop.count_partial(self.partial - waiting)
+        return left
 
     def drop(self) -> None:
         """Close the connection, and report it by `on_close`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from libgz.base.errors import ParameterError
@@ -58,6 +58,13 @@ class _Announced:
         left.remove((client, message))
         if not left:
             del self._found[message.topic]
+
+    def forget(self, client: _Client, topics: Iterable[str]) -> None:
+        """Remove what a client has added of topics."""
+        for topic in topics:
+            left = [entry for entry in self._found.pop(topic) if entry[0] is not client]
+            if left:
+                self._found[topic] = left
 
     def of(self, topic: str) -> tuple[Any, ...]:
         """What was announced of a topic."""
@@ -134,10 +141,8 @@ class Master:
         if name != "Request" and sum(others) > MOST_OF_ALL:
             raise ParameterError(f"clients have announced more than {MOST_OF_ALL} publishers and subscribers")
 
-    def _send_all(self, kind: str, message: Message) -> None:
-        data = packet(kind, message)
-        for client in tuple(self._clients):  # sending may find that one is closed
-            client.connection.send(data)
+    def _send_all(self, data: bytes) -> None:
+        self._send_to(tuple(self._clients), data)  # sending may find that one is closed
 
     # Tables ------------------------------------------------------------------------------------------------------
 
@@ -152,25 +157,29 @@ class Master:
     def _register_namespace(self, client: _Client, message: Any) -> None:
         if message.data not in client.namespaces:
             client.namespaces.append(message.data)
-            self._send_all("topic_namespace_add", message)
+            self._send_all(packet("topic_namespace_add", message))
 
     def _advertise(self, client: _Client, publisher: Any) -> None:
         client.publishers.append(publisher)  # before sending, which may find that the client has closed
         self._published.add(client, publisher)
-        self._send_all("publisher_add", publisher)
-        for other in self._subscribed.clients(publisher.topic):
-            other.connection.send(packet("publisher_advertise", publisher))
+        self._send_all(packet("publisher_add", publisher))
+        self._send_to(self._subscribed.clients(publisher.topic), packet("publisher_advertise", publisher))
 
     def _unadvertise(self, client: _Client, publisher: Any) -> None:
         if publisher in client.publishers:
             client.publishers.remove(publisher)
             self._published.remove(client, publisher)
-            self._announce_end(publisher)
+            self._announce_ends([publisher])
 
-    def _announce_end(self, publisher: Any) -> None:
-        self._send_all("publisher_del", publisher)
-        for other in self._subscribed.clients(publisher.topic):
-            other.connection.send(packet("unadvertise", publisher))
+    def _announce_ends(self, publishers: list[Any]) -> None:
+        self._send_all(_packets("publisher_del", publishers))
+        for topic, ended in _by_topic(publishers).items():
+            self._send_to(self._subscribed.clients(topic), _packets("unadvertise", ended))
+
+    @staticmethod
+    def _send_to(clients: Iterable[_Client], data: bytes) -> None:
+        for client in clients:
+            client.connection.send(data)
 
     def _subscribe(self, client: _Client, subscriber: Any) -> None:
         client.subscribers.append(subscriber)
@@ -183,15 +192,15 @@ class Master:
         if found is not None:
             client.subscribers.remove(found)
             self._subscribed.remove(client, found)
-            self._announce_unsubscription(found)
+            self._announce_unsubscriptions([found])
 
     @staticmethod
     def _same(one: Any, other: Any) -> bool:
         return (one.topic, one.host, one.port) == (other.topic, other.host, other.port)
 
-    def _announce_unsubscription(self, subscriber: Any) -> None:
-        for client in self._published.clients(subscriber.topic):
-            client.connection.send(packet("unsubscribe", subscriber))
+    def _announce_unsubscriptions(self, subscribers: list[Any]) -> None:
+        for topic, ended in _by_topic(subscribers).items():
+            self._send_to(self._published.clients(topic), _packets("unsubscribe", ended))
 
     def _request(self, client: _Client, request: Any) -> None:
         if request.request == "get_publishers":
@@ -212,13 +221,21 @@ class Master:
             client.connection.send(packet("topic_info_response", info))
 
     def _remove(self, client: _Client) -> None:
-        """Announce the end of what a closed connection had announced."""
+        """Announce the end of what a closed connection had announced: all at once, for it may be much, to many."""
         self._clients.remove(client)
-        for publisher in client.publishers:
-            self._published.remove(client, publisher)
-        for subscriber in client.subscribers:
-            self._subscribed.remove(client, subscriber)
-        for publisher in client.publishers:
-            self._announce_end(publisher)
-        for subscriber in client.subscribers:
-            self._announce_unsubscription(subscriber)
+        self._published.forget(client, _by_topic(client.publishers))
+        self._subscribed.forget(client, _by_topic(client.subscribers))
+        if client.publishers:
+            self._announce_ends(client.publishers)
+        self._announce_unsubscriptions(client.subscribers)
+
+
+def _by_topic(announced: list[Any]) -> dict[str, list[Any]]:
+    found: dict[str, list[Any]] = {}
+    for one in announced:
+        found.setdefault(one.topic, []).append(one)
+    return found
+
+
+def _packets(kind: str, messages: list[Any]) -> bytes:
+    return b"".join(packet(kind, message) for message in messages)

@@ -285,7 +285,11 @@ class Network:
         except NO_ADDRESS:
             self._look_up_soon(topic, key)
             return
-        made = socket.socket(family, kind, protocol)
+        try:
+            made = socket.socket(family, kind, protocol)
+        except OSError as error:  # clients can announce more than there are descriptors
+            self._loop.warn("what clients publish on %s is not received: %s", topic.name, error)
+            return
         made.setblocking(False)
         made.connect_ex(where)
         connection = Connection(self._loop, made, LARGEST[self.client])

@@ -249,9 +249,83 @@ def test_what_clients_announce_is_bounded_each_and_together(socket_loop, monkeyp
 
 
 def test_a_frame_that_is_larger_than_allowed_is_refused_by_its_head():
-    assert Frames(10).add(b"%08x" % 10) == []
+    frames = Frames(10)
+    frames.add(b"%08x" % 10)
+    assert frames.take() is None
+    frames = Frames(10)
+    frames.add(b"%08x" % 11)
     with pytest.raises(ParameterError, match="a message has 11 bytes; 10 are allowed"):
-        Frames(10).add(b"%08x" % 11)
+        frames.take()
+
+
+def test_what_comes_in_is_handled_for_a_while_only_and_the_rest_later(monkeypatch):
+    """One short packet may go to hundreds of clients: what hundreds of them cost would be handled at once."""
+    monkeypatch.setattr(loop, "BURST", 0.0)
+    limited, own, other = SocketLoop(1e-9), *socket.socketpair()  # its thread does not read from it
+    with other:
+        connection, got = Connection(limited, own, 1 << 16), []
+        connection.on_frame = lambda data: got.append((data, sum(range(1000))))
+        other.sendall(b"".join(frame(b"%d" % number) for number in range(20)) + frame(b"rest")[:9])
+        for count in range(1, 21):
+            connection.on_input(0)
+            assert len(got) == count
+        connection.on_input(0)  # half a frame
+        other.sendall(frame(b"rest")[9:])
+        connection.on_input(0)
+        assert [data for data, _ in got] == [*(b"%d" % number for number in range(20)), b"rest"]
+        connection.close()
+    limited.close(0.0)
+
+
+def test_no_more_connections_are_accepted_at_once_than_there_is_time_for(monkeypatch):
+    monkeypatch.setattr(loop, "BURST", 0.0)
+    monkeypatch.setattr(loop.SocketLoop, "_run", lambda _: None)  # this thread is that of the loop
+    limited, accepted = SocketLoop(0.02), []
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        limited.listen(listener, accepted.append, 1 << 16)
+        limited._calls.popleft()()
+        made = [socket.create_connection(listener.getsockname()) for _ in range(3)]
+        limited._handle_inputs(0)
+        assert len(accepted) == 1
+        for one in (*made, accepted[0].socket):
+            one.close()
+    limited.close(0.0)
+
+
+def test_what_fails_for_one_frame_costs_none_behind_it(socket_loop):
+    own, other = socket.socketpair()
+    with other:
+        connection, got = Connection(socket_loop, own, 1 << 16), []
+
+        def fail(data):
+            got.append(data)
+            if data == b"bad":
+                raise OSError("no descriptors are left")
+
+        connection.on_frame = fail
+        other.sendall(frame(b"bad") + frame(b"good"))
+        with pytest.raises(OSError, match="no descriptors"):
+            connection.on_input(0)
+        other.sendall(frame(b"next"))
+        connection.on_input(0)
+        assert got == [b"bad", b"good", b"next"]
+        connection.close()
+
+
+def test_who_leaves_is_announced_to_each_client_at_once(socket_loop):
+    """Packet by packet, what one has announced to hundreds would keep all of them waiting."""
+    master = Master(socket_loop, [])
+    clients, sent = [_Client(Far()) for _ in range(3)], []
+    clients[0].connection.send = lambda data: sent.append(data)
+    master._clients.extend(clients)
+    master._subscribe(clients[0], message_type("Subscribe")(topic="/t", host="h", port=1))
+    for client in clients[1:]:
+        for port in range(100):
+            master._advertise(client, message_type("Publish")(topic="/t", msg_type="x", host="h", port=port))
+    sent.clear()
+    master._remove(clients[1])
+    assert [data.count(kind) for data, kind in zip(sent, (b"publisher_del", b"unadvertise"), strict=True)] == [100, 100]
+    assert len(master._all_publishers().publisher) == len(master._published.of("/t")) == 100
 
 
 def test_who_sends_without_an_end_keeps_nobody_waiting(socket_loop, monkeypatch):

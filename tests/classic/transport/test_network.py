@@ -10,7 +10,8 @@ import threading
 import time
 
 import pytest
-from classic_wire import Connection, Subscription, close_all
+from classic_wire import Connection, Subscription, close_all, new
+from descriptors import none_left
 from master_uri import free_master_uri
 
 from libgz.base.errors import GazeboError, ParameterError, ServerError
@@ -415,6 +416,18 @@ def test_an_answer_of_the_master_that_comes_late_is_not_that_of_the_next_questio
             with pytest.raises(GazeboError, match="did not answer"):
                 manager.TopicInfo(kept[0].GetTopic())
         assert manager.TopicInfo(kept[1].GetTopic()).msg_type == "gazebo.msgs.Int"
+
+
+def test_without_descriptors_a_publisher_is_left_out_with_one_line(uri, node, caplog):
+    with serve() as link:
+        kept = node.Subscribe("~/topic", lambda _: None, kind=msgs.Int)
+        other = Connection(link.address.port)
+        with none_left():
+            other.send("advertise", new("Publish", topic="/gazebo/w/topic", msg_type="x", host="127.0.0.1", port=1))
+            wait(lambda: caplog.records)
+        assert "clients publish on /gazebo/w/topic is not received: [Errno 24]" in caplog.records[0].getMessage()
+        assert manager.TopicInfo("/gazebo/w/topic").publisher
+        del kept
 
 
 @pytest.mark.trial

@@ -168,14 +168,14 @@ static int operate(tables *t, const clock_record *clock, const operation *o, cha
     case JOINT:
         return o->one && t->joints[row] == o->one;
     case BODY_STATE:
-        if (!o->one || t->bodies[row] != o->one || !t->body_fresh[row])
+        if (!o->one || t->bodies[row] != o->one)
             return 0;
-        memcpy(r, t->body_state + 16 * row, 16 * sizeof(double));
+        memcpy(r, fresh_body(t, row), 16 * sizeof(double));
         break;
     case JOINT_STATE:
-        if (!o->one || t->joints[row] != o->one || !t->joint_fresh[row])
+        if (!o->one || t->joints[row] != o->one)
             return 0;
-        memcpy(r, t->joint_state + 4 * row, 4 * sizeof(double));
+        memcpy(r, fresh_joint(t, row), 4 * sizeof(double));
         break;
     case VECTOR:
         if (!o->one || t->joints[row] != o->one)

@@ -129,46 +129,52 @@ void apply_springs(context *c)
     }
 }
 
-/* Copy the states of all joints to a table; turns are counted on from those of the own table. */
+/* Copy the state of a joint to a row; turns are counted on from those of the own table. */
+static void read_joint(const context *c, int64_t i, double *row)
+{
+    void *joint = c->joints[i];
+    const double *before = c->joint_state + 4 * i;
+    if (!joint)
+        return;
+    switch (c->joint_types[i]) {
+    case JOINT_HINGE:
+        row[0] = unwind(c, before[0], dJointGetHingeAngle(joint));
+        row[2] = dJointGetHingeAngleRate(joint);
+        break;
+    case JOINT_SLIDER:
+        row[0] = dJointGetSliderPosition(joint);
+        row[2] = dJointGetSliderPositionRate(joint);
+        break;
+    case JOINT_HINGE2:
+        row[0] = unwind(c, before[0], dJointGetHinge2Angle1(joint));
+        row[1] = unwind(c, before[1], dJointGetHinge2Angle2(joint));
+        row[2] = dJointGetHinge2Angle1Rate(joint);
+        row[3] = dJointGetHinge2Angle2Rate(joint);
+        break;
+    case JOINT_UNIVERSAL:
+        row[0] = unwind(c, before[0], dJointGetUniversalAngle1(joint));
+        row[1] = unwind(c, before[1], dJointGetUniversalAngle2(joint));
+        row[2] = dJointGetUniversalAngle1Rate(joint);
+        row[3] = dJointGetUniversalAngle2Rate(joint);
+        break;
+    case JOINT_PISTON:
+        row[0] = unwind(c, before[0], dJointGetPistonAngle(joint));
+        row[1] = dJointGetPistonPosition(joint);
+        row[2] = dJointGetPistonAngleRate(joint);
+        row[3] = dJointGetPistonPositionRate(joint);
+        break;
+    }
+}
+
+/* Copy the states of all joints to a table. */
 void read_joints(const context *c, double *state)
 {
     int64_t i;
-    for (i = 0; i < c->joint_count; i++) {
-        void *joint = c->joints[i];
-        const double *before = c->joint_state + 4 * i;
-        double *row = state + 4 * i;
-        if (!joint)
-            continue;
-        switch (c->joint_types[i]) {
-        case JOINT_HINGE:
-            row[0] = unwind(c, before[0], dJointGetHingeAngle(joint));
-            row[2] = dJointGetHingeAngleRate(joint);
-            break;
-        case JOINT_SLIDER:
-            row[0] = dJointGetSliderPosition(joint);
-            row[2] = dJointGetSliderPositionRate(joint);
-            break;
-        case JOINT_HINGE2:
-            row[0] = unwind(c, before[0], dJointGetHinge2Angle1(joint));
-            row[1] = unwind(c, before[1], dJointGetHinge2Angle2(joint));
-            row[2] = dJointGetHinge2Angle1Rate(joint);
-            row[3] = dJointGetHinge2Angle2Rate(joint);
-            break;
-        case JOINT_UNIVERSAL:
-            row[0] = unwind(c, before[0], dJointGetUniversalAngle1(joint));
-            row[1] = unwind(c, before[1], dJointGetUniversalAngle2(joint));
-            row[2] = dJointGetUniversalAngle1Rate(joint);
-            row[3] = dJointGetUniversalAngle2Rate(joint);
-            break;
-        case JOINT_PISTON:
-            row[0] = unwind(c, before[0], dJointGetPistonAngle(joint));
-            row[1] = dJointGetPistonPosition(joint);
-            row[2] = dJointGetPistonAngleRate(joint);
-            row[3] = dJointGetPistonPositionRate(joint);
-            break;
-        }
-    }
+    for (i = 0; i < c->joint_count; i++)
+        read_joint(c, i, state + 4 * i);
 }
+
+void gz_read_joint(context *c, int64_t i) { read_joint(c, i, c->joint_state + 4 * i); }
 
 static int is_within(const double *v, double most)
 {

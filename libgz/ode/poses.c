@@ -65,15 +65,6 @@ static int put(tables *t, int64_t row, const pose *p, int still)
     return 1;
 }
 
-static double *state_of(tables *t, int64_t row)
-{
-    if (!t->body_fresh[row]) {
-        gz_read_body(t->context, row);
-        t->body_fresh[row] = 1;
-    }
-    return t->body_state + 16 * row;
-}
-
 /* How bodies move; 17 doubles in step.py. */
 typedef struct {
     pose from, to;
@@ -87,7 +78,7 @@ int64_t gz_turn_bodies(tables *t, const int64_t *rows, int64_t count, const moti
     int64_t i;
     int k;
     for (i = 0; i < count; i++) {
-        const double *state = state_of(t, rows[i]);
+        const double *state = fresh_body(t, rows[i]);
         double arm[3], turned[3];
         pose p;
         for (k = 0; k < 3; k++)
@@ -108,7 +99,7 @@ int64_t gz_carry_bodies(tables *t, const int64_t *rows, int64_t count, const mot
     int64_t i;
     int k;
     for (i = 0; i < count; i++) {
-        const double *state = state_of(t, rows[i]);
+        const double *state = fresh_body(t, rows[i]);
         const double *turn = m->from.turn, back[4] = {turn[0], -turn[1], -turn[2], -turn[3]};
         double arm[3];
         pose relative, p;

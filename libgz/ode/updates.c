@@ -45,11 +45,11 @@ static int is_unmet(const law *l)
     return l->condition && *l->condition == 0.0;
 }
 
-static int cast_rays(const tables *t, const cast *c)
+static int cast_rays(tables *t, const cast *c)
 {
-    if (t->bodies[c->body] != c->handle || !t->body_fresh[c->body])
+    if (t->bodies[c->body] != c->handle)
         return 0;
-    memcpy(c->frame, t->body_state + 16 * c->body, 7 * sizeof(double));
+    memcpy(c->frame, fresh_body(t, c->body), 7 * sizeof(double));
     gz_scan(t->context, c->frame, c->rays, c->count, c->owner, c->ranges, c->rows);
     return 1;
 }

@@ -101,6 +101,7 @@ void gz_disturb(void *context);
 int gz_is_at_rest(const void *context);
 void gz_wake(void *body, int always);
 void gz_read_body(void *context, int64_t row);
+void gz_read_joint(void *context, int64_t row);
 void gz_note_effort(void *context, void *efforts, int axis, double effort);
 int gz_is_on(void *joint, void *body);
 void gz_scan(void *context, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
@@ -116,6 +117,25 @@ static inline double now_monotonic(void)
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Rows, which are read from ODE if they are stale. */
+static inline const double *fresh_body(tables *t, int64_t row)
+{
+    if (!t->body_fresh[row]) {
+        gz_read_body(t->context, row);
+        t->body_fresh[row] = 1;
+    }
+    return t->body_state + 16 * row;
+}
+
+static inline const double *fresh_joint(tables *t, int64_t row)
+{
+    if (!t->joint_fresh[row]) {
+        gz_read_joint(t->context, row);
+        t->joint_fresh[row] = 1;
+    }
+    return t->joint_state + 4 * row;
 }
 
 /* links.c */

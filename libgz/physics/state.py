@@ -250,7 +250,8 @@ class EngineState:
         quirks = state["quirks"]
         if not all(isinstance(quirk, str) for quirk in quirks):
             raise StateError("the state is damaged: quirks have no names")
-        engine.quirks = frozenset(quirks)
+        if engine.quirks != frozenset(quirks):  # else laws that have taken them stay valid
+            engine.quirks = frozenset(quirks)
         settings, present = state["settings"], self._settings
         if settings[:_PROGRESS] != present[:_PROGRESS] or settings[_REST:] != present[_REST:]:
             then, now = _fields(settings), _fields(present)

@@ -326,6 +326,10 @@ class UpdateRows:
         """Wake the clients."""
         self._add(Kind.POST, self.world.gz_server.posting(), twin)
 
+    def laws_hold(self) -> bool:
+        """Whether all that the laws of the rows take as constant is as it was when they were recorded."""
+        return all(recorder.holds() for recorder in self._recorded.values())
+
     # Run -------------------------------------------------------------------------------------------------------------
 
     def run(self, begin: int, end: int) -> int:

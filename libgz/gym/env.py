@@ -6,7 +6,8 @@ import logging
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
 
 import gymnasium
 import numpy as np
@@ -90,6 +91,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             world's
             own point of view.
 
+    States of the world have the episode, too: a subclass lists in STATE what else changes in one, as a model does.
+
     Attributes:
         world: the present world; a reset may replace it where `randomise` is used.
         sampled: the values that `randomise` chose at the last reset.
@@ -102,6 +105,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """
 
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 10}
+    STATE: ClassVar[tuple[str, ...]] = ("outcome", "_steps", "_np_random")
 
     def __init__(
         self,
@@ -152,6 +156,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.sampled: dict[str, Any] = {}
         self.outcome = Outcome(0, 0)  # until its sizes are known
         self._law: LawCall | None = None
+        self._bound: object = None  # the objects of the world among which commands were found
         self.world = self._load(self._sampled(np.random.default_rng(0)), 0)  # so that wrong paths fail here
         try:
             self._prepare(period, settle, time_limit)
@@ -185,13 +190,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return count
 
     def _load(self, changes: Mapping[str, Any], seed: int) -> World:
-        if self.render_mode != "human":
-            return self._variant.load(changes, seed=seed, solver=self._solver)
-
-        def start(server_id: int) -> World:
-            return self._variant.load(changes, seed=seed, solver=self._solver, server_id=server_id)
-
-        return on_free_server_id(start)
+        load = partial(self._variant.load, changes, seed=seed, solver=self._solver)
+        return load() if self.render_mode != "human" else on_free_server_id(lambda number: load(server_id=number))
 
     def _sampled(self, random: np.random.Generator) -> dict[str, Any]:
         """A value for each path that is randomised."""
@@ -241,6 +241,16 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
                 if not left:
                     raise
                 self.world.step()
+        self._all_seen = {one.label: one.value for one in self._readings}
+        self._bind_commands()
+        if isinstance(self._observations, spaces.Box):
+            self._bind_law(self._observations)
+
+    def _bind_commands(self) -> None:
+        """Find what actions write, if the world has other objects than when that was done last."""
+        objects = (self.world, self.world.engine.tables.changes, [*self.world.entities])
+        if objects == self._bound:
+            return
         commands: list[Command] = []
         for key, fields in self._actions.items():
             for field, bounds in _listed(fields, f"actions[{key!r}]").items():
@@ -249,14 +259,12 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             raise ParameterError(f"actions is empty; name at least one command, such as {{{EXAMPLES['actions']}}}")
         self._commands = commands
         self._writers = [one.write for one in commands]
-        self._all_seen = {one.label: one.value for one in self._readings}
         self._lasting = all(one.lasts for one in commands)
         joints = [one.joint for one in commands if one.joint is not None]
         held = joints if len(set(joints)) == len(commands) else []  # two commands on one joint add up, step by step
         self._efforts = (HeldEffort * len(held))()
         self._held = list(zip(held, self._efforts, strict=True))
-        if isinstance(self._observations, spaces.Box):
-            self._bind_law(self._observations)
+        self._bound = objects
 
     def _bind_law(self, box: spaces.Box) -> None:
         """Have `measure` computed of the present world."""
@@ -335,6 +343,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.world.reseed(world_seed)
         if self._start is not None:
             self._start(self.world, self.np_random, options or {})
+        self.world.extension(self._extend)
         self._settle(self._settling)
         shapes = [one.shape for one in self._readings]
         self._bind(patience=MOST_SETTLING if self._settling else 0)
@@ -345,6 +354,10 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if self.render_mode == "human":
             self.render()
         return self._observe(), self._information()
+
+    def _extend(self, _world: object) -> WorldEnv:
+        """What states of the world have of the episode."""
+        return self
 
     def _replace(self, world: World) -> None:
         self._close_views()

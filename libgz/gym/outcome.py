@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ class Outcome:
         reward: of the step.
         ended: whether the episode has ended: 0 or 1.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("numbers",)
 
     reward = Number()
     ended = Number()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium import spaces
@@ -61,6 +61,8 @@ class ReachGoal(WorldEnv):
     REACHED, LOST, FARTHEST = 0.35, 8.0, 16.0  # [m]
     space = _box((0.0, FARTHEST), (-1.0, 1.0), (-1.0, 1.0), (-3.0, 3.0), (-10.0, 10.0))
 
+    STATE: ClassVar[tuple[str, ...]] = ("goal_x", "goal_y")
+
     goal_x, goal_y = Number(), Number()  # [m]
 
     def __init__(self, **options: Any) -> None:
@@ -116,6 +118,8 @@ class FollowWall(WorldEnv):
     speed [m/s], turn rate [rad/s]. Reward: the metres it drove, times 1 at the right distance down to 0 where that is
     wrong by 0.4 m, and -5 for touching something, which ends the episode.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("_nearest",)
 
     DISTANCE, TOLERANCE, TOUCH, REACH = 0.6, 0.4, 0.25, 8.0  # [m]
     RAYS = 37
@@ -214,6 +218,8 @@ class TrackBall(WorldEnv):
         pixels,
     and pan and tilt [rad]. Reward: 1 while the ball is in the middle of the image, down to 0 at its edge and beyond.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("_rates", "_phases")
 
     AWAY, HEIGHT = 3.0, 1.05  # of the middle of the ball's path [m]
     WIDTH, RISE = 2.0, 0.7  # of the path to each side [m]

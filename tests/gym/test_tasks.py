@@ -140,3 +140,52 @@ def test_a_goal_can_be_given():
     with pytest.raises(libgz.ParameterError, match="goal is 'x'; it must be two finite numbers"):
         env.reset(options={"goal": "x"})
     env.close()
+
+
+@pytest.mark.parametrize("name", libgz.gym.TASKS)
+def test_a_state_has_the_episode(name):
+    """What follows is equal to the bit, the end and the next episode included."""
+    env = gymnasium.make(f"libgz/{name}-v0", time_limit=1.0).unwrapped
+    random = np.random.default_rng(2)
+    actions = random.uniform(env.action_space.low, env.action_space.high, (15, *env.action_space.shape))
+
+    def play(part):
+        found = []
+        for action in part:
+            seen, *rest = env.step(action.astype(np.float32))
+            found.append((repr(gymnasium.spaces.flatten(env.observation_space, seen).tolist()), repr(rest)))
+            if rest[1] or rest[2]:
+                begun, info = env.reset()
+                found.append((repr(gymnasium.spaces.flatten(env.observation_space, begun).tolist()), repr(info)))
+        return found
+
+    env.reset(seed=4)
+    play(actions[:3])
+    state = env.world.get_state()
+    expected = play(actions[3:])
+    env.reset(seed=9)
+    play(actions[:5])
+    env.world.set_state(state)
+    assert play(actions[3:]) == expected
+    env.close()
+
+
+def test_a_state_has_what_a_class_of_users_declares():
+    class Counted(libgz.gym.tasks.PendulumSwingUp):
+        STATE = ("count",)
+
+        def begin(self, world, random, options):
+            super().begin(world, random, options)
+            self.count = 0
+
+        def step(self, action):
+            self.count += 1
+            return super().step(action)
+
+    with Counted() as env:
+        env.reset(seed=1)
+        env.step([0.5])
+        state = env.world.get_state()
+        env.step([0.5])
+        env.world.set_state(state)
+        assert env.count == 1

@@ -144,6 +144,8 @@ class Engine:
         self._destroy = weakref.finalize(
             self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in), self.native.release
         )
+        # Not when a process ends, whose threads may still step, or have when it was forked: that frees all.
+        self._destroy.atexit = False
         self.bodies: dict[int, Any] = self.tables.bodies.objects
         self.joints: dict[int, Any] = self.tables.joints.objects
         self.geoms: dict[int, Any] = self.tables.geoms.objects

@@ -13,6 +13,7 @@ from __future__ import annotations
 import functools
 import inspect
 import math
+import os
 import re
 import sys
 import threading
@@ -21,6 +22,7 @@ from collections.abc import Callable
 from ctypes import c_int64
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
+from libgz.base.errors import ClosedError
 from libgz.base.waiting import PERIOD
 
 __all__ = ["WorldLock", "built", "exclusive"]
@@ -54,7 +56,7 @@ class WorldLock:
 
     def __init__(self) -> None:
         lock = threading.RLock()
-        self._lock = lock
+        self._lock, self._process = lock, os.getpid()
         self.try_acquire = functools.partial(lock.acquire, False)
         self.release: Callable[[], None] = lock.release
         self.owned: Callable[[], bool] = lock._is_owned  # type: ignore[attr-defined]
@@ -69,7 +71,11 @@ class WorldLock:
             self.wait()
 
     def wait(self, patience: float = math.inf) -> bool:
-        """Hold the lock, which another thread holds, as soon as it is released; False if it is not in that time [s]."""
+        """Hold the lock, which another thread holds, as soon as it is released; False if it is not in that time [s].
+
+        Raises:
+            ClosedError: this process was forked while another thread held it, and has no such thread.
+        """
         me = threading.get_ident()
         self.waiting[me] = begin = time.monotonic()
         self.interrupt()
@@ -78,6 +84,11 @@ class WorldLock:
             while not self._lock.acquire(timeout=PERIOD):
                 if time.monotonic() >= begin + patience:
                     return False
+                if self._lost():
+                    raise ClosedError(
+                        "this process was forked while another thread stepped or changed the world, which cannot be "
+                        "used here; fork between steps"
+                    )
                 if time.monotonic() >= due:
                     due = math.inf
                     if self.report is not None:
@@ -85,6 +96,10 @@ class WorldLock:
             return True
         finally:
             self.waiting.pop(me, None)
+
+    def _lost(self) -> bool:
+        """Whether the thread that holds the lock is one of the process from which this one was forked."""
+        return os.getpid() != self._process and self.holder not in (0, *sys._current_frames())
 
     def give_way(self) -> None:
         """Let those that wait now hold the lock first: a thread that steps without a pause would keep it for ever."""

@@ -357,3 +357,47 @@ def test_a_wait_for_a_server_is_in_parts(wire, monkeypatch):
         assert (len(limits), max(limits) <= 0.1) == (3, True)
         assert not client.wait(0.15)
         assert not client.wait(0.0)
+
+
+MANY = f"<sdf version='1.6'><world name='default'>{''.join(BOX.format(f'b{i}', i) for i in range(100))}</world></sdf>"
+
+
+def run(text):
+    """The end of a program whose thread steps a world."""
+    program = f"""
+import os, sys, threading, time
+import libgz
+world = libgz.World.from_string({MANY!r})
+
+def step():
+    while True:
+        world.step(50)
+
+threading.Thread(target=step, daemon=True).start()
+while not world.lock.holder:
+    time.sleep(0.001)
+""" + textwrap.dedent(text)
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+
+
+def test_a_process_may_end_while_a_thread_of_it_steps():
+    for _ in range(3):
+        ended = run("")
+        assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_a_process_forked_in_a_step_ends_and_says_why_it_cannot_step():
+    """A lock that is held by a thread that was not forked would be waited for without end; ODE is amid its work."""
+    ended = run("""
+        child = os.fork()
+        if child == 0:
+            try:
+                world.step()
+            except libgz.GazeboError as error:
+                print(error, file=sys.stderr)
+            sys.exit()
+        sys.stderr.write(str(os.waitpid(child, 0)[1]))
+        """)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stderr.startswith("this process was forked while another thread stepped")
+    assert ended.stderr.endswith("\n0")

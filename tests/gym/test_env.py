@@ -268,3 +268,19 @@ def test_processes_are_equal_to_one(name):
         ]
 
     assert returns("async") == returns("sync")
+
+
+def test_actions_act_on_what_a_reset_built_again(make):
+    """Interfaces and joints are found anew where the world has other objects."""
+    drive, push = (
+        make("pioneer2at", DRIVE, ODOMETRY),
+        make(ARM, {"arm::elbow": ["effort"]}, {"arm::elbow": ["velocity"]}),
+    )
+    moved = []
+    for env, name in ((drive, "robot1"), (push, "arm")):
+        env.reset(seed=0)
+        expected = [repr(env.step([2.0] * env.action_space.shape[0])[0]) for _ in range(5)]
+        env.unwrapped.world.DeleteModel(name)
+        env.reset(seed=0)
+        moved.append([repr(env.step([2.0] * env.action_space.shape[0])[0]) for _ in range(5)] == expected)
+    assert moved == [True, True]

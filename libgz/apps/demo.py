@@ -15,7 +15,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from libgz.apps.console import number_above_zero, number_from_zero
-from libgz.apps.view import open_page
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, ServerError
 from libgz.base.files import installed_worlds
@@ -90,12 +89,11 @@ def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
     """A viewer in a process of its own. Its address is printed first, and opened; the page is waited for."""
     command = run_module("libgz", "view", "-s", str(server_id), "--parent", str(os.getpid()))
     command += ["--report-opened", "--view-port", str(options.view_port), "--view-host", options.view_host]
+    command += [] if options.no_open else ["--open"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
         try:
             line = (viewer.stdout.readline() if viewer.stdout else "").strip()
             print(line, flush=True)
-            if not options.no_open:
-                open_page(line.removeprefix("open "))
             print(f"the robot waits for the page, at most {PAGE_PATIENCE:g} s", flush=True)
             _wait_for_line(viewer, PAGE_PATIENCE)
             yield

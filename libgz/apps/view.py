@@ -135,7 +135,10 @@ def make_viewer(source: Any, controls: Any, options: argparse.Namespace, **more:
 
 
 def open_page(url: str) -> bool:
-    """Open an address in the user's browser, where there is a display; whether that was tried."""
+    """Open an address in the user's browser, where there is a display; whether that was tried.
+
+    Every user of the machine can see it, as a part of a command.
+    """
     import webbrowser
 
     display = sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
@@ -172,7 +175,7 @@ def run(options: argparse.Namespace) -> int:
             viewer.frame()
             print(f"open {viewer.url}", flush=True)
             if options.open:
-                open_page(viewer.url)
+                open_page(viewer.url_for_once())
             try:
                 viewer.run(_stopped(viewer, options))
             except KeyboardInterrupt:

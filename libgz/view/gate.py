@@ -71,6 +71,7 @@ class Gate:
     def __init__(self, host: str, assets: Assets, portraits: Portraits, token: str | None = None) -> None:
         self.host, self.token, self._assets = host, token or secrets.token_urlsafe(18), assets
         self._portraits = portraits
+        self._once: set[str] = set()
         known = (path for path in sorted(CLIENT.rglob("*")) if path.suffix in KINDS and path.is_file())
         files = {path.relative_to(CLIENT).as_posix(): path for path in known}
         digest = hashlib.sha256()
@@ -94,6 +95,19 @@ class Gate:
             if origin is not None and _place(origin) != host:
                 return _response(403, "pages of other addresses may not connect")
         return None
+
+    def word_for_once(self) -> str:
+        """A new word that is taken as the token once: every user sees the command of a browser."""
+        word = secrets.token_urlsafe(18)
+        self._once.add(word)
+        return word
+
+    def _is_first(self, word: str) -> bool:
+        try:
+            self._once.remove(word)
+        except KeyError:
+            return False
+        return True
 
     def may_control(self, request: web.BaseRequest) -> bool:
         """Whether the address of a request has the token."""
@@ -130,7 +144,7 @@ class Gate:
         options = parse_qs(request.query_string)
         given = options.pop("token", [""])[0]
         if request.path == "/" and given:
-            where = f"/{self.token}/" if self._right(given) else "/"
+            where = f"/{self.token}/" if self._right(given) or self._is_first(given) else "/"
             rest = urlencode(options, doseq=True)
             return _response(302, "", {"Location": f"{where}?{rest}" if rest else where})
         path = self.local_path(request)

@@ -144,6 +144,10 @@ class Viewer(Closing):
         """The address of the page that can control."""
         return f"{self.watch_url}?token={self._gate.token}"
 
+    def url_for_once(self) -> str:
+        """A new address of the page that can control, for the first that asks for it: to be opened in a browser."""
+        return f"{self.watch_url}?token={self._gate.word_for_once()}"
+
     @property
     def watch_url(self) -> str:
         """The address of the page that only watches."""

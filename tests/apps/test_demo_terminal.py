@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+import urllib.request
 
 import pytest
 
@@ -41,7 +42,14 @@ def test_in_a_terminal_the_demo_opens_its_page_waits_for_it_and_serves_until_ctr
         os.close(its)
         said = read_until(ours, b"", b"waits for the page")
         url = re.search(r"open (http://127\.0\.0\.1:18\d+/)\?token=(\S+)", said.decode())
-        assert seen.read_text().strip() == f"{url[1]}?token={url[2]}"
+        end = time.monotonic() + 60.0
+        while not (seen.exists() and seen.read_text()):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        address = seen.read_text().strip()
+        assert url[2] not in address  # every user sees a browser's command
+        with urllib.request.urlopen(address) as page:
+            assert page.url == f"{url[1]}{url[2]}/"
         asyncio.run(open_page(f"{url[1].replace('http', 'ws', 1)}{url[2]}/socket"))
         said = read_until(ours, said, b"until Ctrl-C")
         assert sum(line.strip()[:1].isdigit() for line in said.decode().splitlines()) >= 8  # the table

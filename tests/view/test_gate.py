@@ -22,6 +22,7 @@ import pytest
 from PIL import Image
 from view_sockets import Socket, running
 
+from libgz.apps.view import open_page
 from libgz.base.errors import GazeboError, NotFoundError
 from libgz.transport.observer import ObservedState
 from libgz.view import pages, portraits
@@ -110,6 +111,19 @@ def test_the_token_is_in_the_address_and_nowhere_else(viewer):
         assert token.encode() not in body
         assert headers["Cache-Control"] == "no-store"
         assert headers["Referrer-Policy"] == "no-referrer"
+
+
+def test_the_address_that_is_opened_in_a_browser_serves_the_first_only(viewer, monkeypatch):
+    """Every user of the machine sees the browser's command."""
+    opened = []
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr("webbrowser.open", lambda url: opened.append(url) or True)
+    assert open_page(viewer.url_for_once())
+    [address] = opened
+    assert token_of(viewer) not in address
+    path = "/" + address.removeprefix(viewer.watch_url)
+    assert get(viewer, path)[1]["Location"] == f"/{token_of(viewer)}/"
+    assert get(viewer, path)[1]["Location"] == "/"
 
 
 def test_portraits_of_the_catalogue(viewer):

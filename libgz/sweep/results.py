@@ -12,12 +12,13 @@ import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, BinaryIO, TextIO
 
 from libgz.base.budget import Budget, BudgetError
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.base.files import exists, is_file, open_file, read_limited, write_whole
+from libgz.sweep.pages import read_pages
 from libgz.sweep.study import MOST_RUNS, Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
@@ -32,6 +33,7 @@ WHOLE = ("run", "seed", "attempts")
 TEXTS = ("controller", "state", "message", "host", "libgz", "python")
 COMPRESSION = "SNAPPY"  # of parts; it makes nothing more than some 20 times smaller
 NUMBER = 8  # bytes
+ENTRY, PAGE = 16, 1000  # bytes, of an entry of a dictionary beside its letters, and of what a page takes to be read
 
 
 def columns_of(study: Study) -> list[str]:
@@ -328,7 +330,9 @@ def _csv_rows(path: Path) -> Iterator[dict[str, Any]]:
 def _part_rows(path: Path, budget: Budget, columns: list[str] | None = None) -> list[dict[str, Any]]:
     """The rows of a part. The budget is of texts: the file may have one that is long, for all rows."""
     with _damage_named(path), open_file(path) as file:
-        names = _check_part(_parquet().read_metadata(file))
+        about = _parquet().read_metadata(file)
+        names = _check_part(about)
+        _check_pages(about, file)
         part = _parquet().ParquetFile(file, read_dictionary=names)
         if not all(map(_is_kind, part.schema_arrow.types)):
             raise ValueError("it has columns of types that parts do not have")
@@ -360,6 +364,29 @@ def _check_part(about: Any) -> list[str]:
         raise ValueError("it has a compression that parts do not have")
     Budget().take(rows * len(columns) * NUMBER + sum(max(chunk.total_uncompressed_size, 0) for chunk in chunks))
     return [column.path for column in columns if column.physical_type == "BYTE_ARRAY"]
+
+
+def _check_pages(about: Any, file: BinaryIO) -> None:
+    """Check what the headers of a part's pages state, which its metadata need not agree with.
+
+    Raises:
+        ValueError: no sweep wrote them.
+        BudgetError: there is too much decompressed.
+    """
+    budget = Budget()
+    if not about.created_by.startswith("parquet-cpp"):  # of some other writers, pages are read beyond their columns
+        raise ValueError(f"it was written by {about.created_by!r}")
+    for number in range(about.num_row_groups):
+        group = about.row_group(number)
+        for chunk in map(group.column, range(group.num_columns)):
+            starts = (chunk.data_page_offset, chunk.dictionary_page_offset if chunk.has_dictionary_page else None)
+            start = min(place for place in starts if place is not None)
+            if start < 0 or chunk.total_compressed_size < 0:
+                raise ValueError("a column is nowhere in it")
+            for page in read_pages(file, start, chunk.total_compressed_size):
+                budget.take(PAGE + page.size + (ENTRY * page.values if page.dictionary else 0))
+                if page.values > MOST_PART_ROWS:
+                    raise ValueError("it has more rows than a part")
 
 
 def _is_kind(kind: Any) -> bool:

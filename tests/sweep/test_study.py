@@ -1,5 +1,6 @@
 """Studies: which runs there are, and what is wrong in a file."""
 
+import io
 import os
 import tomllib
 
@@ -7,8 +8,10 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
+from libgz.base.budget import Budget
 from libgz.base.errors import GazeboError, ParameterError
 from libgz.sweep import results
+from libgz.sweep.pages import Page, read_pages
 from libgz.sweep.report import plot_measures
 from libgz.sweep.results import open_results, read_results
 from libgz.sweep.run import check
@@ -236,6 +239,65 @@ def test_a_part_whose_form_no_sweep_writes_is_refused(folder, columns, options):
     write_part(folder / "results" / "part-000000.parquet", columns, **options)
     with pytest.raises(ParameterError, match=r"is damaged: ValueError: it has .* that parts do not have"):
         read_results(folder / "results")
+
+
+@pytest.mark.parametrize("kind", ["dictionary", "data"])
+def test_a_page_that_states_more_than_its_column_is_refused(folder, monkeypatch, kind):
+    """Pyarrow allocates what the header of a page says, whatever the footer of the file says."""
+    open_results(folder / "results", Study.load(folder / "push.toml"), "x", "parquet").close()
+    study = Study.load(folder / "push.toml")
+    part = folder / "results" / "part-000000.parquet"
+    options = {"use_dictionary": kind == "dictionary", "compression": "none", "write_statistics": False}
+    write_part(part, {"run": [0], "state": ["x" * 20_000]}, **options)
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    assert len(results._part_rows(part, Budget())) == 1
+    chunk = parquet.read_metadata(part).row_group(0).column(1)
+    start = chunk.dictionary_page_offset if kind == "dictionary" else chunk.data_page_offset
+    (page, *_) = read_pages(io.BytesIO(part.read_bytes()), start, chunk.total_compressed_size)
+    assert page.dictionary == (kind == "dictionary")
+    assert page.values == 1
+    assert 20_000 < page.size < 20_100
+    data = part.read_bytes()
+    at = data.index(varint(page.size), start)
+    part.write_bytes(data[:at] + varint((1 << 20) - 1) + data[at + len(varint(page.size)) :])  # of as many bytes
+    for use in (lambda: read_results(folder / "results"), lambda: open_results(folder / "results", study, "x", None)):
+        with pytest.raises(ParameterError, match=r"part-000000.parquet: it takes more than 1 MiB decompressed"):
+            use()
+
+
+def varint(number):
+    """A positive whole number as Thrift's compact protocol writes it."""
+    number, found = number << 1, b""
+    while number > 127:
+        number, found = number >> 7, found + bytes((number & 127 | 128,))
+    return found + bytes((number,))
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        (b"", "cut off"),
+        (b"\x15", "cut off"),
+        (b"\x15" + b"\xff" * 20, "damaged"),
+        (b"\x1f\x00", "damaged"),
+        (b"\x18\xff\xff\xff\xff\xff\xff\xff\xff\x7f", "damaged"),
+        (b"\x1c" * 100, "too deeply"),
+        (b"\x19" * 100, "too deeply"),
+        (b"\x19\xfc\xff\xff\xff\xff\x7f", "cut off"),
+        (b"\x25\x01\x00", "damaged"),  # of -1 bytes
+        (b"\x35\x80\x01\x00", "longer than its column"),
+    ],
+)
+def test_a_damaged_header_of_a_page_is_refused(header, message):
+    with pytest.raises(ValueError, match=message):
+        list(read_pages(io.BytesIO(header), 0, 10))
+
+
+def test_other_fields_of_a_page_are_skipped():
+    fields = b"\x11\x12\x13\x07\x17" + bytes(8) + b"\x18\x02ab" + b"\x19\x25\x02\x04" + b"\x1b\x01\x55\x02\x04"
+    fields += b"\x05" + varint(20) + varint(9)  # field 20, by its whole number
+    file = io.BytesIO(b"\x25" + varint(7) + b"\x15" + varint(0) + b"\x4c\x15" + varint(3) + fields + b"\x00\x00")
+    assert list(read_pages(file, 0, len(file.getvalue()))) == [Page(7, 3, True)]
 
 
 def write_part(path, columns, **options):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dis
+import itertools
 import logging
 import re
 import signal
@@ -36,6 +37,7 @@ __all__ = [
     "WorldFileError",
     "advise",
     "explain",
+    "listed",
     "nearest",
     "pass_interrupt",
 ]
@@ -177,6 +179,15 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if not found:
         return ""
     return "; did you mean " + " or ".join(repr(lower[match]) for match in found) + "?"
+
+
+MOST_NAMES = 200  # of a list in a message
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names as a list in a message, the first 200 of them: each message of a file would have all; none if empty."""
+    found = list(itertools.islice(names, MOST_NAMES + 1))
+    return ", ".join([*found[:MOST_NAMES], "..."] if len(found) > MOST_NAMES else found) or "none"
 
 
 MOST_ALIKE = 5  # warnings of a file that differ only in names, paths and numbers, in a log

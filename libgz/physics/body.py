@@ -5,12 +5,13 @@ A body is the parent of its geoms and joints: their modules import this one, and
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import itertools
 import logging
 import math
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,8 @@ from libgz.physics.lock import built, exclusive
 if TYPE_CHECKING:
     from libgz.physics.geom import Geom
     from libgz.physics.joint import Joint
+
+    _MassSums: TypeAlias = tuple[mass_.MassSum[Geom], mass_.MassSum[Geom]]
 
 __all__ = ["Body", "place_dummies"]
 
@@ -101,6 +104,7 @@ class Body:
         self.joints: dict[Joint, None] = {}
         self._frame = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]  # of a dummy, see `frame`
         self._given_mass: mass_.Mass | None = None
+        self._sums: _MassSums | None = None  # while geoms are added
         self.damping = 0.0, 0.0
         self.in_wind = False
         self._closed = False
@@ -563,15 +567,28 @@ class Body:
         if self._given_mass is not None:
             self._take_mass(self._given_mass)
             return
-        parts = [geom.GetBodyMassMatrix() for geom in self.geoms]
-        masses = [part for part in parts if part is not None]
-        if not masses:
+        own, volumes = self._sums or _mass_sums()
+        total = own.of(self.geoms)
+        if total is None:
             # ODE needs some mass: that of the volumes at 1 kg/m^3, if all geoms are massless.
-            densities = (geom.body_mass(geom.volume_mass) for geom in self.geoms)
-            masses = [mass for mass in densities if mass is not None]
-        if not masses:
-            return
-        self._take_mass(mass_.sum_masses(masses))
+            total = volumes.of(self.geoms)
+        if total is not None:
+            self._take_mass(total)
+
+    @contextlib.contextmanager
+    def assembly(self) -> Iterator[None]:
+        """For a `with` block that adds geoms, and changes none but the last one of them.
+
+        The body's mass is always that of its geoms, as without it, but the time of each new one does not grow with
+        their number; ODE's geoms are placed about the centre of mass at the end.
+        """
+        self._sums = _mass_sums()
+        try:
+            yield
+        finally:
+            self._sums = None
+            for geom in self.geoms:
+                geom.place()
 
     @exclusive
     def SetMassMatrix(self, mass: mass_.Mass) -> None:
@@ -603,13 +620,21 @@ class Body:
         ode().dBodySetMass(self.id, ctypes.addressof(final))
         if self.kinematic:
             self.set_kinematic(True)  # ODE resets it with a new mass
-        for geom in self.geoms:
-            geom.place()
+        if self._sums is None:
+            for geom in self.geoms:
+                geom.place()
         self.SetPose(pose)
 
     def global_pose(self, relative: GzPose) -> GzPose:
         """A pose given in this body's frame, expressed globally."""
         return GzCoordPoseAdd(relative, self.GetPose())
+
+
+def _mass_sums() -> _MassSums:
+    """Sums of the geoms' masses, and of those that their volumes have."""
+    return mass_.MassSum(lambda geom: geom.GetBodyMassMatrix()), mass_.MassSum(
+        lambda geom: geom.body_mass(geom.volume_mass)
+    )
 
 
 def _clamped(number: float) -> float:

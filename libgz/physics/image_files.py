@@ -37,10 +37,10 @@ def open_image(path: Path, most_pixels: int = MOST_PIXELS) -> Iterator[Image.Ima
     Raises:
         GazeboError: it cannot be read, is damaged, or has too many pixels. What the block raises is reported so, too.
     """
-    from PIL import Image  # here, because most worlds read no image
+    from PIL import Image, UnidentifiedImageError  # here, because most worlds read no image
 
     try:
-        with open_file(path), Image.open(path, formats=FORMATS) as image:
+        with open_file(path) as file, Image.open(file, formats=FORMATS) as image:
             if image.width * image.height > most_pixels:
                 raise _TooLarge(f"image {path} has {image.width} x {image.height} pixels; {most_pixels} are allowed")
             image.load()
@@ -51,4 +51,5 @@ def open_image(path: Path, most_pixels: int = MOST_PIXELS) -> Iterator[Image.Ima
         raise GazeboError(f"image {path} cannot be read: there is not enough memory for it") from None
     except Exception as error:  # noqa: BLE001 - pillow's readers raise whatever their formats suggest
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        reason = "it is no image, or damaged" if isinstance(error, UnidentifiedImageError) else reason
         raise GazeboError(f"image {path} cannot be read: {reason}") from None

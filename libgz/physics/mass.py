@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from libgz.physics.check import LARGEST, finite_tuple, positive
 
 __all__ = [
     "Mass",
+    "MassSum",
     "about_centre",
     "about_origin",
     "box_mass",
@@ -30,10 +31,10 @@ __all__ = [
     "scaled",
     "solid_mass",
     "sphere_mass",
-    "sum_masses",
 ]
 
 _ALONG_Z = 3
+T = TypeVar("T")
 
 
 def _address(mass: Mass) -> int:
@@ -106,12 +107,37 @@ def moved(mass: Mass, pose: GzPose) -> Mass:
     return result
 
 
-def sum_masses(masses: Iterable[Mass]) -> Mass:
-    """The mass matrix of several shapes together."""
-    total = Mass()
-    for mass in masses:
-        ode().dMassAdd(_address(total), _address(mass))
-    return total
+class MassSum(Generic[T]):
+    """The mass matrix of several shapes together, of which only the last one changes, or others follow.
+
+    Args:
+        part: the mass matrix of a shape, or None if it is massless.
+    """
+
+    def __init__(self, part: Callable[[T], Mass | None]) -> None:
+        self._part = part
+        self._begin()
+
+    def _begin(self) -> None:
+        self._count, self._before, self._any = 0, Mass(), False
+
+    def of(self, shapes: Sequence[T]) -> Mass | None:
+        """The sum; None if all are massless."""
+        if len(shapes) <= self._count:  # some were removed
+            self._begin()
+        for shape in shapes[self._count : -1]:
+            self._any |= self._add(self._before, shape)
+        self._count = max(len(shapes) - 1, 0)
+        total = _copy(self._before)
+        last = bool(shapes) and self._add(total, shapes[-1])
+        return total if self._any or last else None
+
+    def _add(self, total: Mass, shape: T) -> bool:
+        """Add a shape to a sum; whether it has a mass."""
+        mass = self._part(shape)
+        if mass is not None:
+            ode().dMassAdd(_address(total), _address(mass))
+        return mass is not None
 
 
 def positive_definite(moments: Iterable[float]) -> bool:

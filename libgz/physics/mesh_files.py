@@ -43,6 +43,10 @@ Array = NDArray[np.float64]
 MOST_TRIANGLES = 20_000_000
 MOST_KEPT = 256 << 20  # bytes of meshes that were read
 TEXT_START = 4096  # bytes of an STL file in which a text has its first vertex
+# Characters that are read because references of a COLLADA document lead to them, each time; and as many as the file's
+# own times so many. An element takes as long as so many characters.
+MOST_READ, TIMES_READ, ELEMENT = 4 << 30, 8, 500
+LARGEST_FILE = 4 << 30  # bytes; 20 million triangles have less
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
 LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says
 LARGEST_COORDINATE = 1e6  # of a texture: how often it repeats
@@ -149,6 +153,8 @@ def _read(path: Path, when: int) -> _Mesh:
         ".dae": _read_dae,
     }
     reader = readers.get(path.suffix.lower(), _read_by_trimesh)
+    if is_file(path) and path.stat().st_size > LARGEST_FILE:
+        raise GazeboError(f"mesh {path} is larger than {LARGEST_FILE >> 20} MiB")
     with reading(path):
         parts = [part for part in _bounded(reader(path), path) if len(part.triangles)]
     if not parts:
@@ -232,22 +238,21 @@ def _soup(name: str, corners: NDArray[Any]) -> MeshPart:
     return MeshPart(name, vertices, triangles, normals=flat)
 
 
-def _coordinates(table: Array, corners: NDArray[np.int64]) -> Array | None:
-    """Texture coordinates of corners, as rows of a table by number, -1: the lower left; None if they are damaged."""
-    named = len(table) and len(corners) and corners.min() >= -1 and 0 <= corners.max() < len(table)
-    if not named or not (np.abs(table) <= LARGEST_COORDINATE).all():
+def _texels(table: Array) -> Array:
+    """Texture coordinates, shape (n, 2); none if one of them is damaged."""
+    return table if (np.abs(table) <= LARGEST_COORDINATE).all() else table[:0]
+
+
+def _directions(table: Array) -> NDArray[Any]:
+    """Unit normals, shape (n, 3); none if one of them is damaged."""
+    return units(table) if len(table) and np.isfinite(table).all() else table[:0]
+
+
+def _rows(table: NDArray[Any], corners: NDArray[np.int64]) -> Array | None:
+    """What corners have, as rows of a table by number, -1: zeros; None if one is not in it, or all are -1."""
+    if not len(table) or not len(corners) or not (corners.min() >= -1 and 0 <= corners.max() < len(table)):
         return None
     found: Array = np.where(corners[..., None] < 0, 0.0, table[corners])
-    return found
-
-
-def _normals(table: Array, corners: NDArray[np.int64]) -> Array | None:
-    """Unit normals of corners, as rows of a table by number, -1: unknown; None if they are damaged, or all unknown."""
-    if not len(table) or not len(corners) or not -1 <= corners.min() <= corners.max() < len(table):
-        return None
-    if not np.isfinite(table).all() or corners.max() < 0:
-        return None
-    found: Array = np.where(corners[..., None] < 0, 0.0, units(table)[corners])
     return found
 
 
@@ -306,14 +311,15 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
         elif key == "usemtl":
             material = rest.strip()
         elif key == "mtllib":
-            for library in _libraries(path.parent, rest.strip()):
+            for library in map(Path.resolve, _libraries(path.parent, rest.strip())):  # each once, by whatever name
                 if library not in libraries:
                     libraries[library] = _changed(library)
                     looks |= _read_mtl(library)
         elif key == "f":
             group = groups.setdefault((name, material), _Faces())
             group.add(rest.split(), (len(vertices), len(coordinates), len(normals)))
-    points, table, directions = _positions(vertices), _table(coordinates, 2), _table(normals, 3)
+    # Each table once, for there may be as many groups as rows.
+    points, table, directions = _positions(vertices), _texels(_table(coordinates, 2)), _directions(_table(normals, 3))
     for (name, material), faces in groups.items():
         look = looks.get(material)
         corners, texels, lit = (np.array(rows, dtype=np.int64) for rows in faces.rows)
@@ -321,9 +327,9 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
             raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
         cut = cut_polygons(np.array(faces.counts), points[corners])
         image = NamedImage(look.image, look.file) if look is not None and look.image else None
-        placed = _coordinates(table, texels[cut])
+        placed = _rows(table, texels[cut])
         texture = Texture(image, placed) if image is not None or (placed is not None and texels.max() >= 0) else None
-        shading = _normals(directions, lit[cut])
+        shading = _rows(directions, lit[cut])
         yield used(name, points, corners[cut], look.shown if look is not None else None, texture, shading)
 
 
@@ -490,8 +496,9 @@ class Collada:
 
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True, remove_comments=True)
         try:
-            with open_file(path):  # which checks it
-                self.root = etree.parse(os.fsencode(path), parser).getroot()
+            with open_file(path) as file:
+                self.root = etree.parse(file, parser).getroot()
+                self._left = MOST_READ + TIMES_READ * os.fstat(file.fileno()).st_size  # characters to be read
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
         self.path = path
@@ -499,6 +506,7 @@ class Collada:
         self.above: list[Any] = []  # the nodes that are being visited
         self.ids = {element.get("id"): element for element in self.root.iter(etree.Element) if "id" in element.attrib}
         self._looks: dict[str, _Effect] = {}
+        self._sizes: dict[Any, int] = {}  # of what references lead to
 
     @staticmethod
     def tag(element: Any) -> str:
@@ -515,15 +523,21 @@ class Collada:
         return found
 
     def target(self, url: str | None) -> Any:
-        """The element that a reference names.
+        """The element that a reference names; it is read again for each reference.
 
         Raises:
-            ValueError: there is none.
+            ValueError: there is none, or too much is read again and again.
         """
         name = (url or "").removeprefix("#")
         if name not in self.ids:
             raise ValueError(f"it refers to {url!r}, which does not exist" if url else "a reference is missing")
-        return self.ids[name]
+        found = self.ids[name]
+        if found not in self._sizes:
+            self._sizes[found] = sum(ELEMENT + len(element.text or "") for element in found.iter())
+        self._left -= self._sizes[found]
+        if self._left < 0:
+            raise ValueError("its parts refer to each other so often that reading it takes too long")
+        return found
 
     def first(self, elements: Iterable[Any], what: str) -> Any:
         """The first of several elements.
@@ -536,7 +550,7 @@ class Collada:
             raise ValueError(f"{what} is missing")
         return found
 
-    @property
+    @functools.cached_property
     def unit(self) -> float:
         """The document's unit of length [m]."""
         unit = next(self.deep(self.root, "unit"), None)
@@ -644,7 +658,7 @@ class Collada:
         try:
             corners = self.corners(group, own if own is not None else vertex)
             table = self.rows(self.target(given.get("source")), 3)
-            return _normals(table @ np.linalg.inv(frame[:3, :3]), corners[cut])
+            return _rows(_directions(table @ np.linalg.inv(frame[:3, :3])), corners[cut])
         except (ValueError, OverflowError, IndexError):
             return None
 
@@ -699,7 +713,7 @@ class Collada:
         try:
             chosen = self.coordinate_input(material, group, look.coordinates)
             corners = self.corners(group, chosen)
-            coordinates = _coordinates(self.rows(self.target(chosen.get("source"))), corners[cut])
+            coordinates = _rows(_texels(self.rows(self.target(chosen.get("source")))), corners[cut])
         except (ValueError, OverflowError, IndexError):
             coordinates = None
         image = NamedImage(look.image, self.path) if look.image else None

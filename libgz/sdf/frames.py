@@ -9,7 +9,7 @@ by scoped name (`arm::hand`). `__model__` is the model itself, `world` the world
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from libgz.base.errors import Diagnostics, ParameterError, nearest
 from libgz.base.geometry import (
@@ -45,23 +45,19 @@ def resolve_frames(root: Element, diagnostics: Diagnostics) -> None:
         _Scope(root, None, diagnostics).resolve()
 
 
-def _needed(element: Element) -> bool:
-    """Whether an element or one in it may name a frame."""
+def _needed(element: Element, links: Collection[str] = ()) -> bool:
+    """Whether an element or one in it may name a frame; `links` are the names that joints in it give their links."""
+    inner = links
+    if element.HasElement("joint"):
+        inner = {WORLD, *(_attribute(link, "name") for link in element.named("link"))}
     for child in element.children:
         name = child.name
-        if name == "pose":
-            if _attribute(child, *REFERENCES):
-                return True
-        elif name == "plugin":
+        if name == "plugin":
             continue
-        elif name in ("frame", "model", "xyz") and any(map(child.HasAttribute, ("attached_to", *NAMING))):
-            return True
-        elif name in ENDS and element.name == "joint":
-            end, above = child.value.text, element.parent
-            links = above.named("link") if above is not None else ()
-            if end != WORLD and not any(_attribute(link, "name") == end for link in links):
-                return True
-        if child.children and _needed(child):
+        refers = name == "pose" and bool(_attribute(child, *REFERENCES))
+        refers |= name in ("frame", "model", "xyz") and any(map(child.HasAttribute, ("attached_to", *NAMING)))
+        refers |= name in ENDS and element.name == "joint" and child.value.text not in links
+        if refers or (child.children and _needed(child, inner)):
             return True
     return False
 
@@ -168,7 +164,8 @@ class _Scope:
         self.names: dict[str, Element] = {}
         self.inner: dict[int, _Scope] = {}  # scopes of nested models
         self._poses: dict[int, GzPose] = {}
-        self._open: list[Element] = []  # whose poses are being resolved
+        self._open: dict[int, Element] = {}  # whose poses are being resolved, in order
+        self._lost: set[int] = set()  # whose poses depend on names that lead nowhere; there is a warning already
         self._links: dict[str, str | None] = {}  # links that frames are fixed to, by the frames' names
         self._in_world: dict[str, bool] = {}  # whether frames are fixed to the world
         inside = list(self._inside(holder))
@@ -231,18 +228,23 @@ class _Scope:
             return IDENTITY
         if id(element) in self._poses:
             return self._poses[id(element)]
-        if any(element is one for one in self._open):
-            names = [one.Get(str, "name") or f"<{one.name}>" for one in self._open]
-            circle = names[next(i for i, one in enumerate(self._open) if one is element) :]
+        if id(element) in self._lost:
+            raise _Unresolved
+        if id(element) in self._open:
+            names = [one.Get(str, "name") or f"<{one.name}>" for one in self._open.values()]
+            circle = names[[*self._open].index(id(element)) :]
             raise self._unresolved(element, f"its pose is relative to itself: {' -> '.join([*circle, circle[0]])}")
-        self._open.append(element)
+        self._open[id(element)] = element
         try:
             name = _reference(element)
             place = next(element.named("pose"), element)
             base = self.pose_of_name(name, place, "it") if name else self.home_of(element)
             pose = self._placed(element, GzCoordPoseAdd(_pose(element), base))
+        except _Unresolved:
+            self._lost.add(id(element))
+            raise
         finally:
-            self._open.pop()
+            del self._open[id(element)]
         self._poses[id(element)] = pose
         return pose
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, nearest
+from libgz.base.errors import Diagnostics, NotFoundError, ParameterError, explain, listed, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuaternIdent, GzVector
 from libgz.base.law import law
 from libgz.physics.body import Body
@@ -56,6 +56,9 @@ class SdfModel(Entity):
         self.diagnostics = diagnostics
         self.name = element.Get(str, "name")
         self.static: bool = element.Get(bool, "static") or (parent is not None and parent.static)
+        self._for_links = {
+            key: element.Get(bool, key) for key in ("self_collide", "enable_wind")
+        }  # with none of theirs
         self.links: dict[str, Body] = {}
         self.nested: dict[str, SdfModel] = {}
         self.sdf_joints = JointTable(world, element)
@@ -177,9 +180,10 @@ class SdfModel(Entity):
     def _fill_link(self, body: Body, element: Element, frame: GzPose) -> None:
         """Place a link, and give it shapes and mass."""
         body.SetPose(GzCoordPoseAdd(element.Get(GzPose, "pose"), frame))
-        self._add_collisions(body, element)
-        for visual in element.named("visual"):
-            self._leave_out(visual, self._add_visual, body, visual)
+        with body.assembly():
+            self._add_collisions(body, element)
+            for visual in element.named("visual"):
+                self._leave_out(visual, self._add_visual, body, visual)
         link_lights(body, element, self.diagnostics.warn)
         if self.static:
             return
@@ -281,9 +285,7 @@ class SdfModel(Entity):
 
     def _self_collides(self, link: Element) -> bool:
         """Whether a link touches others of its model; from SDF 1.5 the link's setting overrides the model's."""
-        if link.HasElement("self_collide"):
-            return link.Get(bool, "self_collide")
-        return self.sdf.Get(bool, "self_collide")
+        return self._of_link(link, "self_collide")
 
     def self_collides(self, body: Body) -> bool:
         """Whether a link touches others of its model."""
@@ -304,8 +306,11 @@ class SdfModel(Entity):
 
     def _in_wind(self, link: Element) -> bool:
         """Whether wind acts on a link; its own setting overrides the model's."""
-        holder = link if link.HasElement("enable_wind") else self.sdf
-        return holder.Get(bool, "enable_wind")
+        return self._of_link(link, "enable_wind")
+
+    def _of_link(self, link: Element, key: str) -> bool:
+        """A setting of a link, else that of the model."""
+        return link.Get(bool, key) if link.HasElement(key) else self._for_links[key]
 
     @staticmethod
     def _decay(link: Element) -> tuple[float, float]:
@@ -367,8 +372,7 @@ class SdfModel(Entity):
         for other in self.world.entities if owner else ():
             if other.GetId() == owner:
                 return other.GetBody(link)
-        known = ", ".join(self.link_names())
-        raise NotFoundError(f"there are {known or 'none'}")
+        raise NotFoundError(f"there are {listed(self.link_names())}")
 
     def _own_link(self, name: str) -> Body | None:
         if name in self.links:
@@ -612,9 +616,9 @@ class SdfModel(Entity):
         """
         found = self._canonical if name in (None, "canonical") else self._own_link(name or "")
         if found is None:
-            known = list(self.link_names())
             raise NotFoundError(
-                f"model {self.GetId()!r} has no link {name!r}; it has {', '.join(known)}{nearest(name or '', known)}"
+                f"model {self.GetId()!r} has no link {name!r}; it has {listed(self.link_names())}"
+                f"{nearest(name or '', self.link_names())}"
             )
         return found
 

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, listed, nearest
 from libgz.base.files import is_file
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzVector, rotate
 from libgz.base.visible import one_line
@@ -256,7 +256,7 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
         names = list(dict.fromkeys(part.name for part in parts))
         parts = [part for part in parts if part.name == name]
         if not parts:
-            raise NotFoundError(f"mesh {path} has no submesh {name!r}; it has {', '.join(names)}{nearest(name, names)}")
+            raise NotFoundError(f"mesh {path} has no submesh {name!r}; it has {listed(names)}{nearest(name, names)}")
         if submesh.Get(bool, "center"):
             points = np.concatenate([part.vertices for part in parts])
             center = 0.5 * (points.min(axis=0) + points.max(axis=0))

@@ -42,7 +42,7 @@ def apply_state(world: World, element: Element, diagnostics: Diagnostics) -> Non
             body.SetLinearVel(linear)
             body.SetAngularVel(angular)
     for name in state.deletions:
-        deleted = next((model for model in world.entities if model.GetId() == name), None)
+        deleted = parts.entities.pop(name, None)
         if deleted is not None:
             world.DeleteModel(deleted)
 
@@ -52,6 +52,7 @@ class _Parts:
 
     def __init__(self, world: World, state: Element, diagnostics: Diagnostics) -> None:
         self._world, self._state, self._diagnostics = world, state, diagnostics
+        self.entities = {entity.GetId(): entity for entity in reversed(world.entities)}  # the first ones of a name
         self._models: dict[str, Entity | None] = {}
         self._links: dict[str, Body | None] = {}
 
@@ -59,7 +60,7 @@ class _Parts:
         """Return a model or light; None if there is none."""
         if name not in self._models:
             try:
-                self._models[name] = self._world.model(name)
+                self._models[name] = self.entities.get(name) or self._world.model(name)
             except NotFoundError as error:
                 self._models[name] = None
                 self._diagnostics.warn(self._state, str(error))

@@ -6,7 +6,7 @@ import logging
 import struct
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
+from libgz.base.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, listed, nearest, pass_interrupt
 from libgz.base.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzQuatern, GzVector, place_of
 from libgz.base.law import constant, law
 from libgz.physics.space import Space
@@ -235,7 +235,7 @@ class Entity:
             return self._canonical
         names = sorted({body.bodyName for body in self.bodies if body.bodyName})
         raise NotFoundError(
-            f"body [{name}] not defined for model {self._id!r}; it has {', '.join(names)}{nearest(name or '', names)}"
+            f"body [{name}] not defined for model {self._id!r}; it has {listed(names)}{nearest(name or '', names)}"
         )
 
     def GetBodies(self) -> list[Body]:
@@ -262,7 +262,7 @@ class Entity:
         names = {joint.name: joint for joint in self.joints if joint.name}
         if name not in names:
             raise NotFoundError(
-                f"model {self._id!r} has no joint {name!r}; it has {', '.join(names) or 'none'}" + nearest(name, names)
+                f"model {self._id!r} has no joint {name!r}; it has {listed(names)}" + nearest(name, names)
             )
         return names[name]
 

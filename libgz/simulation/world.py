@@ -21,6 +21,7 @@ from libgz.base.errors import (
     NotFoundError,
     ParameterError,
     StateError,
+    listed,
     nearest,
 )
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
@@ -284,9 +285,9 @@ class World(Closing):
         for entity in self.entities:
             if entity.GetId() == id:
                 return _of_kind(entity, kind, f"model {id!r}")
-        ids = [entity.GetId() for entity in self.entities]
         raise NotFoundError(
-            f"there is no model {id!r}; there are {', '.join(map(repr, ids)) or 'none'}{nearest(id, ids)}"
+            f"there is no model {id!r}; there are {listed(repr(entity.GetId()) for entity in self.entities)}"
+            f"{nearest(id, (entity.GetId() for entity in self.entities))}"
         )
 
     def body(self, model: str, name: str = "canonical") -> Body:

@@ -41,6 +41,14 @@ def test_a_scene_that_grows_by_powers_of_ten_is_an_error(read, monkeypatch):
         read(NODE, f'{FAN}<node id="n8"/><node id="n"><instance_node url="#n0"/>')
 
 
+def test_what_references_lead_to_is_bounded(read, monkeypatch):
+    read(NODE, NODE)
+    monkeypatch.setattr(mesh_files, "MOST_READ", 100_000)
+    read(NODE, NODE)
+    with pytest.raises(GazeboError, match="its parts refer to each other so often that reading it takes too long"):
+        read('<instance_node url="#n"/>', '<instance_node url="#n"/>' * 300)
+
+
 # What programs write -------------------------------------------------------------------------------------------------
 
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0), (0, 1, 0), (0, 0, 1)], dtype="<f4").reshape(2, 9)
@@ -182,6 +190,25 @@ def test_a_material_library_is_read_once_however_often_it_is_named(file, monkeyp
     file("a.mtl", "newmtl m\nKd 1 0 0\n")
     read_mesh(file("a.obj", "mtllib a.mtl\n" * 9 + "usemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
     assert len(read_paths) == 1
+
+
+def test_a_material_library_of_several_names_is_read_once(file, monkeypatch):
+    read_paths, read_mtl = [], mesh_files._read_mtl
+    monkeypatch.setattr(mesh_files, "_read_mtl", lambda path: read_paths.append(path) or read_mtl(path))
+    folder = file("a.mtl", "newmtl m\nKd 1 0 0\n").parent.name
+    names = "".join(f"mtllib {f'../{folder}/' * i}a.mtl\n" for i in range(9))
+    read_mesh(file("a.obj", f"{names}usemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+    assert len(read_paths) == 1
+
+
+def test_tables_of_an_obj_are_looked_at_once_for_all_groups(file, monkeypatch):
+    looked, units = [], mesh_files.units
+    monkeypatch.setattr(mesh_files, "units", lambda table: looked.append(len(table)) or units(table))
+    groups = "".join(f"g g{i}\nf 1/1/1 2/1/1 3/1/1\n" for i in range(20))
+    parts = read_mesh(file("a.obj", f"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 2\n{groups}"))
+    assert len(parts) == 20
+    assert all(part.normals[0].tolist() == [[0, 0, 1]] * 3 for part in parts)
+    assert looked == [1]
 
 
 def test_words_of_an_obj_are_separated_by_spaces_and_tabs(file):

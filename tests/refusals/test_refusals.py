@@ -213,6 +213,18 @@ def too_many_nodes(folder, monkeypatch):
     read_mesh(folder / "a.dae")
 
 
+def too_many_references(folder, monkeypatch):
+    monkeypatch.setattr(mesh_files, "MOST_READ", -(1 << 30))
+    (folder / "a.dae").write_bytes(sample("dae", 0))
+    read_mesh(folder / "a.dae")
+
+
+def too_large_a_mesh(folder, monkeypatch):
+    monkeypatch.setattr(mesh_files, "LARGEST_FILE", 1)
+    (folder / "a.dae").write_bytes(sample("dae", 0))
+    read_mesh(folder / "a.dae")
+
+
 def too_many_bones(folder, monkeypatch):
     monkeypatch.setattr(skeletons, "MOST_KEYS", 1)
     (folder / "a.dae").write_text(two_bones())
@@ -257,6 +269,10 @@ def text_of(text):
 
 MORE = {
     ("libgz/physics/image_files.py", "image {} has {} x {} pixels; {} are allowed"): too_large_an_image,
+    ("libgz/physics/mesh_files.py", "its parts refer to each other so often that reading it takes too long"): (
+        too_many_references
+    ),
+    ("libgz/physics/mesh_files.py", "mesh {} is larger than {} MiB"): too_large_a_mesh,
     ("libgz/physics/mesh_files.py", "its scene has more than {} nodes and geometries"): too_many_nodes,
     ("libgz/physics/mesh_files.py", "mesh {} has more than {} triangles"): too_many_triangles,
     ("libgz/physics/skeletons.py", "its skeleton has too many nodes"): too_many_bones,

@@ -198,3 +198,24 @@ def test_joints_on_a_long_chain_of_frames_of_the_world_follow_it_once(monkeypatc
     joints = list(next(file.root.named("world")).named("joint"))
     assert {joint.Get(str, "parent") for joint in joints} == {"world"}
     assert len(looked) < 20 * count  # count squared if each joint followed the chain
+
+
+def test_frames_on_a_chain_that_leads_nowhere_follow_it_once(monkeypatch):
+    followed, reference = [], frames._reference
+    monkeypatch.setattr(frames, "_reference", lambda element: followed.append(element) or reference(element))
+    count = 100
+    chain = "".join(f"<frame name='f{i}'><pose relative_to='f{i + 1}'/></frame>" for i in range(count))
+    others = "".join(f"<frame name='g{i}'><pose relative_to='f0'/></frame>" for i in range(count))
+    assert len(warnings(f"<model name='m'>{LINK}{chain}{others}</model>")) == 1
+    assert len(followed) < 20 * count  # count squared if each of the others followed the chain
+
+
+def test_joints_look_through_the_names_of_links_once(monkeypatch):
+    looked, attribute = [], frames._attribute
+    monkeypatch.setattr(frames, "_attribute", lambda *given: looked.append(given) or attribute(*given))
+    links = "".join(f"<link name='l{i}'/>" for i in range(100))
+    joints = "".join(
+        f"<joint name='j{i}' type='fixed'><parent>l{i}</parent><child>l{i + 1}</child></joint>" for i in range(99)
+    )
+    assert warnings(f"<model name='m'>{links}{joints}</model>") == []
+    assert len(looked) < 10 * 100

@@ -1,13 +1,16 @@
 """SDF models beyond single links: nested ones, links, states, settings, models that join, insane numbers."""
 
+import contextlib
 import math
 
 import numpy as np
 import pytest
 from sdf_worlds import GROUND, collision, inertial, joint, link, model, place, world
 
-from libgz.base.errors import ClosedError, NotFoundError, WorldFileError
+from libgz.base.errors import ClosedError, NotFoundError, WorldFileError, listed
 from libgz.base.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.physics import mass
+from libgz.physics.body import Body
 from libgz.physics.space import Space
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld
@@ -307,3 +310,31 @@ def test_static_links_need_no_mass(load, caplog):
     made = load(world(model("wall", wall), model("box", link("l", inertial(), collision()), pose="0 0 1 0 0 0")))
     made.step(200)
     assert place(made.body("box"))[2] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_time_of_a_new_geom_does_not_grow_with_their_number(load, monkeypatch):
+    counted, moved = [], mass.moved
+    monkeypatch.setattr(mass, "moved", lambda *given: counted.append(given) or moved(*given))
+    load(model("m", link("l", *(collision(name=f"c{i}") for i in range(60)))))
+    assert 60 <= len(counted) < 10 * 60  # 60 squared if each new one added up all
+
+
+@pytest.mark.parametrize("given", ["", inertial(pose="0.1 0.2 0.3 0 0 0")])
+def test_a_body_is_the_same_however_its_geoms_are_added(load, monkeypatch, given):
+    def numbers():
+        shapes = [collision(name=f"c{i}", pose=f"0.{i} 0.3 {i} 0.1 0.2 0.{i}") for i in range(7)]
+        world = load(model("m", link("l", given, *shapes, pose="0.1 0.2 0.3 0.4 0.5 0.6"), pose="0.7 3 9 1 2 3"))
+        body = world.model("m").GetBody("l")
+        places = [number for geom in body.geoms for corner in geom.bounds() for number in corner]
+        return [*body.GetPose().pos, *body.GetPose().rot, *body.com, *places]
+
+    together = numbers()
+    monkeypatch.setattr(Body, "assembly", lambda body: contextlib.nullcontext())
+    assert together == numbers()
+    assert len(set(together)) > 20
+
+
+def test_names_in_messages_are_bounded():
+    assert listed([]) == "none"
+    assert listed(["a", "b"]) == "a, b"
+    assert listed(str(i) for i in range(10**6)).endswith("198, 199, ...")

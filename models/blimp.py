@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternToEuler
@@ -18,7 +17,7 @@ from libgz.models.motion import Motion
 from libgz.models.parts import GREY, add_body, fit
 from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
-from libgz.worldfile.attributes import boolean
+from libgz.worldfile.attributes import boolean, declaration
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -30,7 +29,7 @@ YAW_GAIN, MAX_YAW_TORQUE = 40.0, 40.0  # [N m s/rad], [N m]
 RIGHTING, DAMPING = 60.0, 40.0  # [N m/rad], [N m s/rad]: the gondola hangs below
 
 
-@dataclass(frozen=True)
+@declaration
 class BlimpAttributes(RobotAttributes):
     """Attributes of `<model:Blimp>`."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
@@ -23,7 +22,7 @@ from libgz.rendering.image import write_pnm
 from libgz.simulation.entity import Entity
 from libgz.simulation.plan import Plan
 from libgz.simulation.rate import UpdateRate
-from libgz.worldfile.attributes import angle, boolean, integer, length, number, numbers, text
+from libgz.worldfile.attributes import angle, boolean, declaration, integer, length, number, numbers, text
 from libgz.worldfile.node import WorldFileNode
 
 __all__ = [
@@ -41,7 +40,7 @@ __all__ = [
 log = logging.getLogger("libgz.models")
 
 
-@dataclass(frozen=True)
+@declaration
 class CameraAttributes:
     """Attributes of every camera."""
 
@@ -56,7 +55,7 @@ class CameraAttributes:
     saveFrames: bool = boolean(False, help="save every image")
 
 
-@dataclass(frozen=True)
+@declaration
 class RobotCameraAttributes(CameraAttributes):
     """Attributes of a camera with a body."""
 

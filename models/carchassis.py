@@ -7,7 +7,6 @@ that it rests at the height given in worlds saved by the original server.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor
@@ -20,7 +19,7 @@ from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.models.skin import SkinAttributes, add_skin
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge, on_hinge2
 from libgz.physics.geoms import BoxGeom
-from libgz.worldfile.attributes import color
+from libgz.worldfile.attributes import color, declaration
 
 RADIUS, WHEEL_BASE = 0.25, 1.4  # [m]
 HALF_TRACK = 0.50  # [m]
@@ -30,7 +29,7 @@ STEERING_GAIN, STEERING_DAMPING, STEERING_TORQUE = 8.0, 0.2, 20.0  # [1/s], -, [
 DRIVE_TORQUE = 10.0  # [N m], each rear wheel
 
 
-@dataclass(frozen=True)
+@declaration
 class CarChassisAttributes(SkinAttributes, RobotAttributes):
     """Attributes of `<model:CarChassis>`."""
 

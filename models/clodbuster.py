@@ -7,7 +7,6 @@ the layout of bodies was chosen for libgz.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor
@@ -20,7 +19,7 @@ from libgz.models.parts import DARK, add_body, fit
 from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import Tire, add_steered_wheel
 from libgz.physics.geoms import BoxGeom
-from libgz.worldfile.attributes import boolean
+from libgz.worldfile.attributes import boolean, declaration
 
 WHEEL_BASE, TRACK, RADIUS = 0.2921, 0.275, 0.076  # [m]
 COUNTS_PER_TURN = 408  # of a wheel's encoder
@@ -30,7 +29,7 @@ STEERING_GAIN, STEERING_TORQUE = 10.0, 5.0  # [1/s], [N m]
 SLOWEST = 0.01  # [m/s]; at lower speeds it steers straight
 
 
-@dataclass(frozen=True)
+@declaration
 class ClodBusterAttributes(RobotAttributes):
     """Attributes of `<model:ClodBuster>`."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import NORMALIZE, VectorLike
@@ -15,14 +14,14 @@ from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge
 from libgz.physics.body import Body
 from libgz.physics.joint import HingeJoint
-from libgz.worldfile.attributes import number, numbers
+from libgz.worldfile.attributes import declaration, number, numbers
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["BatteryAttributes", "DifferentialDrive", "DifferentialRobot"]
 
 
-@dataclass(frozen=True)
+@declaration
 class BatteryAttributes(RobotAttributes):
     """Attributes of a robot with a battery."""
 

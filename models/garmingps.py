@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor
@@ -14,14 +13,14 @@ from libgz.models.utm import utm_to_geodetic
 from libgz.physics.geoms import CylinderGeom
 from libgz.simulation.plan import Plan
 from libgz.simulation.rate import OldRate, UpdateRate
-from libgz.worldfile.attributes import color, lengths, number, read
+from libgz.worldfile.attributes import color, declaration, lengths, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 FARTHEST = 2e7  # [m], half the circumference of the earth; beyond it there is no fix
 
 
-@dataclass(frozen=True)
+@declaration
 class GarminGPSAttributes:
     """Attributes of `<model:GarminGPS>`."""
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.base.geometry import GzColor, GzVector
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.physics.geoms import PlaneGeom
-from libgz.worldfile.attributes import color, file, length, lengths, numbers, read, vector
+from libgz.worldfile.attributes import color, declaration, file, length, lengths, numbers, read, vector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class GroundPlaneAttributes:
     """Attributes of `<model:GroundPlane>`."""
 

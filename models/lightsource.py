@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from libgz.base.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.physics.geoms import LightGeom
-from libgz.worldfile.attributes import color, numbers, read
+from libgz.worldfile.attributes import color, declaration, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 MOST = 8  # lights of a scene, OpenGL's limit
 
 
-@dataclass(frozen=True)
+@declaration
 class LightSourceAttributes:
     """Attributes of `<model:LightSource>`."""
 

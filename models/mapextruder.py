@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,12 +17,12 @@ from libgz.models.parts import add_body
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.space import Space
-from libgz.worldfile.attributes import color, file, length, number, read
+from libgz.worldfile.attributes import color, declaration, file, length, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class MapExtruderAttributes:
     """Attributes of `<model:MapExtruder>`."""
 

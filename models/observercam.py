@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +27,12 @@ from libgz.models.serving import serve
 from libgz.rendering.camera import Camera as Eye
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard
-from libgz.worldfile.attributes import boolean, length, read
+from libgz.worldfile.attributes import boolean, declaration, length, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class ObserverCamAttributes(CameraAttributes):
     """Attributes of `<model:ObserverCam>`."""
 
@@ -68,8 +67,7 @@ TRANSLATE, ZOOM, ROTATE = range(3)
 MOST_FRAMES = 1000  # images that a camera saves at the request of clients
 
 
-@dataclass(frozen=True)
-class Spot:
+class Spot(NamedTuple):
     """A drag of the mouse: from pixel a to pixel b."""
 
     mode: int

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
@@ -21,7 +20,7 @@ from libgz.physics.joint import HingeJoint
 from libgz.simulation.plan import Plan
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
-from libgz.worldfile.attributes import number, numbers, read
+from libgz.worldfile.attributes import declaration, number, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -35,7 +34,7 @@ EYE = GzPose(GzVector(0.10, 0.0, 0.0))  # optical centre on the head [m]: in fro
 SMALLEST_LIMIT_IN_DEGREES = 5.0  # zoomLimits from this value on are fields of view, not factors
 
 
-@dataclass(frozen=True)
+@declaration
 class PanTiltAttributes(RobotCameraAttributes):
     """Attributes of a pan-tilt-zoom camera."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzColor, GzVector
@@ -21,7 +20,7 @@ from libgz.physics.joint import SliderJoint
 from libgz.physics.rays import RayProximity
 from libgz.simulation.plan import Plan
 from libgz.simulation.world import World
-from libgz.worldfile.attributes import boolean, read
+from libgz.worldfile.attributes import boolean, declaration, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -49,7 +48,7 @@ COMMANDS: dict[int, tuple[int | None, int | None]] = {
 }
 
 
-@dataclass(frozen=True)
+@declaration
 class GripperAttributes:
     """Attributes of `<model:Pioneer2Gripper>`."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
@@ -11,12 +10,12 @@ from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.roadfile import read_road
 from libgz.physics.surfaces import RoadGeom
-from libgz.worldfile.attributes import color, file, lengths, numbers, read
+from libgz.worldfile.attributes import color, declaration, file, lengths, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class RoadAttributes:
     """Attributes of `<model:Road>`."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from libgz.base.law import law, rarely
@@ -16,14 +15,14 @@ from libgz.models.positionserver import PositionServer
 from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.state import declares
-from libgz.worldfile.attributes import number, read
+from libgz.worldfile.attributes import declaration, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["MobileRobot", "RobotAttributes"]
 
 
-@dataclass(frozen=True)
+@declaration
 class RobotAttributes:
     """Attributes of every robot."""
 

@@ -7,7 +7,6 @@ real RMP 200 (64 x 61 cm, 48 cm, 54 cm); the layout of bodies and the controller
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, NamedTuple
 
 from libgz.base.geometry import GzColor, GzVector
@@ -23,7 +22,7 @@ from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
 from libgz.simulation.plan import Plan
-from libgz.worldfile.attributes import boolean
+from libgz.worldfile.attributes import boolean, declaration
 
 TIRE = Tire(0.24, 0.05, 5.0, DARK, hard=True)
 TOP_PLATE = (0.0, 0.0, 0.70)  # [m]
@@ -41,7 +40,7 @@ FLIGHT_PITCH_GAIN, FLIGHT_PITCH_RATE_GAIN = 14.0, 9.0
 UPRIGHT = math.cos(math.radians(60.0))  # z of its upward axis, below which it stops balancing
 
 
-@dataclass(frozen=True)
+@declaration
 class SegwayRMPAttributes(RobotAttributes):
     """Attributes of `<model:SegwayRMP>`."""
 

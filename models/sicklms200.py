@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -23,7 +22,7 @@ from libgz.simulation.exchange import Exchange
 from libgz.simulation.plan import Plan, handler
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
-from libgz.worldfile.attributes import angle, integer, length, number, read
+from libgz.worldfile.attributes import angle, declaration, integer, length, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -38,7 +37,7 @@ FARTHEST = 1000.0  # [m]
 Hit = tuple[int, int, Geom | None]  # of `RayProximity.hits`
 
 
-@dataclass(frozen=True)
+@declaration
 class SickAttributes:
     """Attributes of `<model:SickLMS200>`."""
 

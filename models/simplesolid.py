@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.base.geometry import GzColor, GzPose, GzVector
@@ -15,6 +14,7 @@ from libgz.worldfile.attributes import (
     boolean,
     choice,
     color,
+    declaration,
     file,
     integer,
     lengths_by,
@@ -31,7 +31,7 @@ from libgz.worldfile.node import WorldFileNode
 DEFAULT_SIZES = {"box": (0.5, 0.5, 0.5), "cylinder": (0.1, 0.5), "sphere": (0.5,)}
 
 
-@dataclass(frozen=True)
+@declaration
 class SimpleSolidAttributes:
     """Attributes of `<model:SimpleSolid>`."""
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.base.geometry import GzPose, GzVector, GzVectorSub
 from libgz.legacy.model import Model
 from libgz.physics.geom import Geom
-from libgz.worldfile.attributes import file, rotation, vector
+from libgz.worldfile.attributes import declaration, file, rotation, vector
 
 __all__ = ["SkinAttributes", "add_skin"]
 
 
-@dataclass(frozen=True)
+@declaration
 class SkinAttributes:
     """Attributes of a model with a skin."""
 

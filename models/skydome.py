@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.base.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.physics.geoms import DomeGeom
-from libgz.worldfile.attributes import boolean, color, file, read
+from libgz.worldfile.attributes import boolean, color, declaration, file, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class SkyDomeAttributes:
     """Attributes of `<model:SkyDome>`."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -18,12 +17,12 @@ from libgz.physics.geoms import BoxGeom
 from libgz.rendering.camera import Camera as Eye
 from libgz.rendering.disparity import disparities
 from libgz.simulation.rate import UpdateRate
-from libgz.worldfile.attributes import boolean, length, read
+from libgz.worldfile.attributes import boolean, declaration, length, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class StereoHeadAttributes(RobotCameraAttributes):
     """Attributes of `<model:StereoHead>`."""
 

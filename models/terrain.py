@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
@@ -13,12 +12,12 @@ from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.models.parts import add_body
 from libgz.physics.surfaces import TerrainGeom
-from libgz.worldfile.attributes import color, file, length, numbers, read
+from libgz.worldfile.attributes import color, declaration, file, length, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 
-@dataclass(frozen=True)
+@declaration
 class TerrainAttributes:
     """Attributes of `<model:Terrain>`."""
 

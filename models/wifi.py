@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.base.geometry import GzVectorMag, GzVectorSub
@@ -13,7 +12,7 @@ from libgz.models.parts import add_body
 from libgz.models.serving import serve
 from libgz.simulation.plan import Plan
 from libgz.simulation.rate import UpdateRate
-from libgz.worldfile.attributes import number, read, text
+from libgz.worldfile.attributes import declaration, number, read, text
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -23,7 +22,7 @@ NEAREST = 1.0  # [m]; the smallest distance in the formula
 LOSS_AT_NEAREST = 20.0 * math.log10(4.0 * math.pi * NEAREST * FREQUENCY / LIGHT_SPEED)  # [dB], Friis
 
 
-@dataclass(frozen=True)
+@declaration
 class WiFiAttributes:
     """Attributes of `<model:WiFi>`."""
 

@@ -67,6 +67,7 @@ TABLES = {
     "libgz.ros.bridge.build_messages",  # both run in a Python of ROS 2
     "libgz.ros.bridge.program",
     "libgz.reference.classic_pages",
+    "libgz.rendering.gl",  # PyOpenGL's declarations, by versions
     "libgz.sweep.worker",  # the modules that a run has loaded
 }
 # Circles inside a package are between a parent and its parts: without the parent there is none.

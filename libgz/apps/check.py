@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 import sys
 
@@ -45,9 +44,9 @@ def run(options: argparse.Namespace) -> int:
         text = sys.stdin.buffer.read(MOST)
     diagnostics = [error for name in options.worldfiles for error in check(name, options.arguments, text)]
     if options.strict:
-        diagnostics = [dataclasses.replace(error, severity="error") for error in diagnostics]
+        diagnostics = [error._replace(severity="error") for error in diagnostics]
     if options.json:
-        print(json.dumps([dataclasses.asdict(error) for error in diagnostics], indent=2))
+        print(json.dumps([error._asdict() for error in diagnostics], indent=2))
     else:
         for error in diagnostics:
             print(visible(_line(error)))

@@ -53,6 +53,24 @@ WIRE_VERSIONS = {"0x050": 0x050, "0.5": 0x050, "0x060": 0x060, "0.6": 0x060, "0.
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
 
+class _Help(argparse.HelpFormatter):
+    """As wide as the terminal; argparse would ask shutil, which imports readers of archives, with each argument."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, width=_terminal_width() - 2)
+
+
+def _terminal_width() -> int:
+    """Its columns: those of the environment, else of standard output, else 80."""
+    with contextlib.suppress(ValueError):
+        if (given := int(os.environ.get("COLUMNS", ""))) > 0:
+            return given
+    with contextlib.suppress(AttributeError, ValueError, OSError):  # there is none, or it is no terminal
+        if (found := os.get_terminal_size(sys.__stdout__.fileno()).columns) > 0:  # type: ignore[union-attr]
+            return found
+    return 80
+
+
 class Hints(argparse.ArgumentParser):
     """An argument parser that names the nearest choice or option for one that does not exist.
 
@@ -60,6 +78,9 @@ class Hints(argparse.ArgumentParser):
     """
 
     _with_macros = False
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **{"formatter_class": _Help, **options})
 
     def add_macro_arguments(self) -> None:
         """Take words NAME:=VALUE, as the command xacro does, and put them into `arguments` of the options."""

@@ -53,13 +53,15 @@ def _end(number: int, _frame: FrameType | None) -> NoReturn:
 
 def _run(main: Command) -> int:
     """Run a command, in which a Ctrl-C raises KeyboardInterrupt; after it, one ends the process as before it."""
-    if signal.getsignal(signal.SIGINT) is not _end:
-        return main()
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    set_before = signal.getsignal(signal.SIGINT) is _end
+    if set_before:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         return main()
     finally:
-        signal.signal(signal.SIGINT, _end)
+        if set_before:
+            signal.signal(signal.SIGINT, _end)
+        gc.freeze()  # Python would look through all that is left, and free it piece by piece, before the process ends
 
 
 @_with_large_stack

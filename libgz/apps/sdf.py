@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 import sys
 from collections.abc import Iterable, Mapping
@@ -91,7 +90,7 @@ def _elements(block: str) -> int:
 def _check(options: argparse.Namespace) -> int:
     found = check_sdf(options.check, options.arguments)
     if options.json:
-        print(json.dumps([dataclasses.asdict(error) for error in found], indent=2))
+        print(json.dumps([error._asdict() for error in found], indent=2))
     else:
         _report(found)
     wrong = any(error.severity == "error" for error in found)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from libgz.apps.console import Parser, writing
 from libgz.apps.untrusted import add_untrusted_option
-from libgz.base.errors import Remark, WorldFileError
+from libgz.base.errors import Diagnostic, Remark, WorldFileError
 from libgz.base.files import read_limited, write_whole
 from libgz.base.visible import visible, visible_xml
 from libgz.sdf.conversion import upgrade_document
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _upgraded(path: Path, arguments: Mapping[str, str]) -> tuple[bytes, Sequence[Remark]]:
+def _upgraded(path: Path, arguments: Mapping[str, str]) -> tuple[bytes, Sequence[Remark | Diagnostic]]:
     """The bytes of the converted file, and what was changed."""
     if not is_sdf(path):
         return upgrade(WorldFile.from_file(path))

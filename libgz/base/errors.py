@@ -10,9 +10,9 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol, Self, TypeAlias, TypeVar
+from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
 __all__ = [
     "USER_ERRORS",
@@ -262,8 +262,12 @@ class Place(NamedTuple):
     name: str
 
 
-@dataclass(frozen=True)
-class Remark:
+def _placed(file: str, line: int, element: str, message: str) -> str:
+    """``file:line: <element>: message``, without what is unknown."""
+    return f"{file}{f':{line}' if line else ''}:{f' <{element}>:' if element else ''} {message}"
+
+
+class Remark(NamedTuple):
     """A message about a place in a file. `str()` gives ``file:line: <element>: message``, without what is unknown."""
 
     file: str
@@ -272,28 +276,32 @@ class Remark:
     message: str
 
     def __str__(self) -> str:
-        line = f":{self.line}" if self.line else ""
-        element = f" <{self.element}>:" if self.element else ""
-        return f"{self.file}{line}:{element} {self.message}"
-
-    def shortened(self) -> Self:
-        """The same, its message without what is beyond the longest in its middle."""
-        text = self.message
-        if len(text) <= LONGEST_MESSAGE:
-            return self
-        return replace(self, message=f"{text[: LONGEST_MESSAGE - _KEPT_END]} ... {text[-_KEPT_END:]}")
+        return _placed(*self)
 
 
-@dataclass(frozen=True)
-class Diagnostic(Remark):
-    """One error or warning about a worldfile or an SDF file.
+class Diagnostic(NamedTuple):
+    """One error or warning about a worldfile or an SDF file. `str()` gives what that of a `Remark` gives.
 
     Attributes:
         included: if it is about a file that the checked one includes, the line of that include, from 1; else 0.
     """
 
+    file: str
+    line: int
+    element: str
+    message: str
     severity: Severity
     included: int = 0
+
+    def __str__(self) -> str:
+        return _placed(self.file, self.line, self.element, self.message)
+
+    def shortened(self) -> Diagnostic:
+        """The same, its message without what is beyond the longest in its middle."""
+        text = self.message
+        if len(text) <= LONGEST_MESSAGE:
+            return self
+        return self._replace(message=f"{text[: LONGEST_MESSAGE - _KEPT_END]} ... {text[-_KEPT_END:]}")
 
     @classmethod
     def at(cls, where: Located, message: str, severity: Severity) -> Diagnostic:
@@ -301,7 +309,7 @@ class Diagnostic(Remark):
         return cls(where.file or "<string>", where.line, where.name, message, severity)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Diagnostics:
     """The errors and warnings of one file, in the order in which they were found; each is kept once.
 
@@ -396,7 +404,7 @@ class Diagnostics:
         found = [diagnostic for diagnostic in self.found if diagnostic.severity == severity]
         if severity in self._first_beyond:
             rest = f"this and {self._beyond[severity] - 1} more {severity}s are not listed"
-            found.append(replace(self._first_beyond[severity], message=rest))
+            found.append(self._first_beyond[severity]._replace(message=rest))
         return found
 
     @property

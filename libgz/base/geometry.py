@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -82,12 +82,31 @@ STEEP = 0.99  # sine of a pitch from which the plain formulas of Euler angles ar
 LOCKED = 1e-10  # [rad] nearer than this to a pitch of 90 degrees, roll and yaw cannot be distinguished
 
 
-class _Struct:
-    """Iteration, indexing and numpy conversion for the structs below."""
+class _Record:
+    """Comparison and text of the structs below. `dataclass` alone would compile them for each, at every start."""
 
     __slots__: tuple[str, ...] = ()
     # The fields' names, as dataclasses give them; `__slots__` of a subclass would name only its own.
     __match_args__: tuple[str, ...] = ()
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        if other.__class__ is not self.__class__:
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in self.__match_args__)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.__match_args__)
+        return f"{type(self).__qualname__}({values})"
+
+
+_struct = dataclass(init=False, repr=False, eq=False)
+
+
+class _Struct(_Record):
+    """Iteration, indexing and numpy conversion for the structs below."""
+
+    __slots__: tuple[str, ...] = ()
 
     def __iter__(self) -> Iterator[float]:
         raise NotImplementedError  # each subclass has its own, which takes a third of the time
@@ -102,37 +121,50 @@ class _Struct:
         return np.array(tuple(self), dtype=np.float64)
 
 
-@dataclass(slots=True)
+@_struct
 class GzVector(_Struct):
     """A position [m] or direction: x forward, y left, z up."""
 
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
+    __slots__ = ("x", "y", "z")
+    x: float
+    y: float
+    z: float
+
+    def __init__(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        self.x, self.y, self.z = x, y, z
 
     def __iter__(self) -> Iterator[float]:
         return iter((self.x, self.y, self.z))
 
 
-@dataclass(slots=True)
+@_struct
 class GzQuatern(_Struct):
     """A rotation as a unit quaternion, the scalar `u` first."""
 
-    u: float = 1.0
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
+    __slots__ = ("u", "x", "y", "z")
+    u: float
+    x: float
+    y: float
+    z: float
+
+    def __init__(self, u: float = 1.0, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        self.u, self.x, self.y, self.z = u, x, y, z
 
     def __iter__(self) -> Iterator[float]:
         return iter((self.u, self.x, self.y, self.z))
 
 
-@dataclass(slots=True)
-class GzPose:
+@_struct
+class GzPose(_Record):
     """A position [m] and a rotation."""
 
-    pos: GzVector = field(default_factory=GzVector)
-    rot: GzQuatern = field(default_factory=GzQuatern)
+    __slots__ = ("pos", "rot")
+    pos: GzVector
+    rot: GzQuatern
+
+    def __init__(self, pos: GzVector | None = None, rot: GzQuatern | None = None) -> None:
+        self.pos = GzVector() if pos is None else pos
+        self.rot = GzQuatern() if rot is None else rot
 
 
 def GzPoseOf(value: GzPose | Sequence[float]) -> GzPose:
@@ -151,24 +183,32 @@ def GzPoseOf(value: GzPose | Sequence[float]) -> GzPose:
     return GzPose(GzVector(x, y, z), GzQuaternFromEuler(roll, pitch, yaw))
 
 
-@dataclass(slots=True)
+@_struct
 class GzColor(_Struct):
     """Red, green, blue and alpha; ordinarily 0 to 1, and never clamped."""
 
-    r: float = 0.0
-    g: float = 0.0
-    b: float = 0.0
-    a: float = 1.0
+    __slots__ = ("a", "b", "g", "r")
+    r: float
+    g: float
+    b: float
+    a: float
+
+    def __init__(self, r: float = 0.0, g: float = 0.0, b: float = 0.0, a: float = 1.0) -> None:
+        self.r, self.g, self.b, self.a = r, g, b, a
 
     def __iter__(self) -> Iterator[float]:
         return iter((self.r, self.g, self.b, self.a))
 
 
-@dataclass(slots=True)
-class GzHomo:
+@_struct
+class GzHomo(_Record):
     """A rotation matrix `m`, three rows of three."""
 
-    m: list[list[float]] = field(default_factory=lambda: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    __slots__ = ("m",)
+    m: list[list[float]]
+
+    def __init__(self, m: list[list[float]] | None = None) -> None:
+        self.m = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] if m is None else m
 
 
 def RTOD(r: float) -> float:

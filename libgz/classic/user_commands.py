@@ -27,7 +27,7 @@ class Handlers(NamedTuple):
     wrench: Callable[[str, Any], None]
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Command:
     """A command that was carried out."""
 

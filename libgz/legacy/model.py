@@ -6,7 +6,6 @@ import itertools
 import logging
 import weakref
 from collections.abc import Set
-from dataclasses import dataclass
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -18,7 +17,7 @@ from libgz.simulation.entity import Entity
 from libgz.simulation.plan import Plan, overrides
 from libgz.simulation.plugins import own_place, own_traceback
 from libgz.simulation.running_code import names
-from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
+from libgz.worldfile.attributes import NoAttributes, boolean, declaration, rotation, text, vector
 from libgz.worldfile.file import WorldFile
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ WELD = "weld"
 TRAIL_SPACING = 1.0  # [m] between logged poses
 
 
-@dataclass(frozen=True)
+@declaration
 class CommonAttributes:
     """What every model's element may hold besides its own attributes."""
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from libgz.base.errors import nearest
 from libgz.base.geometry import GzColor, GzVector
-from libgz.worldfile.attributes import boolean, color, integer, number, read, text, vector
+from libgz.worldfile.attributes import boolean, color, declaration, integer, number, read, text, vector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -28,7 +26,7 @@ QUIRKS = {
 _TAGS: list[tuple[str | None, str]] = [("params", "GlobalParams"), ("param", "Global")]  # oldest first
 
 
-@dataclass(frozen=True)
+@declaration
 class GlobalAttributes:
     """What `<param:Global>` may hold."""
 

@@ -31,7 +31,7 @@ class Surface(NamedTuple):
     emissive_map: Path | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Appearance:
     """Colours, texture and skin of a geom; retro and fiducial for laser scanners."""
 
@@ -125,7 +125,7 @@ _REST = ("visible", "skin_null", "cast_shadows", "fiducial", "pick_id", "render_
 _rest_of = attrgetter(*_REST)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Backdrop:
     """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
 

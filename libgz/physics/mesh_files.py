@@ -76,7 +76,7 @@ def _changed(path: Path) -> int:
     return path.stat().st_mtime_ns if is_file(path) else 0
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Mesh:
     """A mesh that was read, and when its file, and each material library that it names, was last changed [ns]."""
 
@@ -259,7 +259,7 @@ def _rows(table: NDArray[Any], corners: NDArray[np.int64]) -> Array | None:
 # Wavefront OBJ ---------------------------------------------------------------------------------------------------
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Look:
     """A material of a library: its colour, its opacity, and the name of its image, as far as it has them."""
 
@@ -470,7 +470,7 @@ def read_numbers(text: str | None, kind: Any = np.float64) -> NDArray[Any]:
             raise ValueError(str(error)) from None
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Effect:
     """The look of a COLLADA material.
 

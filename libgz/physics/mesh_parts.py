@@ -21,7 +21,7 @@ class NamedImage(NamedTuple):
     file: Path
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, repr=False)
 class Texture:
     """An image on a part.
 
@@ -39,7 +39,7 @@ class Texture:
         return self if self.coordinates is None else replace(self, coordinates=self.coordinates[:, ::-1])
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class MeshPart:
     """A piece of a mesh: vertices [m], shape (n, 3); triangles, shape (m, 3); its colour, if the file gives one.
 

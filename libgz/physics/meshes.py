@@ -25,7 +25,7 @@ CREASE = math.cos(math.radians(40.0))  # edges sharper than this are rendered sh
 _CATMULL_ROM = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], dtype=np.float64)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, repr=False)
 class Mesh:
     """Vertices [m], shape (n, 3), and the numbers of the corners of triangles, shape (m, 3)."""
 

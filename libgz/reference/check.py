@@ -7,7 +7,6 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from libgz.base.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
@@ -94,7 +93,7 @@ def _collected(diagnostics: Diagnostics, name: str) -> Iterator[list[Diagnostic]
             known.add(text)
             diagnostics.remark(name, text)
     every = [*diagnostics.errors, *diagnostics.warnings]
-    placed = [replace(one, included=diagnostics.includes.get(one.file, 0)) for one in every]
+    placed = [one._replace(included=diagnostics.includes.get(one.file, 0)) for one in every]
     found += sorted(placed, key=lambda diagnostic: diagnostic.included or diagnostic.line)
 
 

@@ -24,7 +24,7 @@ VENDOR_FOLDERS = ("/etc/glvnd/egl_vendor.d", "/usr/share/glvnd/egl_vendor.d")
 _MISSING = re.compile(r"(\S+): cannot open shared object file")
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False)
 class Part:
     """A part of a chain: a file, and its packages in Debian and Ubuntu, Fedora, and Arch; "" where there is none."""
 

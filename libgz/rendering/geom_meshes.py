@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,9 +48,9 @@ def _trimesh(geom: TriMeshGeom, _segments: int) -> list[Mesh]:
     """A mesh with normals and texture coordinates of its own, where it has any."""
     shape, corners = mesh.triangles(geom.vertices, geom.triangles, _texture_size(geom)), geom.triangles.ravel()
     if geom.normals is not None:
-        shape = replace(shape, normals=np.ascontiguousarray(geom.normals[corners], dtype=np.float32))
+        shape = shape._replace(normals=np.ascontiguousarray(geom.normals[corners], dtype=np.float32))
     if geom.texture_coordinates is not None:
-        shape = replace(shape, texcoords=np.ascontiguousarray(geom.texture_coordinates[corners], dtype=np.float32))
+        shape = shape._replace(texcoords=np.ascontiguousarray(geom.texture_coordinates[corners], dtype=np.float32))
     return [shape]
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from ctypes import c_char_p, c_double, c_float, c_int, c_ubyte, c_uint, c_void_p
+from importlib import import_module
 from types import SimpleNamespace
 from typing import Any
 
@@ -30,24 +31,17 @@ try:
 except (AttributeError, ImportError):  # no GLX either
     platform.PLATFORM.GetCurrentContext = None
 
-from OpenGL.raw.GL.VERSION import (  # type: ignore[import-untyped]
-    GL_1_1,
-    GL_1_2,
-    GL_1_3,
-    GL_1_4,
-    GL_2_0,
-    GL_3_0,
-)
-
-VERSIONS = (GL_1_1, GL_1_2, GL_1_3, GL_1_4, GL_2_0, GL_3_0)  # 1.1 has all of 1.0
+# 1.1 has all of 1.0. They are imported until a name is found; what 2.0 has, shaders, is for few worlds.
+VERSIONS = "1_1", "1_2", "1_3", "1_4", "3_0", "2_0"
 PLAIN = {None, c_double, c_float, c_int, c_ubyte, c_uint}  # all other types are arrays
 WAITING = {"glFinish", "glReadPixels"}  # these render or wait, and release the interpreter lock meanwhile
 
 
 def _declared(name: str) -> Any:
     for version in VERSIONS:
-        if hasattr(version, name):
-            return getattr(version, name)
+        module = import_module(f"OpenGL.raw.GL.VERSION.GL_{version}")
+        if hasattr(module, name):
+            return getattr(module, name)
     raise AttributeError(f"OpenGL has no {name} up to version 3.0")
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ FIRST, GROWTH = (
 STEPS = 8  # per doubling of a rounded number; at each, the borders of the levels move by a few per cent
 
 
-@dataclass(frozen=True)
-class Sight:
+class Sight(NamedTuple):
     """How a camera sees a plane, in rounded numbers, so that similar views share their rings.
 
     Attributes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,7 @@ LEAST_SHOWN = 1e-7  # share of an image to which a distortion may shrink it, to 
 ROUNDS = 20  # of the search for the place that a distorted one comes from
 
 
-@dataclass(frozen=True)
-class Intrinsics:
+class Intrinsics(NamedTuple):
     """The pinhole of a camera: focal lengths [px], principal point [px] from the upper left corner, and skew [px]."""
 
     fx: float
@@ -31,8 +30,7 @@ class Intrinsics:
     s: float = 0.0
 
 
-@dataclass(frozen=True)
-class Distortion:
+class Distortion(NamedTuple):
     """Radial and tangential distortion (Brown, 1966) about a centre, in shares of the image's sides, as in Gazebo 11.
 
     What a plain image shows at (x, y) from the centre, x in shares of its width and y of its height, with

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,8 +31,7 @@ Floats = NDArray[np.float32]
 MOST_PATCHES = 100  # of a flat face, in each direction
 
 
-@dataclass(frozen=True)
-class Material:
+class Material(NamedTuple):
     """The material of a part of a skin: colours red, green, blue, alpha; exponent of highlights, 0 to 128."""
 
     diffuse: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
@@ -46,8 +45,7 @@ class Material:
         return self.ambient, self.diffuse, self.specular, (0.0, 0.0, 0.0, 1.0), self.shininess
 
 
-@dataclass(frozen=True)
-class Mesh:
+class Mesh(NamedTuple):
     """Triangles, lines or points.
 
     Attributes:
@@ -73,7 +71,7 @@ class Mesh:
         rotation = matrix[:3, :3]
         vertices = self.vertices @ rotation.T + matrix[:3, 3]
         normals = None if self.normals is None else _f(self.normals @ rotation.T)
-        return replace(self, vertices=_f(vertices), normals=normals)
+        return self._replace(vertices=_f(vertices), normals=normals)
 
     def scaled(self, x: float, y: float, z: float) -> Mesh:
         """The mesh stretched along its axes; normals stay perpendicular."""
@@ -81,14 +79,14 @@ class Mesh:
         normals = self.normals
         if normals is not None and np.all(factors != 0.0):
             normals = units(normals / factors)
-        return replace(self, vertices=self.vertices * factors, normals=normals)
+        return self._replace(vertices=self.vertices * factors, normals=normals)
 
     def textured_by(self, matrix: Sequence[float]) -> Mesh:
         """The mesh with texture coordinates u' = a u + b v + c, v' = d u + e v + f for a matrix (a, b, c, d, e, f)."""
         if self.texcoords is None:
             return self
         rows = np.array(matrix).reshape(2, 3)
-        return replace(self, texcoords=_f(self.texcoords @ rows[:, :2].T + rows[:, 2]))
+        return self._replace(texcoords=_f(self.texcoords @ rows[:, :2].T + rows[:, 2]))
 
 
 def _f(values: ArrayLike) -> Floats:
@@ -219,4 +217,4 @@ def ring(radii: NDArray[np.float64], segments: int, texture_size: tuple[float, f
     """A flat ring around the origin, facing +z, of circles with these radii [m], from the inside outwards."""
     zero, one = np.zeros(len(radii), dtype=np.float32), np.ones(len(radii), dtype=np.float32)
     flat = _revolved(_f(radii[::-1]), zero, zero, one, one, segments)
-    return replace(flat, texcoords=_f(flat.vertices[:, :2] / texture_size))
+    return flat._replace(texcoords=_f(flat.vertices[:, :2] / texture_size))

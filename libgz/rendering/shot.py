@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from libgz.physics.geom import Geom
 __all__ = ["Content", "Fog", "Item", "Light", "Lines", "RenderOptions", "Shot", "View", "pose_matrices", "pose_matrix"]
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class RenderOptions:
     """What an image shows, and how."""
 
@@ -32,7 +33,7 @@ class RenderOptions:
     shadows: bool | None = None  # None: if the world's scene asks for them; True: unless it forbids them
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False)
 class View:
     """A camera: its pose (it looks along +x, z up), optics, and what it shows."""
 
@@ -74,8 +75,7 @@ class View:
         )
 
 
-@dataclass(frozen=True)
-class Item:
+class Item(NamedTuple):
     """The geoms of one body that are rendered together."""
 
     geoms: tuple[Geom, ...]
@@ -85,15 +85,13 @@ class Item:
     casts: bool = True  # whether it casts a shadow
 
 
-@dataclass(frozen=True)
-class Content:
+class Content(NamedTuple):
     """All items of a scene, in the order of their models."""
 
     items: tuple[Item, ...]
 
 
-@dataclass(frozen=True)
-class Light:
+class Light(NamedTuple):
     """A light: position [m], colours, constant, linear, quadratic attenuation; the rest as in `LightGeom`, global."""
 
     position: tuple[float, float, float]
@@ -108,8 +106,7 @@ class Light:
     shadows: bool = True  # whether it makes bodies cast shadows
 
 
-@dataclass(frozen=True)
-class Fog:
+class Fog(NamedTuple):
     """Fog: exp, exp2 (with a density [1/m]) or linear (from start to end [m])."""
 
     kind: str
@@ -119,15 +116,14 @@ class Fog:
     end: float
 
 
-@dataclass(frozen=True)
-class Lines:
+class Lines(NamedTuple):
     """Unlit line segments of one colour: ends [m], global, shape (2 n, 3)."""
 
     ends: NDArray[np.float32]
     color: tuple[float, float, float]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False)
 class Shot:
     """A view of a world at one moment."""
 

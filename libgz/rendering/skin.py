@@ -67,7 +67,7 @@ def _part(vertices: NDArray[Any], faces: NDArray[Any], material: Material) -> Me
     return Mesh(shape.vertices, shape.normals, material=material, two_sided=True)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Object:
     vertices: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
     faces: NDArray[np.uint16] = field(default_factory=lambda: np.zeros((0, 3), np.uint16))
@@ -78,7 +78,7 @@ class _Damaged(Exception):
     pass
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Reader3DS:
     data: bytes
     materials: dict[str, Material] = field(default_factory=dict)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.base.errors import Diagnostics, Remark, WorldFileError
+from libgz.base.errors import Diagnostic, Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST, OLDEST
 from libgz.sdf.xacro.recognition import has_macros
 from libgz.sdf.xml import (
@@ -31,17 +31,12 @@ from libgz.sdf.xml import (
     parse_document,
 )
 
-__all__ = ["Change", "convert", "upgrade_document"]
+__all__ = ["convert", "upgrade_document"]
 
 VERSIONS = (OLDEST, "1.1", "1.2", "1.3", "1.4", "1.5", NEWEST)
 SENSORS = ("camera", "ray", "contact")  # types with an element of their name
 TABLE = Path(__file__).with_name("conversions.tsv")
 KINDS = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of the noise of an <imu>
-
-
-@dataclass(frozen=True)
-class Change(Remark):
-    """A change of one element."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ def _moves(version: str) -> dict[str, list[_Move]]:
     return found
 
 
-def convert(root: etree._Element, version: str, target: str, label: str = "<string>") -> list[Change]:
+def convert(root: etree._Element, version: str, target: str, label: str = "<string>") -> list[Remark]:
     """Convert a document in place.
 
     Args:
@@ -94,7 +89,7 @@ def convert(root: etree._Element, version: str, target: str, label: str = "<stri
 
 def upgrade_document(
     data: bytes, label: str = "<string>", path: Path | None = None, arguments: Mapping[str, str] | None = None
-) -> tuple[bytes, Sequence[Remark]]:
+) -> tuple[bytes, Sequence[Remark | Diagnostic]]:
     """A document in SDF 1.6, and what was changed; one of a later version stays as it is.
 
     Args:
@@ -116,7 +111,7 @@ def upgrade_document(
         sdf = sdf_of(robot, label, diagnostics)
         diagnostics.raise_errors()
         return document_text(sdf), [
-            Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"),
+            Remark(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"),
             *diagnostics.warnings,
         ]
     version = root.get("version", OLDEST if local_name(root) == "gazebo" else "")
@@ -140,10 +135,10 @@ def upgrade_document(
 class _Conversion:
     def __init__(self, label: str) -> None:
         self.label = label
-        self.changes: list[Change] = []
+        self.changes: list[Remark] = []
 
     def note(self, xml: etree._Element, message: str) -> None:
-        self.changes.append(Change(self.label, line_of(xml), local_name(xml), message))
+        self.changes.append(Remark(self.label, line_of(xml), local_name(xml), message))
 
     def take(self, root: etree._Element, version: str) -> None:
         """One step, to the next version."""

@@ -49,7 +49,7 @@ class AttributeDescription(NamedTuple):
     note: str = ""  # its unit, or how it is meant
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Description:
     """One element: the type of its text, and its possible attributes and children."""
 

@@ -17,7 +17,7 @@ MOLAR_MASS = 0.0289644  # of dry air [kg/mol]
 GAS_CONSTANT = 8.3144621  # [J/(mol K)]
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Wind:
     """The wind of a world; links with `Body.in_wind` feel it by what asks for it, such as WindPlugin.
 
@@ -31,7 +31,7 @@ class Wind:
     facade: Any = None  # by which the API of a layer above presents it; set by that layer
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Atmosphere:
     """Air whose temperature changes linearly with altitude (Manual of the ICAO Standard Atmosphere, eq. 17, 18, 33).
 

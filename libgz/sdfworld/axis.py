@@ -84,7 +84,7 @@ class Axis(AxisRecord):
         return HALF_TURN < abs(self.lower) < UNLIMITED or HALF_TURN < abs(self.upper) < UNLIMITED
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class JointPlan:
     """A joint to be made."""
 

@@ -51,7 +51,7 @@ SKEW = 1e-3  # cosine up to which two axes are at right angles
 Wrench = tuple[GzVector, GzVector]  # force [N], torque about the centre of mass [N m]
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Links:
     """The two links of a joint; None is the world."""
 

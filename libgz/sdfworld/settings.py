@@ -17,7 +17,7 @@ from libgz.simulation.world import World
 __all__ = ["SdfSettings", "apply_settings", "default_settings"]
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class SdfSettings:
     """What a `<world>` says beside its entities."""
 

@@ -35,7 +35,7 @@ def handler(function: F) -> F:
     return function
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Line:
     """One thing to do in a step.
 

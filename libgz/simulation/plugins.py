@@ -44,7 +44,7 @@ _loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loadin
 _loaded: dict[Path, Plugin] = {}
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Plugin:
     """A plugin file and what it registered, in order: (name, class)."""
 

@@ -30,7 +30,7 @@ PAUSE = 0.25  # [s] when no descriptors are left
 PATIENCE = 10.0  # [s] for each part of a request to arrive
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Request:
     """What another process asks for.
 

@@ -14,12 +14,14 @@ Messages, reference pages and the grammar are made from the declaration.
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeVar, dataclass_transform
 
 from libgz.base.errors import nearest
 from libgz.base.files import installed_worlds
@@ -36,6 +38,7 @@ __all__ = [
     "boolean",
     "choice",
     "color",
+    "declaration",
     "file",
     "integer",
     "length",
@@ -79,8 +82,7 @@ class Limits(NamedTuple):
 NO_LIMITS = Limits()
 
 
-@dataclass(frozen=True)
-class Attribute:
+class Attribute(NamedTuple):
     """One attribute of a model: how it is read, what is allowed, and what it means."""
 
     type: str  # what a file holds: "number", "angle", "bool", "3 numbers" ...
@@ -93,10 +95,34 @@ class Attribute:
     infinite: int = 0  # how many of its numbers, the first ones, may be `inf`
     words: tuple[str, ...] = ()  # the only values allowed
     by: str = ""  # an earlier attribute on which the default depends
-    cases: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # values of that attribute -> defaults
+    cases: Mapping[str, Any] = MappingProxyType({})  # values of that attribute -> defaults
 
 
-@dataclass(frozen=True)
+def _initialize(self: Any, **values: Any) -> None:
+    for field in dataclasses.fields(self):
+        default = field.default if field.default_factory is MISSING else field.default_factory()
+        object.__setattr__(self, field.name, values.pop(field.name, default))
+    if values:
+        raise TypeError(f"{type(self).__name__} has no attribute {', '.join(values)}")
+
+
+def _equal(self: Any, other: object) -> bool:
+    return vars(self) == vars(other) if type(self) is type(other) else NotImplemented
+
+
+def _text(self: Any) -> str:
+    return f"{type(self).__qualname__}({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def declaration(kind: type[T]) -> type[T]:
+    """`dataclass(frozen=True)`, which would compile these methods for each class, at every start."""
+    made: Any = dataclass(frozen=True, init=False, repr=False, eq=False)(kind)
+    made.__init__, made.__eq__, made.__hash__, made.__repr__ = _initialize, _equal, None, _text
+    return kind
+
+
+@declaration
 class NoAttributes:
     """A model without attributes of its own."""
 
@@ -104,7 +130,7 @@ class NoAttributes:
 def _field(default: T, attribute: Attribute) -> T:
     metadata = {"attribute": attribute}
     if isinstance(default, GzColor | GzVector | GzPose):  # mutable: each object has its own
-        return dataclasses.field(default_factory=lambda: dataclasses.replace(default), metadata=metadata)
+        return dataclasses.field(default_factory=lambda: copy.copy(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
 
 

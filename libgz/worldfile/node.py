@@ -64,7 +64,7 @@ class Document(Protocol):
         """A file name made absolute."""
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Changes:
     """Values that differ from the file's text, by the number of their element in document order."""
 

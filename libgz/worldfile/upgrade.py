@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from libgz.base.errors import Remark
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzVector
@@ -23,19 +22,14 @@ from libgz.worldfile.source import (
 )
 from libgz.worldfile.spelling import IMPLIED, Renamed, ignored_tags, renamed_keys, renamed_tags
 
-__all__ = ["Change", "upgrade"]
+__all__ = ["upgrade"]
 
 VERSION = "0.5"
 NAMESPACE = "http://playerstage.sourceforge.net/gazebo/xmlschema/#param"
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Change(Remark):
-    """A change of one element."""
-
-
-def upgrade(file: WorldFile) -> tuple[bytes, list[Change]]:
+def upgrade(file: WorldFile) -> tuple[bytes, list[Remark]]:
     """The worldfile's bytes in the newer spelling, and the changes.
 
     Models of plugins keep their attributes: only their code defines the meaning of them. What a model reads of either
@@ -82,10 +76,10 @@ class _Upgrade:
         self.source = file.source
         self.spans = element_spans(self.source)
         self.edits: list[Edit] = []
-        self.changes: list[Change] = []
+        self.changes: list[Remark] = []
 
     def note(self, node: WorldFileNode, message: str) -> None:
-        self.changes.append(Change(self.file.label, node.line, node.tag, message))
+        self.changes.append(Remark(self.file.label, node.line, node.tag, message))
 
     def apply(self) -> bytes:
         """The source with all edits, except those inside a range that another edit removes."""

@@ -45,7 +45,7 @@ MOST_KEPT = 256 << 20  # bytes of meshes that were read
 TEXT_START = 4096  # bytes of an STL file in which a text has its first vertex
 # Characters that are read because references of a COLLADA document lead to them, each time; and as many as the file's
 # own times so many. An element takes as long as so many characters.
-MOST_READ, TIMES_READ, ELEMENT = 4 << 30, 8, 500
+MOST_READ, TIMES_READ, ELEMENT = 2 << 30, 8, 500
 LARGEST_FILE = 4 << 30  # bytes; 20 million triangles have less
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
 LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says

@@ -100,7 +100,8 @@ class PeerCheck:
 def _answers() -> bool:
     """Whether the kernel answers questions about sockets: it is asked about one of this process."""
     try:
-        with socket.create_server(("127.0.0.1", 0)) as near, socket.create_connection(near.getsockname()) as own:
+        with socket.create_server(("127.0.0.1", 0)) as near, socket.socket() as own:
+            own.connect(near.getsockname())
             return _asked_for(own.getsockname(), own.getpeername()) is not None
     except OSError:
         return False

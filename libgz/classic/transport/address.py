@@ -97,13 +97,18 @@ def listening_sockets(address: Address) -> list[socket.socket]:
     return found
 
 
+def encoded(host: str) -> str | bytes:
+    """A name as bytes if it can be: of a text, Python imports the tables of international names first."""
+    return host.encode() if host.isascii() else host
+
+
 def listening_socket(host: str, port: int = 0) -> socket.socket:
     """Return a socket that listens.
 
     Raises:
         OSError: the port is in use, or the address is not one of this machine.
     """
-    family, kind, protocol, _, where = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    family, kind, protocol, _, where = socket.getaddrinfo(encoded(host), port, type=socket.SOCK_STREAM)[0]
     made = socket.socket(family, kind, protocol)
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -121,5 +126,5 @@ def is_loopback(host: str) -> bool:
     Raises:
         OSError: the name is not known.
     """
-    found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
+    found = socket.getaddrinfo(encoded(host), None, type=socket.SOCK_STREAM)
     return all(ipaddress.ip_address(entry[4][0]).is_loopback for entry in found)

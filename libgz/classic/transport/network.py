@@ -19,7 +19,7 @@ from typing import Any
 from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
-from libgz.classic.transport.address import Address, listening_socket, listening_sockets, publicized_address
+from libgz.classic.transport.address import Address, encoded, listening_socket, listening_sockets, publicized_address
 from libgz.classic.transport.framing import frame, packet, read_packet
 from libgz.classic.transport.loop import Connection, SocketLoop
 from libgz.classic.transport.manager import TopicManager
@@ -96,7 +96,8 @@ class Network:
 
     def _connect(self, timeout: float, master: Master | None) -> None:
         """Connect to the master, which may be this process's, and listen for subscribers."""
-        made = socket.create_connection(self.address, timeout=timeout)
+        where: Any = encoded(self.address.host), self.address.port
+        made = socket.create_connection(where, timeout=timeout)
         if master is not None:
             master.own = made.getsockname()
         own = publicized_address()

@@ -30,8 +30,41 @@ static __thread int has_stack;
 static const int SIGNALS[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS};
 static const char *const NAMES[] = {"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"};
 enum { COUNT = sizeof SIGNALS / sizeof SIGNALS[0] };
-static struct sigaction own, before[COUNT], of_plugins[COUNT];
+enum { HANDLERS = 16 };
+static struct sigaction own, before[COUNT];
 static int reported;
+/* The handlers that plugins have installed, the newest last. Each of them has found ours before it, and calls that if it
+ * hands a signal on: the one that was installed before it follows then.
+ */
+static struct handlers {
+    struct sigaction all[HANDLERS];
+    int count;
+} of_plugins[COUNT];
+
+/* Forget the handlers whose code lies between two addresses. */
+static void forget_handlers(struct handlers *handlers, uintptr_t start, uintptr_t end)
+{
+    int i, kept = 0;
+
+    for (i = 0; i < handlers->count; i++) {
+        uintptr_t code = (uintptr_t) handlers->all[i].sa_sigaction;
+
+        if (code < start || code >= end)
+            handlers->all[kept++] = handlers->all[i];
+    }
+    handlers->count = kept;
+}
+
+/* Note a handler as the newest one; above the limit, the oldest is forgotten. */
+static void add_handler(struct handlers *handlers, const struct sigaction *handler)
+{
+    uintptr_t code = (uintptr_t) handler->sa_sigaction;
+
+    forget_handlers(handlers, code, code + 1);
+    if (handlers->count == HANDLERS)
+        memmove(handlers->all, handlers->all + 1, sizeof handlers->all[0] * --handlers->count);
+    handlers->all[handlers->count++] = *handler;
+}
 
 /* A stack for signal handlers: after an endless recursion there is none left. */
 static void make_stack(void)
@@ -140,7 +173,11 @@ int gz_host_opened(const char *path, const char *label)
 /* Note that it was unloaded. */
 void gz_host_closed(int number)
 {
+    int i;
+
     codes[number].in_memory = 0;
+    for (i = 0; i < COUNT; i++)
+        forget_handlers(&of_plugins[i], codes[number].start, codes[number].end);
 }
 
 /* The file that has code at an address; a later one may be where an earlier one was. */
@@ -226,7 +263,8 @@ static void on_signal(int number, siginfo_t *info, void *context)
     code = top == NULL ? code_of(address, stack) : NULL;
     for (i = 0; i < COUNT; i++)
         if (SIGNALS[i] == number) {
-            const struct sigaction *next = of_plugins[i].sa_handler == SIG_DFL ? &before[i] : &of_plugins[i];
+            struct handlers *handlers = &of_plugins[i];
+            const struct sigaction *next = handlers->count == 0 ? &before[i] : &handlers->all[--handlers->count];
 
             if (reported)
                 ; /* by this handler, which the plugin's has called */
@@ -239,7 +277,6 @@ static void on_signal(int number, siginfo_t *info, void *context)
             reported = next != &before[i];
             /* The instruction repeats, and ends the process as it would have without this handler. */
             sigaction(number, next, NULL);
-            of_plugins[i].sa_handler = SIG_DFL;
             if (info->si_code <= 0)
                 raise(number); /* a signal that code has sent */
         }
@@ -286,7 +323,10 @@ void gz_host_watch(void)
     reported = 0;
     for (i = 0; i < COUNT; i++)
         if (sigaction(SIGNALS[i], NULL, &now) == 0 && now.sa_sigaction != on_signal && now.sa_handler != SIG_IGN) {
-            of_plugins[i] = now;
+            if (now.sa_handler == SIG_DFL)
+                of_plugins[i].count = 0;
+            else
+                add_handler(&of_plugins[i], &now);
             sigaction(SIGNALS[i], &own, NULL);
         }
 }

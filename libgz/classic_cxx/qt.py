@@ -34,6 +34,7 @@ class QtSources:
         self._folders += [Path(word.removeprefix("-idirafter")) for word in options if word.startswith("-idirafter")]
         self._sources = [path for path in sources if path.is_file()]
         self._texts: dict[Path, str] = {}
+        self._known: set[Path] = set()  # the files that were read, once links are followed
         for path in self._sources:
             self._read(path)
         self._include = package_flags("--cflags-only-I", QT) if any(map(_QT.search, self._texts.values())) else []
@@ -43,10 +44,11 @@ class QtSources:
 
     def _read(self, path: Path) -> None:
         """Read a file, and those that it includes of the plugin's own."""
+        self._known.add(path.resolve())
         self._texts[path] = text = path.read_text(errors="replace")
         for name in _INCLUDE.findall(text):
             found = next((folder / name for folder in (path.parent, *self._folders) if (folder / name).is_file()), None)
-            if found is not None and found not in self._texts:
+            if found is not None and found.resolve() not in self._known:
                 self._read(found)
 
     def flags(self, folder: str) -> list[str]:
@@ -61,19 +63,23 @@ class QtSources:
         """Have moc make files of all classes that need it, in a folder; those that must be compiled, too.
 
         Raises:
-            LibraryError: moc fails.
+            LibraryError: moc fails, or two files include what it makes by one name.
         """
         included = {Path(name).name for text in self._texts.values() for name in _INCLUDE.findall(text)}
         made: list[str] = []
-        for path in self._objects:
+        named: dict[str, Path] = {}
+        for number, path in enumerate(self._objects):
             header = path not in self._sources
             name = f"moc_{path.stem}.cpp" if header else f"{path.stem}.moc"
+            if header and name not in included:
+                name = f"moc_{number}_{path.stem}.cpp"  # headers of several folders may have one name
+                made.append(str(folder / name))
+            elif named.setdefault(name, path) is not path:
+                raise LibraryError(f"{named[name]} and {path} both need a file {name} of Qt's moc; rename one of them")
             moc = Path(package_flags("--variable=host_bins", ("Qt5Core",))[0], "moc")
             given = [*self._include, *(f"-I{one}" for one in self._folders)]
             words = [str(moc), *given, str(path.absolute()), "-o", str(folder / name)]
             done = subprocess.run(words, capture_output=True, text=True, errors="replace", check=False)
             if done.returncode != 0:
                 raise LibraryError(f"Qt's moc failed: {done.stderr.strip()}")
-            if header and name not in included:
-                made.append(str(folder / name))
         return made

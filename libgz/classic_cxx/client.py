@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 from libgz.base.errors import GazeboError
 from libgz.classic import gui, msgs, transport
 from libgz.classic.gui.client import read_ini
@@ -13,17 +11,11 @@ __all__ = ["entity_id", "find_property", "pause", "set_property"]
 _set: dict[str, str] = {}
 
 
-@functools.cache
-def _controls(world: str) -> tuple[transport.Node, transport.Publisher]:
-    node = transport.Node()
-    node.Init(world)
-    return node, node.Advertise(msgs.WorldControl, "~/world_control")
-
-
 def pause(on: bool) -> None:
     """Pause the server's world, or let it run."""
-    _, publisher = _controls(gui.get_world())
-    publisher.Publish(msgs.WorldControl(pause=on))
+    window = gui.get_main_window()
+    if window is not None:  # a widget may outlive the client
+        (window.Pause if on else window.Play)()
 
 
 def entity_id(name: str) -> int:

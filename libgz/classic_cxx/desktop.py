@@ -24,6 +24,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "open": (None, [c_char_p, c_int, c_int, py_object, py_object]),
     "add": (None, [c_void_p, c_void_p, py_object]),
     "show": (None, [c_void_p, c_void_p, c_int]),
+    "full_screen": (None, [c_int]),
+    "left_pane": (None, [c_int]),
     "turn": (c_int, [c_double]),
     "leave": (None, []),
     "close": (None, []),
@@ -102,6 +104,14 @@ class Desktop:
     def show(self, plugin: int, widget_of: int, shown: bool = True) -> None:
         """Show or hide the widget of a plugin."""
         self._call("show", plugin, widget_of, shown)
+
+    def show_full_screen(self, on: bool) -> None:
+        """Let it fill the screen, or not."""
+        self._call("full_screen", on)
+
+    def show_left_pane(self, on: bool) -> None:
+        """Show or hide what plugins have added to its left column."""
+        self._call("left_pane", on)
 
     def turn(self, seconds: float) -> None:
         """Let Qt handle events for a time [s]."""

@@ -6,7 +6,7 @@ import configparser
 import logging
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +15,16 @@ from libgz.base.errors import NotFoundError, PluginError
 from libgz.base.geometry import GzPose
 from libgz.classic import msgs
 from libgz.classic.commands import reload_response
+from libgz.classic.event import Connection
 from libgz.classic.gui import Events, MainWindow, set_main_window
 from libgz.classic.gui.scene_link import SceneLink
+from libgz.classic.gui.window import Desktop
 from libgz.classic.loading import LoadedPlugin, new_plugin, reload_all
 from libgz.classic.math import Vector3d
 from libgz.classic.rendering.camera import render_frame
 from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
+from libgz.classic.transport import Subscriber, request
 from libgz.sdf.element import Element
 
 __all__ = ["Client", "ini_plugins", "read_ini"]
@@ -65,11 +68,13 @@ class Client(Closing):
 
     def __init__(self, size: tuple[int, int] = SIZE, pose: GzPose | None = None, filenames: Sequence[str] = ()) -> None:
         self.plugins: list[LoadedPlugin] = []
+        self._connections: Sequence[object] = ()
         self.link = SceneLink()
         self.world = self.link.world
         try:
             camera = UserCamera(self.world, "user_camera", *size, near=NEAR, far=FAR)
-            self.window = MainWindow(scene_of(self.world), camera)
+            controls = self.link.node.Advertise(msgs.WorldControl, "~/world_control")
+            self.window = MainWindow(scene_of(self.world), camera, controls)
             self.window.frame = self.frame
             set_main_window(self.window)
             self._aim(camera, pose)
@@ -78,7 +83,9 @@ class Client(Closing):
             self.world.server.serve_visuals().add()
             self._responses = self.link.node.Advertise(msgs.Response, "~/response")
             self._reloads = self.link.node.Subscribe("~/plugin/reload", self._on_reload)
+            self._connections = [*self._obey(), *self._report()]
             Events.mainWindowReady()
+            self._report_all()
         except BaseException:
             self.close()
             raise
@@ -107,6 +114,40 @@ class Client(Closing):
                 camera.SetTrackUseModelFrame(track.Get(bool, "use_model_frame", True)[0])
                 camera.SetTrackInheritYaw(track.Get(bool, "inherit_yaw", False)[0])
                 camera.SetTrackPosition(track.Get(Vector3d, "xyz", Vector3d(-5.0, 0.0, 3.0))[0])
+
+    # Events ------------------------------------------------------------------------------------------------------
+
+    def _obey(self) -> Sequence[Connection]:
+        """Obey what plugins signal, as Gazebo's window does."""
+        window, camera = self.window, self.window.camera
+
+        def show(shown: Callable[[Desktop, bool], object]) -> Callable[[bool], object]:
+            return lambda on: shown(window.desktop, on) if window.desktop is not None else None
+
+        return (
+            Events.ConnectFollow(camera.TrackVisual),
+            Events.ConnectFPS(lambda: camera.SetViewController("fps")),
+            Events.ConnectOrbit(lambda: camera.SetViewController("orbit")),
+            Events.ConnectFullScreen(show(lambda desktop, on: desktop.show_full_screen(on))),
+            Events.ConnectLeftPaneVisibility(show(lambda desktop, on: desktop.show_left_pane(on))),
+        )
+
+    def _report(self) -> Sequence[Subscriber]:
+        """Signal the models and lights that the server publishes."""
+        topics = {"~/model/info": Events.modelUpdate, "~/light/modify": Events.lightUpdate}
+        topics["~/factory/light"] = Events.lightUpdate
+        return [self.link.node.Subscribe(topic, event) for topic, event in topics.items()]
+
+    def _report_all(self) -> None:
+        """Signal the models and lights that there are."""
+        if Events.modelUpdate:
+            answer = request(self.link.node.GetTopicNamespace(), "entity_list")
+            for model in msgs.Model_V.FromString(answer.serialized_data).models:
+                Events.modelUpdate(model)
+        for light in self.world.Lights() if Events.lightUpdate else ():
+            message = msgs.Light()
+            light.FillMsg(message)
+            Events.lightUpdate(message)
 
     # Plugins -----------------------------------------------------------------------------------------------------
 
@@ -180,6 +221,7 @@ class Client(Closing):
         for plugin in self.plugins:
             plugin.drop()
         self.plugins.clear()
+        self._connections = ()
         window: MainWindow | None = getattr(self, "window", None)
         if window is not None:
             if window.desktop is not None:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
+
 from libgz.classic.event import EventNames
-from libgz.simulation.event import Event
+from libgz.simulation.event import Connection, Event, owner
 
 __all__ = ["Events"]
+
+log = logging.getLogger("libgz.classic")
 
 # Name -> what the callback is given.
 EVENTS = {
@@ -24,9 +29,34 @@ EVENTS = {
     "ShowToolbars": ("on",),
     "FPS": (),
     "Orbit": (),
+    "ModelUpdate": ("msgs.Model",),
+    "LightUpdate": ("msgs.Light",),
+    "AlignMode": ("axis", "configuration", "target", "preview", "inverted"),
+    "InputStepSize": ("steps",),
+    "ScaleEntity": ("name", "scale"),
+    "MoveEntity": ("name", "pose", "on the plane"),
 }
+SIGNALLED = ("MainWindowReady", "KeyPress", "ModelUpdate", "LightUpdate")  # by the client
 
-_events = {name: Event(name) for name in EVENTS}
+
+class _OfWindow(Event):
+    """An event that Gazebo's toolbars, menus and editors signal, and here only plugins."""
+
+    _said = False
+
+    def Connect(self, callback: Callable[..., object]) -> Connection:
+        """Call `callback` at each signal, as long as the connection is kept."""
+        if not self._said and owner.get() is not None:
+            self._said = True
+            log.warning(
+                "gui::Events::Connect%s: only plugins signal this event here; in Gazebo the window does, which libgz "
+                "does not have (reported once)",
+                self.name,
+            )
+        return super().Connect(callback)
+
+
+_events = {name: Event(name) if name in SIGNALLED else _OfWindow(name) for name in EVENTS}
 
 
 class Events(metaclass=EventNames):

@@ -9,14 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.classic import msgs
 from libgz.classic.names import takes_names
 from libgz.simulation.event import Event
 
 if TYPE_CHECKING:
     from libgz.classic.rendering.scene import Scene
     from libgz.classic.rendering.user_camera import UserCamera
+    from libgz.classic.transport import Publisher
 
-__all__ = ["GUI", "MainWindow"]
+__all__ = ["GUI", "Desktop", "MainWindow"]
+
+PATIENCE = 1.0  # [s] for the server to listen
 
 
 @takes_names
@@ -128,6 +132,12 @@ class GUI:
 class Desktop(Protocol):
     """A window on the user's screen."""
 
+    def show_full_screen(self, on: bool) -> None:
+        """Let it fill the screen, or not."""
+
+    def show_left_pane(self, on: bool) -> None:
+        """Show or hide what plugins have added to its left column."""
+
     def turn(self, seconds: float) -> None:
         """Let it handle events for a time [s]."""
 
@@ -149,8 +159,9 @@ class MainWindow:
         desktop: its part on the user's screen, once a plugin has widgets of its own.
     """
 
-    def __init__(self, scene: Scene, camera: UserCamera) -> None:
+    def __init__(self, scene: Scene, camera: UserCamera, controls: Publisher) -> None:
         self.title = "Gazebo"
+        self._controls = controls
         self.scene, self.camera = scene, camera
         self.places: dict[str, GUI] = {}
         self.open = True
@@ -172,6 +183,18 @@ class MainWindow:
     def resize(self, width: int, height: int) -> None:
         """Set the size of the image [px]."""
         self.camera.Resize(width, height)
+
+    def Play(self) -> None:
+        """Let the server's world run."""
+        self._control(msgs.WorldControl(pause=False))
+
+    def Pause(self) -> None:
+        """Pause the server's world."""
+        self._control(msgs.WorldControl(pause=True))
+
+    def _control(self, message: msgs.WorldControl) -> None:
+        self._controls.WaitForConnection(PATIENCE)  # Gazebo's publishers keep a first message until somebody listens
+        self._controls.Publish(message)
 
     def AddPlace(self, name: str) -> GUI:
         """A new overlay for a plugin."""

@@ -221,6 +221,16 @@ void libgz_qt_show(void *plugin, void *widget_of, int shown)
   Unlocked unlocked;
   widget->setVisible(shown);
 }
+void libgz_qt_full_screen(int on)
+{
+  libgz::Unlocked unlocked;
+  on ? libgz::window->showFullScreen() : libgz::window->showNormal();
+}
+void libgz_qt_left_pane(int on)
+{
+  libgz::Unlocked unlocked;
+  libgz::window->SetLeftPaneVisibility(on);
+}
 /* Let Qt handle events for a time [s]; whether the window is still open, and no plugin has called QCoreApplication::quit:
  * no loop of Qt runs after that.
  */

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,10 +17,10 @@ from libgz.apps import gzclient
 from libgz.apps.classic_command import read_command_line
 from libgz.apps.libgz import main
 from libgz.base.errors import NotFoundError
-from libgz.classic import gui
+from libgz.classic import gui, msgs
 from libgz.classic.gui.client import ini_plugins
 from libgz.classic.gui.scene_link import only_looks
-from libgz.classic.gui.window import GUI
+from libgz.classic.gui.window import GUI, MainWindow
 from libgz.sdf.reader import SdfFile
 
 PATIENCE = 60.0  # [s]: a machine under load
@@ -318,6 +319,15 @@ def test_a_place_has_text_and_buttons():
     )  # fmt: skip
     with pytest.raises(NotFoundError, match="no button 'Stop'"):
         place.Press("Stop")
+
+
+def test_the_window_waits_for_the_server_and_controls_it():
+    done = []
+    controls = SimpleNamespace(WaitForConnection=lambda seconds: done.append(seconds > 0), Publish=done.append)
+    window = MainWindow(SimpleNamespace(), SimpleNamespace(), controls)
+    window.Pause()
+    window.Play()
+    assert done == [True, msgs.WorldControl(pause=True), True, msgs.WorldControl(pause=False)]
 
 
 def test_there_is_no_window_outside_a_client():

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx.messages import proto_files
-from libgz.classic_cxx.names import ABSENT, BASE_PLUGINS, HEADERS
+from libgz.classic_cxx.names import ABSENT, BASE_PLUGINS, HEADERS, IGNITION_MATH
 from libgz.classic_cxx.old_names import old_methods
 from libgz.classic_cxx.table import Class, Row, classes, rows, split
 
@@ -48,7 +48,8 @@ def headers() -> dict[str, str]:
     macros = "".join(f"#define IGN_PROFILE{name}\n" for name in PROFILER)
     made["ignition/common/Profiler.hh"] = _guarded("profiler", macros)
     for version in (2, 3, 4):  # those of Gazebo 7 to 9
-        made[f"ignition/math{version}/ignition/math.hh"] = f"{NOTE}#include <ignition/math.hh>\n"
+        for name in ("math.hh", *(f"math/{one}.hh" for one in IGNITION_MATH)):
+            made[f"ignition/math{version}/ignition/{name}"] = f"{NOTE}#include <ignition/{name}>\n"
     for header, plugins in BASE_PLUGINS.items():
         for name in plugins:
             made[f"gazebo/plugins/{name}.hh"] = f'{NOTE}#include "gazebo/libgz/{header}.hh"\n'
@@ -213,11 +214,13 @@ ANY_CAST = """\
     }
     return boost::any_cast<T>(value);
   }"""
-# What a sensor of a plugin's own has of its base class, from Load on.
+# What a sensor of a plugin's own has of its base class; native/library.cc has the methods that use it.
 SENSOR = """\
  protected:
   friend class SensorFactory;
   virtual bool UpdateImpl(const bool) { return false; }
+  virtual bool NeedsUpdate();
+  inline static bool useStrictRate = false;
   bool active = false;
   sdf::ElementPtr sdf;
   ignition::math::Pose3d pose;
@@ -225,8 +228,16 @@ SENSOR = """\
   transport::NodePtr node;
   std::string parentName;
   uint32_t parentId = 0;
+  std::vector<SensorPluginPtr> plugins;
   physics::WorldPtr world;
+  rendering::ScenePtr scene;
   common::Time updatePeriod, lastUpdateTime, lastMeasurementTime;
+  std::map<SensorNoiseType, NoisePtr> noises;
+  event::EventT<void()> updated;
+
+ private:
+  struct Own;
+  std::shared_ptr<Own> own;  // of those that a plugin's class makes
 
  public:"""
 FROM_ENVIRONMENT = '  libgz::Field<bool> {kind}PathsFromEnv{{this, "{kind}PathsFromEnv"}};'
@@ -339,6 +350,13 @@ def _in_python(holder: str, name: str) -> str:
     return IN_PYTHON.get(f"{holder}::{name}") or OPERATORS.get(name, name)
 
 
+# Methods that a sensor of a plugin's own has in C++, and others in Python.
+OF_SENSORS = (
+    *("Sensor/1", "Load/1", "Load/2", "Init/0", "Fini/0", "Update/1", "SetParent/2", "ParentName/0", "ParentId/0"),
+    *("UpdateRate/0", "SetUpdateRate/1", "Pose/0", "SetPose/1", "IsActive/0", "SetActive/1", "Category/0", "Topic/0"),
+    *("LastUpdateTime/0", "LastMeasurementTime/0", "ResetLastUpdateTime/0", "Noise/1"),
+    *("NextRequiredTimestamp/0", "StrictRate/0"),
+)
 # Bodies that native/*.cc have, by the number of parameters: results in parameters, and calls of every step.
 BY_HAND = frozenset(
     {
@@ -347,9 +365,6 @@ BY_HAND = frozenset(
         "physics::ContactManager::GetContacts/0",
         "physics::Entity::WorldAngularVel/0",
         "physics::Entity::WorldPose/0",
-        "sensors::Sensor::Load/1",
-        "sensors::Sensor::Load/2",
-        "sensors::Sensor::Sensor/1",
         "physics::Inertial::operator+=/1",
         "physics::Inertial::operator=/1",
         "physics::Joint::GetForce/1",
@@ -377,5 +392,6 @@ BY_HAND = frozenset(
         "physics::World::SimTime/0",
         "physics::World::URI/0",
         "physics::WorldState::GetModelStates/1",
+        *(f"sensors::Sensor::{method}" for method in OF_SENSORS),
     }
 )

@@ -112,7 +112,8 @@ class Library:
 
     def compiler_flags(self) -> list[str]:
         """The compiler's options for plugins."""
-        own = [f"-I{self.include}", f"-I{self.include / 'gazebo' / 'msgs'}"]
+        # Also for sources that say <gazebo-11/gazebo/gazebo.hh>, which the compiler found where Gazebo was installed.
+        own = [f"-I{one}" for one in (self.include, self.include / "gazebo" / "msgs", self.include.parent)]
         return [f"-std={STANDARD}", "-fPIC", *own, *_include()]
 
     def linker_flags(self) -> list[str]:
@@ -430,7 +431,7 @@ set(gazebo_FOUND TRUE)
 set(GAZEBO_VERSION {version})
 set(GAZEBO_MAJOR_VERSION {major})
 set(_libgz_include "${{_libgz_prefix}}/include/gazebo-11")
-set(GAZEBO_INCLUDE_DIRS "${{_libgz_include}};${{_libgz_include}}/gazebo/msgs;{include}")
+set(GAZEBO_INCLUDE_DIRS "${{_libgz_include}};${{_libgz_include}}/gazebo/msgs;${{_libgz_prefix}}/include;{include}")
 set(GAZEBO_LIBRARY_DIRS "${{_libgz_prefix}}/lib{folders}")
 set(GAZEBO_LIBRARIES "${{_libgz_prefix}}/lib/libgazebo.so;${{_libgz_prefix}}/lib/libgazebo_msgs.so;{libraries}")
 set(GAZEBO_CXX_FLAGS "-std={standard} {exact}")
@@ -457,12 +458,13 @@ PKG_CONFIG = """\
 prefix={prefix}
 libdir=${{prefix}}/lib
 includedir=${{prefix}}/include
+folders=-I${{includedir}}/gazebo-11 -I${{includedir}}/gazebo-11/gazebo/msgs -I${{includedir}}
 
 Name: gazebo
 Description: Gazebo's C++ API, of libgz
 Version: {version}
 Libs: -L${{libdir}} -lgazebo -lgazebo_msgs {libraries}
-Cflags: -std={standard} {exact} -I${{includedir}}/gazebo-11 -I${{includedir}}/gazebo-11/gazebo/msgs {include}
+Cflags: -std={standard} {exact} ${{folders}} {include}
 """
 
 

@@ -1,6 +1,6 @@
 """Names of classic's headers beside those of the table: each includes the whole API, or says why it cannot."""
 
-__all__ = ["ABSENT", "BASE_PLUGINS", "HEADERS"]
+__all__ = ["ABSENT", "BASE_PLUGINS", "HEADERS", "IGNITION_MATH"]
 
 # Plugins of Gazebo that plugins of users are derived from, by the header that has them; each has a header and a library
 # of its name, too.
@@ -57,6 +57,13 @@ _FILES = {
     ),
     "gazebo/util": "IntrospectionClient.hh IntrospectionManager.hh OpenAL.hh system.hh util.hh",
 }
+# Headers of ignition-math 2 to 4, which version 6 has, too.
+IGNITION_MATH = (
+    *("Angle", "Box", "Color", "Filter", "Frustum", "Helpers", "Inertial", "Kmeans", "Line2", "Line3", "MassMatrix3"),
+    *("Matrix3", "Matrix4", "MovingWindowFilter", "OrientedBox", "PID", "Plane", "Pose3", "Quaternion", "Rand"),
+    *("RotationSpline", "SemanticVersion", "SignalStats", "SphericalCoordinates", "Spline", "Temperature", "Triangle"),
+    *("Triangle3", "Vector2", "Vector3", "Vector3Stats", "Vector4"),
+)
 HEADERS = tuple(f"{folder}/{name}" for folder, names in _FILES.items() for name in names.split())
 
 _WINDOWS = (

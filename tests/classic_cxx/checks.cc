@@ -140,7 +140,7 @@ static void Break(const std::string &how)
     std::terminate();
   if (how == "segv")
     *reinterpret_cast<volatile int *>(8) = 1;
-  if (how == "segv with a handler" || how == "segv with an exit")
+  if (how == "segv with a handler" || how == "segv with an exit" || how == "segv with handlers")
     *reinterpret_cast<volatile int *>(8) = 1;
   if (how == "own event")
   {
@@ -212,6 +212,25 @@ static void OnSignal(int _number)
   std::raise(_number);
 }
 static void OnSignalExit(int) { std::exit(4); }
+// Handlers that hand a signal on to the one that they have found.
+static struct sigaction found[2];
+static void OnSignalFirst(int _number)
+{
+  (void) !write(STDERR_FILENO, "first words\n", 12);
+  sigaction(_number, &found[0], nullptr);
+}
+static void OnSignalSecond(int _number)
+{
+  (void) !write(STDERR_FILENO, "second words\n", 13);
+  sigaction(_number, &found[1], nullptr);
+}
+static void Handle(void (*handler)(int), struct sigaction *before)
+{
+  struct sigaction now = {};
+  now.sa_handler = handler;
+  now.sa_flags = SA_NODEFER;
+  sigaction(SIGSEGV, &now, before);
+}
 static void BreakAt(const char *place, const std::string &check)
 {
   const std::size_t at = check.find(" in ");
@@ -250,6 +269,8 @@ class Checks : public ModelPlugin
       std::signal(SIGSEGV, OnSignal);
     else if (this->check.find("with an exit") != std::string::npos)
       std::signal(SIGSEGV, OnSignalExit);
+    else if (this->check.find("with handlers") != std::string::npos)
+      Handle(OnSignalFirst, &found[0]);
     if (this->check == "identity")
       this->Identity();
     else if (this->check == "values")
@@ -275,6 +296,8 @@ class Checks : public ModelPlugin
   void Init() override
   {
     BreakAt("Init", this->check);
+    if (this->check.find("with handlers") != std::string::npos)
+      Handle(OnSignalSecond, &found[1]);
     gzmsg << "initialized" << std::endl;
   }
   void Reset() override
@@ -329,6 +352,13 @@ class Checks : public ModelPlugin
     surface->collideWithoutContactBitmask |= 4u;
     EXPECT(surface->collideWithoutContactBitmask & 4u);
     EXPECT(surface->slip1 == 0.5 && surface->FrictionPyramid()->MuPrimary() > 0);
+    msgs::Surface changed, whole;
+    changed.set_kp(1e6);
+    changed.mutable_friction()->set_mu2(0.75);
+    surface->ProcessMsg(changed);
+    surface->FillMsg(whole);
+    EXPECT(surface->kp == 1e6 && whole.kp() == 1e6 && whole.friction().mu2() == 0.75 && whole.friction().slip1() == 0.5);
+    EXPECT(whole.collide_without_contact_bitmask() & 4u);
     boost::weak_ptr<physics::ODESurfaceParams> weak_surface(surface);  // as WheelSlipPlugin has
     boost::weak_ptr<physics::Shape> weak_shape(link->GetCollision("shape")->GetShape());
     boost::weak_ptr<physics::FrictionPyramid> weak_friction(surface->FrictionPyramid());
@@ -660,19 +690,26 @@ namespace sensors {
 class Counter : public Sensor
 {
  public:
-  Counter() : Sensor(sensors::OTHER) {}
+  Counter() : Sensor(sensors::RAY) { EXPECT(this->sdf && this->node && this->parentName.empty() && !this->active); }
   ~Counter() { gzmsg << this->Name() << " deleted" << std::endl; }
   void Load(const std::string &_world) override
   {
     Sensor::Load(_world);
     EXPECT(this->world == physics::get_world(_world) && this->parentName == this->ParentName() && this->node);
     EXPECT(this->sdf->Get<std::string>("topic") == "~/counts" && this->pose.Pos().X() == 1 && this->Type() == "counter");
-    EXPECT(this->updatePeriod == common::Time(0.01) && sensors::get_sensor(this->ScopedName()).get() == this);
+    EXPECT(sensors::get_sensor(this->ScopedName()).get() == this && this->Category() == sensors::RAY);
+    EXPECT(this->plugins.empty() && !this->scene && !this->useStrictRate && this->parentId == this->ParentId());
+    sdf::ElementPtr noise(new sdf::Element);
+    sdf::initFile("noise.sdf", noise);
+    sdf::readString("<sdf version='1.6'><noise type='gaussian'><mean>0</mean><stddev>1</stddev></noise></sdf>", noise);
+    this->noises[sensors::RAY_NOISE] = sensors::NoiseFactory::NewNoiseModel(noise);
+    EXPECT(this->Noise(sensors::RAY_NOISE) == this->noises.begin()->second && !this->Noise(sensors::CAMERA_NOISE));
     this->publisher = this->node->Advertise<msgs::Int>(this->Topic());
   }
   void Init() override
   {
     Sensor::Init();
+    EXPECT(this->updatePeriod == common::Time(0.01) && this->UpdateRate() == 100);
     gzmsg << "counter of " << this->world->EntityByName(this->ParentName())->GetScopedName() << std::endl;
   }
   void Fini() override
@@ -685,13 +722,15 @@ class Counter : public Sensor
   bool IsActive() const override { return Sensor::IsActive() && this->world->SimTime() > 0.045; }
 
  protected:
-  bool UpdateImpl(const bool) override
+  bool UpdateImpl(const bool force) override
   {
     if (++this->count == 2)
       return false;
+    EXPECT(this->count > 1 || force || this->NeedsUpdate());
     this->lastMeasurementTime = this->world->SimTime();
+    gzmsg << "noise " << this->noises[sensors::RAY_NOISE]->Apply(0) << std::endl;
     msgs::Int message;
-    message.set_data(this->count);
+    message.set_data(force ? -this->count : this->count);
     this->publisher->Publish(message);
     return true;
   }

@@ -151,6 +151,11 @@ CASES = {
         DIED.format("SEGV", "a callback of event WorldUpdateBegin"),
         ": a handler that was installed later follows\nown words",
     ),
+    "segv with handlers in OnUpdate": (  # as of two plugins
+        SEGV,
+        DIED.format("SEGV", "a callback of event WorldUpdateBegin"),
+        ": a handler that was installed later follows\nsecond words\nfirst words",
+    ),
     "segv with an exit in OnUpdate": (
         4,
         DIED.format("SEGV", "a callback of event WorldUpdateBegin"),

@@ -151,6 +151,28 @@ def test_names_of_gazebo_7_are_declared(library, tmp_path):
     assert errors_in(library, source, 7) == []
 
 
+HEADERS_OF_THEN = """\
+#include <gazebo-11/gazebo/gazebo.hh>
+#include <ignition/math4/ignition/math/Vector3.hh>
+#include <ignition/math4/ignition/math/SemanticVersion.hh>
+auto pose(gazebo::physics::ModelPtr model) { return model->SDFSemanticPose()->RawPose(); }
+#if __has_include(<ignition/msgs/material.pb.h>)
+gazebo::msgs::Material twice(const gazebo::msgs::Material &material)
+{
+  using gazebo::msgs::ConvertIgnMsg;
+  ignition::msgs::Color color = ConvertIgnMsg(material.ambient());
+  return ConvertIgnMsg(ConvertIgnMsg(material));
+}
+#endif
+"""
+
+
+def test_headers_and_names_of_gazebo_8_to_11_are_there(library, tmp_path):
+    source = tmp_path / "then.cc"
+    source.write_text(HEADERS_OF_THEN)
+    assert errors_in(library, source, 9) == []
+
+
 def test_records_are_those_of_python():
     """The compiler checks sizes and offsets; each parameter's bounds are within what the engine's joints take."""
     text = shared()

@@ -13,10 +13,12 @@ from topics import Heard
 
 import libgz
 from libgz.apps.classic_command import SystemPlugins
-from libgz.base.errors import WorldFileError
+from libgz.base.errors import NotFoundError, StateError, WorldFileError
 from libgz.classic import msgs, physics, transport
-from libgz.classic.sensors import SensorManager, get_sensor
+from libgz.classic.math import Pose3d
+from libgz.classic.sensors import SensorManager, SensorNoiseType, get_sensor
 from libgz.classic.sensors.kinds import OWN
+from libgz.classic.sensors.sensor import SensorCategory
 
 WORLD = """\
 <sdf version="1.6"><world name="default">{world}
@@ -31,6 +33,7 @@ WORLD = """\
     {model}
   </model><light name="lamp" type="point"><pose>0 0 3 0 0 0</pose></light></world></sdf>
 """
+COUNTER = "<pose>1 0 0 0 0 0</pose><update_rate>100</update_rate><topic>~/counts</topic>"
 VISUAL = '<visual name="seen"><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>'
 CHECKS = '<plugin name="checks" filename="libmodel.so"><check>{}</check><vector unit="m">1 2 3</vector></plugin>'
 
@@ -279,7 +282,7 @@ def test_all_kinds(place, said, caplog):
 
 def test_a_sensor_of_a_plugins_own_class(place, said, caplog, monkeypatch):
     monkeypatch.delitem(OWN, "counter", raising=False)
-    inside = "<pose>1 0 0 0 0 0</pose><update_rate>100</update_rate><topic>~/counts</topic>"
+    inside = "<always_on>1</always_on>" + COUNTER
     own = f"</sensor><sensor name='own' type='counter'>{inside}"
     with SystemPlugins(["libsystem.so"]) as system:
         with world_of(sensor=own) as world:
@@ -305,6 +308,48 @@ def test_a_sensor_of_a_plugins_own_class(place, said, caplog, monkeypatch):
     assert problems(caplog) == [
         "Fini of sensor default::robot::arm::own failed: it threw std::runtime_error: no end",
     ]
+
+
+def test_a_sensor_of_a_plugins_own_class_measures_while_it_is_active(place, said, caplog, monkeypatch):
+    monkeypatch.delitem(OWN, "counter", raising=False)
+    with SystemPlugins(["libsystem.so"]) as system:
+        system.load(["gzserver", "-s", "libsystem.so"])
+        heard = Heard("~/own/counts")
+        with world_of(sensor=f"</sensor><sensor name='own' type='counter'>{COUNTER}") as world:
+            sensor = get_sensor("default::robot::arm::own")
+            assert (sensor.Category(), sensor.UpdateRate(), sensor.Pose().Pos().X()) == (SensorCategory.RAY, 100.0, 1.0)
+            assert sensor.Topic() == "~/own/counts"
+            connection = sensor.ConnectUpdated(lambda: None)  # which asks for nothing, as in Gazebo
+            world.step(60)
+            assert not sensor.IsActive()
+            sensor.Update(True)
+            sensor.Update(True)  # fails
+            world.step(1)
+            assert [message.data for message in heard] == [-1]
+            sensor.SetActive(True)
+            sensor.SetUpdateRate(50.0)
+            world.step(20)
+            times = sensor.LastUpdateTime(), sensor.LastMeasurementTime()
+            state = world.get_state()
+            world.step(50)
+            noises = [line for line in said() if line.startswith("noise")]
+            sensor.SetActive(False)
+            world.set_state(state)
+            assert sensor.IsActive()
+            assert (sensor.LastUpdateTime(), sensor.LastMeasurementTime()) == times
+            world.step(50)
+            again = [line for line in said() if line.startswith("noise")][len(noises) :]
+            assert len(again) == 2
+            assert again == noises[-2:]
+            sensor.SetPose(Pose3d(2, 0, 0, 0, 0, 0))
+            assert sensor.world_pose().pos != sensor.link.pose().pos
+            sensor.LoadState(sensor.SaveState())
+            with pytest.raises(StateError, match="it has not the numbers of a sensor"):
+                sensor.LoadState((0.0, float("nan")))
+            with pytest.raises(NotFoundError, match=r"has no noise .*; it has RAY_NOISE"):
+                sensor.Noise(SensorNoiseType.CAMERA_NOISE)
+            assert connection is not None
+    assert not [line for line in problems(caplog) if "no end" not in line]
 
 
 def test_a_factory_that_makes_no_sensor_is_named(place, caplog, monkeypatch):

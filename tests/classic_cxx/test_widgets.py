@@ -46,7 +46,8 @@ class GAZEBO_VISIBLE Overlay : public GUIPlugin
   transport::NodePtr node;
   transport::PublisherPtr factory;
   transport::SubscriberPtr statistics, models;
-  event::ConnectionPtr ready;
+  event::ConnectionPtr ready, entities;
+  std::vector<event::ConnectionPtr> modes;
 };
 }
 """
@@ -88,6 +89,25 @@ void Overlay::Load(sdf::ElementPtr sdf)
   this->statistics = this->node->Subscribe("~/world_stats", &Overlay::OnStats, this);
   this->models = this->node->Subscribe("~/model/info", &Overlay::OnModel, this);
   this->ready = gui::Events::ConnectMainWindowReady([this] { std::cout << this->task << " ready" << std::endl; });
+  this->entities = gui::Events::ConnectModelUpdate([this](const msgs::Model &model) {
+    std::cout << this->task << " model " << model.name() << std::endl;
+    gui::Events::follow("ball");
+    gui::Events::fullScreen(gui::get_main_window() == nullptr);
+    gui::Events::alignMode("x", "min", "first", true, false);
+    gui::Events::moveEntity(model.name(), msgs::ConvertIgn(model.pose()), true);
+    gui::Events::scaleEntity(model.name(), ignition::math::Vector3d::One);
+    gui::Events::inputStepSize(3);
+  });
+  this->modes = {gui::Events::ConnectAlignMode([this](std::string axis, std::string, std::string, bool, bool inverted) {
+                   std::cout << this->task << " align " << axis << inverted << std::endl;
+                 }),
+      gui::Events::ConnectMoveEntity([this](const std::string &name, const ignition::math::Pose3d &pose, bool on) {
+        std::cout << this->task << " move " << name << on << pose.Pos().X() << std::endl;
+      }),
+      gui::Events::ConnectScaleEntity([](const std::string &, const ignition::math::Vector3d &) {}),
+      gui::Events::ConnectLightUpdate([](const msgs::Light &) {}), gui::Events::ConnectInputStepSize([this](int steps) {
+        std::cout << this->task << " steps " << steps << std::endl;
+      })};
   gui::KeyEventHandler::Instance()->AddPressFilter(this->task, [this](const common::KeyEvent &key) {
     return this->OnKey(key); });
 }
@@ -114,6 +134,7 @@ void Overlay::OnButton()
   {
     this->dialog = new QDialog(this);
     std::cout << "dialog " << this->dialog->exec() << std::endl;
+    gui::get_main_window()->Pause();
     for (char key : {'x', 'y'})
       QCoreApplication::postEvent(gui::get_main_window()->findChild<QWidget *>("GLWidget"),
           new QKeyEvent(QEvent::KeyPress, key, Qt::NoModifier, QString(key)));
@@ -141,7 +162,7 @@ WORLD = """\
   <plugin name="bad" filename="liboverlay.so"><task>fail</task></plugin>
   <plugin name="slow" filename="liboverlay.so"><task>wait</task></plugin>
   <plugin name="plain" filename="libplain.so"/>
-</gui></world></sdf>
+</gui><model name="stone"><static>true</static><link name="l"/></model></world></sdf>
 """
 WITHOUT = """\
 #include <gazebo/gui/GuiPlugin.hh>
@@ -211,6 +232,9 @@ def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
     assert client.returncode == 0, errors
     assert quitting.returncode == 0
     assert said.count("the ball is there") == 1
+    assert {"spawn model stone", "spawn align x0", "spawn move stone10", "wait steps 3"} <= set(said)
+    assert errors.count("gui::Events::ConnectAlignMode: only plugins signal this event here") == 1
+    assert "ConnectModelUpdate: only plugins" not in errors
     assert {"spawn ready", "fail ready", "wait ready", "spawn key x", "wait key y"} <= set(said)
     assert "wait key x" not in said  # the filter ahead of it has handled that
     assert {f"{task} deleted" for task in ("spawn", "fail", "wait")} <= set(said)
@@ -230,6 +254,38 @@ def test_moc_that_fails_is_said(library, tmp_path):
     (tmp_path / "overlay.hh").write_text(HEADER.replace("signals:", "signals: int;;; class {"))
     with pytest.raises(LibraryError, match=r"Qt's moc failed: .*overlay\.hh"):
         build([source], tmp_path / "liboverlay.so")
+
+
+SLOT = """\
+#include <gazebo/gui/GuiPlugin.hh>
+class {0} : public QObject
+{{
+  Q_OBJECT
+ public slots:
+  void Press() {{}}
+}};
+"""
+
+
+@with_qt
+def test_headers_of_one_name_have_files_of_moc_of_their_own(library, tmp_path):
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "button.hh").write_text(SLOT.format(f"{name}Button"))
+    source = tmp_path / "both.cc"
+    # A header that is named by two paths is one file.
+    source.write_text(
+        '#include "first/button.hh"\n#include "second/button.hh"\n#if 0\n#include "second/../first/button.hh"\n#endif\n'
+        "class Both : public gazebo::GUIPlugin { firstButton one; secondButton two; };\nGZ_REGISTER_GUI_PLUGIN(Both)\n"
+    )
+    assert build([source], tmp_path / "libboth.so", options=["-Wl,--no-undefined"]) == []
+    (tmp_path / "made").mkdir()
+    qt = qt_module.QtSources([source], [])
+    assert len(set(qt.make(tmp_path / "made"))) == 2
+    for name in ("first", "second"):
+        (tmp_path / name / "part.cc").write_text(SLOT.format(f"{name}Part") + '#include "part.moc"\n')
+    with pytest.raises(LibraryError, match=r"both need a file part\.moc of Qt's moc; rename one of them"):
+        build([tmp_path / "first" / "part.cc", tmp_path / "second" / "part.cc"], tmp_path / "libpart.so")
 
 
 @pytest.fixture

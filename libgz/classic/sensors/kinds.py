@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from typing import Any
 
 from libgz.classic.sensors.sensor import Sensor
 from libgz.sdf.unsimulated import ABSENT_SENSORS
 
-__all__ = ["ABSENT", "CLASSES", "KINDS", "ON_JOINTS", "OWN", "Act", "all_kinds", "sensor_class"]
+__all__ = ["ABSENT", "CLASSES", "KINDS", "ON_JOINTS", "OWN", "Make", "all_kinds", "sensor_class"]
 
-Act = Callable[[Sensor, str], bool]
+Make = Callable[[Sensor], dict[str, Callable[..., Any]]]
 
 # Type -> module:class.
 KINDS = {
@@ -35,7 +36,7 @@ KINDS = {
     "wireless_transmitter": "libgz.classic.sensors.wireless:WirelessTransmitter",
 }
 CLASSES = {target.partition(":")[2]: kind for kind, target in KINDS.items()}  # class -> type
-OWN: dict[str, Act] = {}  # types whose class is a plugin's own; each calls the methods of its objects
+OWN: dict[str, Make] = {}  # types whose class is a plugin's own; each makes an object, and returns its methods
 ON_JOINTS = ("force_torque",)  # all others are carried by links
 ABSENT = ABSENT_SENSORS  # known to Gazebo, and not simulated here
 

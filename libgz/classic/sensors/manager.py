@@ -145,7 +145,7 @@ class WorldSensors:
         """The activity or rate of a sensor may have changed: check whether it measures, and when."""
         if sensor in self._active:
             self._next = self._next_here = -math.inf
-        elif self.sensors.get(sensor.ScopedName()) is sensor and sensor.IsActive():
+        elif self.sensors.get(sensor.ScopedName()) is sensor and sensor.wants_updates():
             self._activate(sensor)
             self._update_lists()
 
@@ -241,7 +241,7 @@ class WorldSensors:
         for sensor in list(self._active):
             if now < sensor.schedule.due or sensor not in self._active:  # a callback of one may have removed another
                 continue
-            if not sensor.IsActive():
+            if not sensor.wants_updates():
                 self._deactivate(sensor)
                 continue
             try:

@@ -79,8 +79,8 @@ class Noise:
         """
         self._custom, self._kind = Callback("the noise callback", callback, float), NoiseType.CUSTOM
 
-    def Apply(self, value: float) -> float:
-        """A value with noise."""
+    def Apply(self, value: float, dt: float = 0.0) -> float:
+        """A value with noise, `dt` seconds of sim time after the last one; no model here depends on that."""
         return self._custom(value, otherwise=value) if self._custom is not None else self._one(value)
 
     def apply_all(self, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
-from libgz.base.errors import ParameterError, PluginError
-from libgz.classic.sensors.kinds import OWN, Act
-from libgz.classic.sensors.sensor import LinkSensor, Sensor, SensorOwner
+from libgz.base.errors import NotFoundError, ParameterError, PluginError, StateError
+from libgz.base.geometry import GzCoordPoseAdd, GzPose
+from libgz.classic.common import Time
+from libgz.classic.math import Pose3d
+from libgz.classic.sensors.kinds import OWN, Make
+from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType
+from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
@@ -17,68 +23,141 @@ __all__ = ["OwnSensor", "being_made", "register"]
 
 log = logging.getLogger("libgz.classic")
 
+NUMBERS = 16  # of a state
+
 _made: list[OwnSensor] = []  # whose C++ object is being made, innermost last
 
 
 class OwnSensor(LinkSensor):
-    """Calls the methods of a C++ object, which calls those of this object as its base class.
+    """Calls the methods of a C++ object, which has activity, rate, times, pose and noises, as in Gazebo.
 
-    It is active at all times unless `SetActive(False)` is called: `IsActive` of its class decides whether it measures.
+    Its `Update` is called after each iteration, and decides whether it measures: `IsActive` may be a method of its
+    own. States keep what the C++ class `Sensor` has, not the variables of classes that are derived from it.
     """
 
     def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
-        self._act: Act = _nothing
-        self._running: set[str] = set()
+        self._own: dict[str, Any] = {}
         super().__init__(sensors, parent, sdf)
-        self._act = OWN[sdf.Get(str, "type")]
         _made.append(self)
         try:
-            self._act(self, "new")
+            self._own = OWN[sdf.Get(str, "type")](self)
         finally:
             _made.pop()
 
-    def _call(self, method: str) -> bool:
-        """Call a method, unless its own one calls that of the base class; what it returns."""
-        if method in self._running:
-            return False
-        self._running.add(method)
-        try:
-            return self._act(self, method)
-        finally:
-            self._running.remove(method)
-
     def Init(self) -> None:
         """Call Load and Init."""
-        self._call("Init")
+        self._own["Load"](self.ParentName(), self.ParentId(), self.sdf)
 
     def Fini(self) -> None:
         """Call Fini; an error in it is logged, for the sensor ends anyway."""
         try:
-            self._call("Fini")
+            self._own["Fini"]()
         except PluginError as error:
             log.error("Fini of sensor %s failed: %s", self.ScopedName(), str(error))  # its traceback has this object
         super().Fini()
 
     def __del__(self) -> None:
         """Delete the C++ object while this one is whole: its destructor may call methods of its base class."""
-        act, self._act = self._act, _nothing  # its file stays in memory until it is deleted
+        own, self._own = self._own, {}  # its file stays in memory until it is deleted
         vars(self).pop("_cxx", None)
-        del act
+        del own
+
+    def Update(self, force: bool = False) -> None:
+        """Call Update."""
+        self._own["Update"](force)
+
+    def updated(self) -> None:
+        """Notify those that wait for measurements; the C++ object has signalled its event."""
+        self._update_event()
+
+    def wants_updates(self) -> bool:
+        """Always, for only its Update knows."""
+        return True
 
     def IsActive(self) -> bool:
-        """Whether it may measure."""
-        return self._active is not False
+        """Whether it measures: with `<always_on>`, after `SetActive(True)`, or as its class decides."""
+        return bool(self._own and self._own["IsActive"]())
 
-    def ready(self, elapsed: float) -> bool:
-        """Call UpdateImpl: whether there is a measurement."""
-        return self._call("UpdateImpl")
+    def SetActive(self, value: bool) -> None:
+        """Let it measure, or not."""
+        self._own["SetActive"](bool(value))
 
-    def measure(self, elapsed: float) -> None:
-        """Nothing: UpdateImpl has measured."""
+    def Category(self) -> SensorCategory:
+        """What its constructor says: IMAGE, RAY or OTHER."""
+        return SensorCategory(self._own["Category"]())
 
+    def Topic(self) -> str:
+        """The topic of its file, or what its class says."""
+        return str(self._own["Topic"]())
 
-def _nothing(_sensor: Sensor, _method: str) -> bool:
-    return False
+    def Pose(self) -> Pose3d:
+        """Pose in its link [m]."""
+        return Pose3d(self._own["Pose"]())
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Set the pose in its link [m]."""
+        self._own["SetPose"](Pose3d(pose))
+
+    def world_pose(self) -> GzPose:
+        """Global pose [m]."""
+        return GzCoordPoseAdd(self.Pose(), self.link.pose())
+
+    def UpdateRate(self) -> float:
+        """Measurements a second of sim time [Hz]; 0: one in each iteration."""
+        return float(self._own["UpdateRate"]())
+
+    def SetUpdateRate(self, hz: float) -> None:
+        """Set the rate [Hz]; 0 or less: every iteration."""
+        if self._own:  # else its element is read, as Init does again
+            self._own["SetUpdateRate"](float(hz))
+
+    def LastUpdateTime(self) -> Time:
+        """Sim time of the last update that has measured."""
+        return Time(self._own["LastUpdateTime"]())
+
+    def LastMeasurementTime(self) -> Time:
+        """Sim time of the last measurement, as its class has noted it."""
+        return Time(self._own["LastMeasurementTime"]())
+
+    def ResetLastUpdateTime(self) -> None:
+        """Forget the times of its measurements, because the clock was set back."""
+        self._own["ResetLastUpdateTime"]()
+
+    @property
+    def all_noises(self) -> list[NoiseModel]:
+        """Its noises, by their types."""
+        return list(self._own["noises"]().values()) if self._own else []
+
+    def Noise(self, type: SensorNoiseType) -> NoiseModel:
+        """The noise on one of its values.
+
+        Raises:
+            NotFoundError: there is none on that value.
+        """
+        noises: dict[int, NoiseModel] = self._own["noises"]()
+        try:
+            return noises[int(type)]
+        except KeyError:
+            has = ", ".join(SensorNoiseType(kind).name for kind in noises) or "none"
+            raise NotFoundError(f"sensor {self.ScopedName()!r} has no noise {type!r}; it has {has}") from None
+
+    GetCategory, GetTopic, GetPose, GetNoise, GetUpdateRate = Category, Topic, Pose, Noise, UpdateRate
+    GetLastUpdateTime, GetLastMeasurementTime = LastUpdateTime, LastMeasurementTime
+
+    def SaveState(self) -> tuple[float, ...]:
+        """Activity, pose and times."""
+        return tuple(self._own["save"]())
+
+    def LoadState(self, state: Sequence[float]) -> None:
+        """Take what `SaveState` returned.
+
+        Raises:
+            StateError: it is damaged.
+        """
+        whole = isinstance(state, tuple) and len(state) == NUMBERS and all(isinstance(one, float) for one in state)
+        if not whole or not all(map(math.isfinite, state)):
+            raise StateError("the state is damaged: it has not the numbers of a sensor")
+        self._own["load"](list(state))
 
 
 def being_made() -> OwnSensor:
@@ -92,6 +171,6 @@ def being_made() -> OwnSensor:
     return _made[-1]
 
 
-def register(kind: str, act: Act) -> None:
+def register(kind: str, make: Make) -> None:
     """Let worlds make sensors of a type from now on."""
-    OWN[kind] = act
+    OWN[kind] = make

@@ -194,6 +194,10 @@ class Sensor:
         self._active = bool(value)
         self.sensors.reschedule(self)
 
+    def wants_updates(self) -> bool:
+        """Whether `Update` is called after iterations."""
+        return self.IsActive()
+
     @property
     def events(self) -> tuple[Event, Event]:
         """The events of its measurements: of each, and of those that are published."""
@@ -402,7 +406,7 @@ class Sensor:
 
     def reset(self) -> None:
         """Start again, because clock and models were reset."""
-        for noise in self.noises.values():
+        for noise in self.all_noises:
             noise.restart()
         self.ResetLastUpdateTime()
 

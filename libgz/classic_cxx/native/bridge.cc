@@ -839,33 +839,44 @@ ConnectionPtr connect(const char *event, std::function<void(const common::Update
   return libgz::connect_event(
       event, std::function<void()>([callback, own] { callback(libgz::info_at(own->clock, own->world)); }));
 }
-ConnectionPtr connect(const char *event, std::function<void()> callback)
-{
-  return libgz::connect_event(event, callback);
-}
-ConnectionPtr connect(const char *event, std::function<void(std::string)> callback)
-{
-  return libgz::connect_event(event, callback);
-}
-ConnectionPtr connect(const char *event, std::function<void(bool)> callback)
-{
-  return libgz::connect_event(event, callback);
-}
-ConnectionPtr connect(const char *event, std::function<void(std::string, std::string)> callback)
-{
-  return libgz::connect_event(event, callback);
-}
-ConnectionPtr connect(const char *event,
-    std::function<void(sdf::ElementPtr, const std::string &, const std::string &, const uint32_t)> callback)
-{
-  return libgz::connect_event(event, callback);
-}
+#define LIBGZ_CONNECT(...) \
+  ConnectionPtr connect(const char *event, std::function<__VA_ARGS__> callback) \
+  { \
+    return libgz::connect_event(event, callback); \
+  }
+LIBGZ_CONNECT(void())
+LIBGZ_CONNECT(void(std::string))
+LIBGZ_CONNECT(void(bool))
+LIBGZ_CONNECT(void(int))
+LIBGZ_CONNECT(void(std::string, std::string))
+LIBGZ_CONNECT(void(const msgs::Model &))
+LIBGZ_CONNECT(void(const msgs::Light &))
+LIBGZ_CONNECT(void(const std::string &, const ignition::math::Vector3d &))
+LIBGZ_CONNECT(void(const std::string &, const ignition::math::Pose3d &, const bool))
+LIBGZ_CONNECT(void(std::string, std::string, std::string, bool, bool))
+LIBGZ_CONNECT(void(sdf::ElementPtr, const std::string &, const std::string &, const uint32_t))
+#undef LIBGZ_CONNECT
 void signal(const char *event) { libgz::signal_event(event); }
 void signal(const char *event, bool value) { libgz::signal_event(event, value); }
+void signal(const char *event, int value) { libgz::signal_event(event, value); }
 void signal(const char *event, const std::string &value) { libgz::signal_event(event, value); }
 void signal(const char *event, const std::string &one, const std::string &two)
 {
   libgz::signal_event(event, one, two);
+}
+void signal(const char *event, const msgs::Model &value) { libgz::signal_event(event, value); }
+void signal(const char *event, const msgs::Light &value) { libgz::signal_event(event, value); }
+void signal(const char *event, const std::string &name, const ignition::math::Vector3d &value)
+{
+  libgz::signal_event(event, name, value);
+}
+void signal(const char *event, const std::string &name, const ignition::math::Pose3d &pose, bool value)
+{
+  libgz::signal_event(event, name, pose, value);
+}
+void signal(const char *event, const std::string &one, const std::string &two, const std::string &three, bool a, bool b)
+{
+  libgz::signal_event(event, one, two, three, a, b);
 }
 void signal(const char *event, const common::UpdateInfo &info)
 {

@@ -903,6 +903,48 @@ FrictionPyramidPtr SurfaceParams::FrictionPyramid() const
 {
   return libgz::Call(this, "FrictionPyramid").result<FrictionPyramidPtr>();
 }
+// Fields of a surface by their names in messages: those of all surfaces, and of ODE's, as far as libgz has them.
+#define LIBGZ_SURFACE(field) \
+  field(collide_without_contact, collideWithoutContact) \
+  field(collide_without_contact_bitmask, collideWithoutContactBitmask) field(collide_bitmask, collideBitmask)
+#define LIBGZ_ODE_SURFACE(field) \
+  field(restitution_coefficient, bounce) field(bounce_threshold, bounceThreshold) field(kp, kp) field(kd, kd) \
+  field(max_vel, maxVel) field(min_depth, minDepth)
+#define LIBGZ_FILL(name, member) message.set_##name(this->member);
+#define LIBGZ_PROCESS(name, member) \
+  if (message.has_##name()) \
+    this->member = message.name();
+void SurfaceParams::FillMsg(msgs::Surface &message) { LIBGZ_SURFACE(LIBGZ_FILL) }
+void SurfaceParams::ProcessMsg(const msgs::Surface &message) { LIBGZ_SURFACE(LIBGZ_PROCESS) }
+void ODESurfaceParams::FillMsg(msgs::Surface &message)
+{
+  SurfaceParams::FillMsg(message);
+  LIBGZ_ODE_SURFACE(LIBGZ_FILL)
+  const FrictionPyramidPtr pyramid = this->FrictionPyramid();
+  msgs::Friction *friction = message.mutable_friction();
+  friction->set_mu(pyramid->MuPrimary());
+  friction->set_mu2(pyramid->MuSecondary());
+  friction->set_slip1(this->slip1);
+  friction->set_slip2(this->slip2);
+}
+void ODESurfaceParams::ProcessMsg(const msgs::Surface &message)
+{
+  SurfaceParams::ProcessMsg(message);
+  LIBGZ_ODE_SURFACE(LIBGZ_PROCESS)
+  const msgs::Friction &friction = message.friction();
+  if (friction.has_mu())
+    this->FrictionPyramid()->SetMuPrimary(friction.mu());
+  if (friction.has_mu2())
+    this->FrictionPyramid()->SetMuSecondary(friction.mu2());
+  if (friction.has_slip1())
+    this->slip1 = friction.slip1();
+  if (friction.has_slip2())
+    this->slip2 = friction.slip2();
+}
+#undef LIBGZ_PROCESS
+#undef LIBGZ_FILL
+#undef LIBGZ_ODE_SURFACE
+#undef LIBGZ_SURFACE
 /* An inertial is a value: what is made of it changes no link. */
 Inertial::Inertial(const Inertial &other) : libgz::Object(libgz::construct("physics", "Inertial", other)) {}
 Inertial &Inertial::operator=(const Inertial &other)
@@ -1019,63 +1061,268 @@ std::string Contact::DebugString() const
 }  // namespace physics
 
 namespace sensors {
-// Classes of plugins: Python's OwnSensor calls their methods, which call those of Sensor as their base class.
-Sensor::Sensor(SensorCategory) : libgz::Object(libgz::construct("sensors.own", "being_made")) {}
+// A sensor is one of libgz, which Python has, or of a plugin's class: then its numbers and their rules, which are
+// Gazebo's, are here, and Python's OwnSensor asks for them.
+struct Sensor::Own
+{
+  SensorCategory category;
+  common::Time delay;                 // by which its last update came late
+  event::ConnectionPtr notification;  // of Python
+};
+#define LIBGZ_ASKED(Result, name) \
+  if (!this->own) \
+  { \
+    libgz::Call call(this, #name); \
+    return call.result<Result>(); \
+  }
+#define LIBGZ_GIVEN(name, values) \
+  if (!this->own) \
+  { \
+    libgz::Call call(this, #name); \
+    call values; \
+    return call.run(); \
+  }
+Sensor::Sensor(SensorCategory category)
+    : libgz::Object(libgz::construct("sensors.own", "being_made")), sdf(new sdf::Element), node(new transport::Node)
+{
+  sdf::initFile("sensor.sdf", this->sdf);
+  this->own.reset(new Own{category, {}, {}});
+  this->own->notification = this->updated.Connect([this] {
+    libgz::Call call(this, "updated");
+    call.run();
+  });
+}
 void Sensor::Load(const std::string &worldName, sdf::ElementPtr element)
 {
+  LIBGZ_GIVEN(Load, << worldName << element)
   this->sdf = element;
   this->Load(worldName);
 }
 void Sensor::Load(const std::string &worldName)
 {
+  LIBGZ_GIVEN(Load, << worldName)
+  if (this->sdf->HasElement("pose"))
+    this->pose = this->sdf->Get<ignition::math::Pose3d>("pose");
+  if (this->sdf->Get<bool>("always_on", false).first)
+    this->SetActive(true);
   this->world = physics::get_world(worldName);
-  this->pose = Sensor::Pose();
-  this->parentName = this->ParentName();
-  this->parentId = this->ParentId();
-  this->active = Sensor::IsActive();
-  this->updatePeriod = this->UpdateRate() > 0 ? 1 / this->UpdateRate() : 0.0;
-  this->node.reset(new transport::Node());
+  this->lastUpdateTime = common::Time::Zero;
   this->node->Init(worldName);
+}
+void Sensor::Init()
+{
+  LIBGZ_GIVEN(Init, )
+  this->SetUpdateRate(this->sdf->Get<double>("update_rate", 0.0).first);
+}
+void Sensor::Fini()
+{
+  LIBGZ_GIVEN(Fini, )
+  this->active = false;
+  this->plugins.clear();
+  this->connections.clear();
+  for (auto &pair : this->noises)
+    pair.second->Fini();
+  this->noises.clear();
+  this->scene.reset();
+  if (this->node)
+    this->node->Fini();
+}
+void Sensor::SetParent(const std::string &name, const uint32_t id)
+{
+  LIBGZ_GIVEN(SetParent, << name << id)
+  this->parentName = name;
+  this->parentId = id;
+}
+std::string Sensor::ParentName() const
+{
+  LIBGZ_ASKED(std::string, ParentName)
+  return this->parentName;
+}
+uint32_t Sensor::ParentId() const
+{
+  LIBGZ_ASKED(uint32_t, ParentId)
+  return this->parentId;
+}
+static common::Time now_of(const Sensor *sensor, const physics::WorldPtr &world, const rendering::ScenePtr &scene)
+{
+  return sensor->Category() == IMAGE && scene ? scene->SimTime() : world->SimTime();
+}
+bool Sensor::NeedsUpdate()
+{
+  const common::Time now = now_of(this, this->world, this->scene);
+  if (now <= this->lastMeasurementTime)
+  {
+    this->ResetLastUpdateTime();  // the clock was set back
+    return false;
+  }
+  const common::Time late = this->own ? this->own->delay : common::Time::Zero;
+  return now - this->lastMeasurementTime + late >= this->updatePeriod;
+}
+void Sensor::Update(const bool force)
+{
+  LIBGZ_GIVEN(Update, << force)
+  if (!force && !this->IsActive())
+    return;
+  const common::Time now = now_of(this, this->world, this->scene);
+  if (!this->useStrictRate)
+  {
+    const common::Time elapsed = now - this->lastUpdateTime + this->own->delay;
+    if (!force && (now <= this->lastUpdateTime || elapsed < this->updatePeriod))
+      return;
+    const common::Time late = std::max(common::Time::Zero, elapsed - this->updatePeriod);
+    this->own->delay = late < this->updatePeriod ? late : common::Time::Zero;
+  }
+  if (!this->UpdateImpl(force))
+    return;
+  if (!this->useStrictRate)
+    this->lastUpdateTime = now;
+  this->updated();
+}
+double Sensor::UpdateRate() const
+{
+  LIBGZ_ASKED(double, UpdateRate)
+  return this->updatePeriod == common::Time::Zero ? 0.0 : 1.0 / this->updatePeriod.Double();
+}
+void Sensor::SetUpdateRate(const double hz)
+{
+  LIBGZ_GIVEN(SetUpdateRate, << hz)
+  this->updatePeriod = hz > 0.0 ? 1.0 / hz : 0.0;
+}
+ignition::math::Pose3d Sensor::Pose() const
+{
+  LIBGZ_ASKED(ignition::math::Pose3d, Pose)
+  return this->pose;
+}
+void Sensor::SetPose(const ignition::math::Pose3d &value)
+{
+  LIBGZ_GIVEN(SetPose, << value)
+  this->pose = value;
+}
+bool Sensor::IsActive() const
+{
+  LIBGZ_ASKED(bool, IsActive)
+  return this->active;
+}
+void Sensor::SetActive(const bool value)
+{
+  LIBGZ_GIVEN(SetActive, << value)
+  this->active = value;
+}
+SensorCategory Sensor::Category() const
+{
+  LIBGZ_ASKED(SensorCategory, Category)
+  return this->own->category;
+}
+std::string Sensor::Topic() const
+{
+  LIBGZ_ASKED(std::string, Topic)
+  return this->sdf->HasElement("topic") ? this->sdf->Get<std::string>("topic") : "";
+}
+common::Time Sensor::LastUpdateTime() const
+{
+  LIBGZ_ASKED(common::Time, LastUpdateTime)
+  return this->lastUpdateTime;
+}
+common::Time Sensor::LastMeasurementTime() const
+{
+  LIBGZ_ASKED(common::Time, LastMeasurementTime)
+  return this->lastMeasurementTime;
+}
+void Sensor::ResetLastUpdateTime()
+{
+  LIBGZ_GIVEN(ResetLastUpdateTime, )
+  this->lastUpdateTime = this->lastMeasurementTime = this->own->delay = common::Time::Zero;
+}
+NoisePtr Sensor::Noise(const SensorNoiseType type) const
+{
+  if (!this->own)
+  {
+    libgz::Call call(this, "Noise");
+    call << type;
+    return call.result<NoisePtr>();
+  }
+  const auto found = this->noises.find(type);
+  return found == this->noises.end() ? nullptr : found->second;
+}
+double Sensor::NextRequiredTimestamp() const
+{
+  LIBGZ_ASKED(double, NextRequiredTimestamp)
+  return std::numeric_limits<double>::quiet_NaN();
+}
+bool Sensor::StrictRate() const
+{
+  LIBGZ_ASKED(bool, StrictRate)
+  return this->useStrictRate;
+}
+#undef LIBGZ_ASKED
+#undef LIBGZ_GIVEN
+static int32_t whole(double number)
+{
+  return static_cast<int32_t>(ignition::math::clamp(number, -2147483647.0, 2147483647.0));
 }
 void SensorFactory::RegisterSensor(const std::string &type, SensorFactoryFn factory)
 {
   libgz::Gil gil;
-  libgz::Ref act(libgz::callable(
+  libgz::Ref make(libgz::callable(
       [factory, type](PyObject *const *args) -> PyObject * {
-        const std::string method = libgz::text_of(args[1]);
-        bool done = true;
-        if (method == "new")
-        {
-          std::shared_ptr<Sensor> own;
-          {
-            libgz::Unlocked unlocked;
-            own.reset(factory());
-          }
-          if (!own)
-            throw std::runtime_error("the factory of sensors of type " + type + " made none");
-          libgz::keep(args[0], {boost::shared_ptr<libgz::Object>(own.get(), [own](libgz::Object *) {}), own});
-          Py_RETURN_TRUE;
-        }
-        auto sensor = std::dynamic_pointer_cast<Sensor>(libgz::wrap(args[0]).standard);
-        const auto element = method == "Init" ? libgz::element_of(libgz::got(args[0], "sdf").get()) : nullptr;
+        std::shared_ptr<Sensor> own;
         {
           libgz::Unlocked unlocked;
-          if (method == "Init")
-          {
-            sensor->Load(sensor->WorldName(), element);
-            sensor->Init();
-          }
-          else if (method == "Fini")
-            sensor->Fini();
-          else if ((done = sensor->IsActive() && sensor->UpdateImpl(false)))
-            sensor->lastUpdateTime = sensor->world->SimTime();
+          own.reset(factory());
         }
-        return PyBool_FromLong(done);
+        if (!own)
+          throw std::runtime_error("the factory of sensors of type " + type + " made none");
+        libgz::keep(args[0], {boost::shared_ptr<libgz::Object>(own.get(), [own](libgz::Object *) {}), own});
+        Sensor *s = own.get();  // which Python deletes after these methods
+        libgz::Ref methods(PyDict_New());
+        const auto add = [&](const char *name, const auto &method) {
+          PyDict_SetItemString(methods.get(), name, libgz::Ref(libgz::to(method)).get());
+        };
+        add("Load", std::function<void(std::string, uint32_t, sdf::ElementPtr)>(
+                        [s](std::string parent, uint32_t number, sdf::ElementPtr element) {
+                          s->SetParent(parent, number);
+                          s->Load(s->WorldName(), element);
+                          s->Init();
+                        }));
+        add("Fini", std::function<void()>([s] { s->Fini(); }));
+        add("Update", std::function<void(bool)>([s](bool force) { s->Update(force); }));
+        add("IsActive", std::function<bool()>([s] { return s->IsActive(); }));
+        add("SetActive", std::function<void(bool)>([s](bool on) { s->SetActive(on); }));
+        add("Category", std::function<int()>([s] { return s->Category(); }));
+        add("Topic", std::function<std::string()>([s] { return s->Topic(); }));
+        add("Pose", std::function<ignition::math::Pose3d()>([s] { return s->Pose(); }));
+        add("SetPose", std::function<void(ignition::math::Pose3d)>([s](auto pose) { s->SetPose(pose); }));
+        add("UpdateRate", std::function<double()>([s] { return s->UpdateRate(); }));
+        add("SetUpdateRate", std::function<void(double)>([s](double hz) { s->SetUpdateRate(hz); }));
+        add("LastUpdateTime", std::function<common::Time()>([s] { return s->LastUpdateTime(); }));
+        add("LastMeasurementTime", std::function<common::Time()>([s] { return s->LastMeasurementTime(); }));
+        add("ResetLastUpdateTime", std::function<void()>([s] { s->ResetLastUpdateTime(); }));
+        add("noises", std::function<std::map<SensorNoiseType, NoisePtr>()>([s] { return s->noises; }));
+        add("save", std::function<std::vector<double>()>([s] {
+          std::vector<double> numbers = {double(s->active)};
+          for (const auto &time : {s->updatePeriod, s->lastUpdateTime, s->lastMeasurementTime, s->own->delay})
+            numbers.insert(numbers.end(), {double(time.sec), double(time.nsec)});
+          const auto &at = s->pose.Pos();
+          const auto &turn = s->pose.Rot();
+          numbers.insert(numbers.end(), {at.X(), at.Y(), at.Z(), turn.W(), turn.X(), turn.Y(), turn.Z()});
+          return numbers;
+        }));
+        add("load", std::function<void(std::vector<double>)>([s](std::vector<double> n) {
+          s->active = n.at(0) != 0.0;
+          std::size_t i = 1;
+          for (auto *time : {&s->updatePeriod, &s->lastUpdateTime, &s->lastMeasurementTime, &s->own->delay})
+          {
+            *time = common::Time(whole(n.at(i)), whole(n.at(i + 1)));
+            i += 2;
+          }
+          s->pose.Set({n.at(9), n.at(10), n.at(11)}, {n.at(12), n.at(13), n.at(14), n.at(15)});
+        }));
+        return methods.release();
       },
-      2));
+      1));
   libgz::Ref kind(libgz::text_py(type));
   PyObject *registering = libgz::attribute("libgz.classic.sensors.own", "register");
-  libgz::Ref done(PyObject_CallFunctionObjArgs(registering, kind.get(), act.get(), nullptr));
+  libgz::Ref done(PyObject_CallFunctionObjArgs(registering, kind.get(), make.get(), nullptr));
   if (!done)
     libgz::raise_python();
 }

@@ -26,6 +26,10 @@ std::string Base64Decode(const std::string &text);
 #define GZ_SEC_TO_HOUR(seconds) ((seconds) / 3600.0)
 
 namespace gazebo {
+namespace msgs {
+class Light;
+class Model;
+}  // namespace msgs
 namespace common {
 
 /* Seconds and nanoseconds; both have one sign. */
@@ -567,30 +571,39 @@ ConnectionPtr connect(const char *event, std::function<void(bool)> callback);
 ConnectionPtr connect(const char *event, std::function<void(std::string, std::string)> callback);
 ConnectionPtr connect(const char *event,
     std::function<void(sdf::ElementPtr, const std::string &, const std::string &, const uint32_t)> callback);
+ConnectionPtr connect(const char *event, std::function<void(int)> callback);
+ConnectionPtr connect(const char *event, std::function<void(const msgs::Model &)> callback);
+ConnectionPtr connect(const char *event, std::function<void(const msgs::Light &)> callback);
+ConnectionPtr connect(
+    const char *event, std::function<void(const std::string &, const ignition::math::Vector3d &)> callback);
+ConnectionPtr connect(
+    const char *event, std::function<void(const std::string &, const ignition::math::Pose3d &, const bool)> callback);
+ConnectionPtr connect(
+    const char *event, std::function<void(std::string, std::string, std::string, bool, bool)> callback);
 void signal(const char *event);
 void signal(const char *event, bool value);
+void signal(const char *event, int value);
+void signal(const char *event, const msgs::Model &value);
+void signal(const char *event, const msgs::Light &value);
+void signal(const char *event, const std::string &name, const ignition::math::Vector3d &value);
+void signal(const char *event, const std::string &name, const ignition::math::Pose3d &pose, bool value);
+void signal(const char *event, const std::string &one, const std::string &two, const std::string &three, bool a, bool b);
 void signal(const char *event, const std::string &value);
 void signal(const char *event, const std::string &one, const std::string &two);
 void signal(const char *event, const common::UpdateInfo &info);
 
 /* An event of the world, as plugins of Python have it. */
 template <typename T>
-class WorldEvent
+class WorldEvent;
+template <typename... A>
+class WorldEvent<void(A...)>
 {
  public:
   explicit WorldEvent(const char *name) : name(name) {}
-  ConnectionPtr Connect(const std::function<T> &callback) { return connect(this->name, callback); }
+  ConnectionPtr Connect(const std::function<void(A...)> &callback) { return connect(this->name, callback); }
   void Disconnect(ConnectionPtr connection) { end(connection); }
-  template <typename... A>
-  void Signal(A &&...values)
-  {
-    signal(this->name, std::forward<A>(values)...);
-  }
-  template <typename... A>
-  void operator()(A &&...values)
-  {
-    signal(this->name, std::forward<A>(values)...);
-  }
+  void Signal(A... values) { signal(this->name, values...); }
+  void operator()(A... values) { signal(this->name, values...); }
 
  private:
   const char *name;

@@ -84,7 +84,14 @@ class GAZEBO_VISIBLE Events
   LIBGZ_GUI_EVENT(ShowToolbars, showToolbars, void(bool)) \
   LIBGZ_GUI_EVENT(FPS, fps, void()) \
   LIBGZ_GUI_EVENT(Orbit, orbit, void()) \
-  LIBGZ_GUI_EVENT(EditModel, editModel, void(std::string))
+  LIBGZ_GUI_EVENT(EditModel, editModel, void(std::string)) \
+  LIBGZ_GUI_EVENT(AlignMode, alignMode, void(std::string, std::string, std::string, bool, bool)) \
+  LIBGZ_GUI_EVENT(ModelUpdate, modelUpdate, void(const msgs::Model &)) \
+  LIBGZ_GUI_EVENT(LightUpdate, lightUpdate, void(const msgs::Light &)) \
+  LIBGZ_GUI_EVENT(InputStepSize, inputStepSize, void(int)) \
+  LIBGZ_GUI_EVENT(ScaleEntity, scaleEntity, void(const std::string &, const ignition::math::Vector3d &)) \
+  LIBGZ_GUI_EVENT( \
+      MoveEntity, moveEntity, void(const std::string &, const ignition::math::Pose3d &, const bool))
   LIBGZ_GUI_EVENTS
 #undef LIBGZ_GUI_EVENT
 };

@@ -106,4 +106,91 @@ class GAZEBO_VISIBLE MsgFactory
 #define GZ_REGISTER_STATIC_MSG(name, type)
 }  // namespace msgs
 }  // namespace gazebo
+
+// Gazebo's messages as those of ignition with the same fields, and back, where ignition's are installed.
+#if __has_include(<ignition/msgs/material.pb.h>)
+#include <ignition/msgs/color.pb.h>
+#include <ignition/msgs/material.pb.h>
+namespace libgz {
+template <class To, class From>
+To same_color(const From &color)
+{
+  To made;
+  made.set_r(color.r());
+  made.set_g(color.g());
+  made.set_b(color.b());
+  made.set_a(color.a());
+  return made;
+}
+template <class To, class From>
+To same_script(const From &script)
+{
+  To made;
+  made.set_name(script.name());
+  for (const std::string &uri : script.uri())
+    made.add_uri(uri);
+  return made;
+}
+}  // namespace libgz
+namespace gazebo {
+namespace msgs {
+inline ignition::msgs::Color ConvertIgnMsg(const Color &color)
+{
+  return libgz::same_color<ignition::msgs::Color>(color);
+}
+inline Color ConvertIgnMsg(const ignition::msgs::Color &color) { return libgz::same_color<Color>(color); }
+inline ignition::msgs::Material::Script ConvertIgnMsg(const Material::Script &script)
+{
+  return libgz::same_script<ignition::msgs::Material::Script>(script);
+}
+inline Material::Script ConvertIgnMsg(const ignition::msgs::Material::Script &script)
+{
+  return libgz::same_script<Material::Script>(script);
+}
+inline ignition::msgs::Material::ShaderType ConvertIgnMsg(const Material::ShaderType &type)
+{
+  return static_cast<ignition::msgs::Material::ShaderType>(type - Material::VERTEX);
+}
+inline Material::ShaderType ConvertIgnMsg(const ignition::msgs::Material::ShaderType &type)
+{
+  return static_cast<Material::ShaderType>(type + Material::VERTEX);
+}
+}  // namespace msgs
+}  // namespace gazebo
+namespace libgz {
+template <class To, class From>
+To same_material(const From &material)
+{
+  using gazebo::msgs::ConvertIgnMsg;
+  To made;
+  made.set_shader_type(ConvertIgnMsg(material.shader_type()));
+  made.set_lighting(material.lighting());
+  if (!material.normal_map().empty())
+    made.set_normal_map(material.normal_map());
+  if (material.has_script())
+    *made.mutable_script() = ConvertIgnMsg(material.script());
+  if (material.has_ambient())
+    *made.mutable_ambient() = ConvertIgnMsg(material.ambient());
+  if (material.has_diffuse())
+    *made.mutable_diffuse() = ConvertIgnMsg(material.diffuse());
+  if (material.has_specular())
+    *made.mutable_specular() = ConvertIgnMsg(material.specular());
+  if (material.has_emissive())
+    *made.mutable_emissive() = ConvertIgnMsg(material.emissive());
+  return made;
+}
+}  // namespace libgz
+namespace gazebo {
+namespace msgs {
+inline ignition::msgs::Material ConvertIgnMsg(const Material &material)
+{
+  return libgz::same_material<ignition::msgs::Material>(material);
+}
+inline Material ConvertIgnMsg(const ignition::msgs::Material &material)
+{
+  return libgz::same_material<Material>(material);
+}
+}  // namespace msgs
+}  // namespace gazebo
+#endif
 #endif

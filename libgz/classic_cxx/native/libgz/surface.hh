@@ -14,6 +14,8 @@ class GAZEBO_VISIBLE SurfaceParams : public libgz::Object
   explicit SurfaceParams(libgz::Adopt view) : Object(view) {}
   virtual ~SurfaceParams() {}
   virtual FrictionPyramidPtr FrictionPyramid() const;
+  virtual void FillMsg(msgs::Surface &message);
+  virtual void ProcessMsg(const msgs::Surface &message);
 #if GAZEBO_MAJOR_VERSION < 8
   FrictionPyramidPtr GetFrictionPyramid() const { return this->FrictionPyramid(); }
 #endif
@@ -26,6 +28,8 @@ class GAZEBO_VISIBLE ODESurfaceParams : public SurfaceParams
 {
  public:
   explicit ODESurfaceParams(libgz::Adopt view) : SurfaceParams(view) {}
+  void FillMsg(msgs::Surface &message) override;
+  void ProcessMsg(const msgs::Surface &message) override;
   Field<double> bounce{this, "bounce"}, bounceThreshold{this, "bounceThreshold"}, kp{this, "kp"}, kd{this, "kd"};
   Field<double> cfm{this, "cfm"}, erp{this, "erp"}, maxVel{this, "maxVel"}, minDepth{this, "minDepth"};
   Field<double> slip1{this, "slip1"}, slip2{this, "slip2"};

@@ -72,7 +72,7 @@ def _read_state(name: str) -> bytes:
             if state != BEGINNING:
                 raise ParameterError(f"{name!r} is no state: it was not written by `libgz snapshot save`")
             if os.fstat(file.fileno()).st_size > MOST:
-                raise ParameterError(f"{name!r} is larger than {MOST >> 30} GiB, which a server takes")
+                raise ParameterError(f"{name!r} is larger than {MOST >> 20} MiB, which a server takes")
             return state + file.read()
     except OSError as error:
         raise ParameterError(f"cannot read {name!r}: {error.strerror}") from None

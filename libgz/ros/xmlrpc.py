@@ -22,6 +22,7 @@ from libgz.base.errors import GazeboError
 from libgz.base.visible import one_line
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
+from libgz.transport.timed_socket import TimedSocket
 
 __all__ = ["Server", "XmlRpcError", "call", "shown"]
 
@@ -81,42 +82,13 @@ def shown(value: Any) -> str:
 
 
 class _Connection(http.client.HTTPConnection):
-    """A connection whose timeout is that of all together: a peer that sends byte by byte is never late with a byte."""
+    """A connection whose timeout is that of the whole call."""
 
     def connect(self) -> None:
         """Connect."""
         deadline = time.monotonic() + (self.timeout or 0.0)
         super().connect()
-        self.sock = _TimedSocket(self.sock.detach(), deadline)
-
-
-class _TimedSocket(socket.socket):
-    """A connected socket that is used until a time [s], as `time.monotonic` counts; later, TimeoutError is raised."""
-
-    def __init__(self, descriptor: int, deadline: float) -> None:
-        super().__init__(fileno=descriptor)
-        self._deadline = deadline
-
-    def _wait(self) -> None:
-        left = self._deadline - time.monotonic()
-        if left <= 0.0:
-            raise TimeoutError("timed out")
-        self.settimeout(left)
-
-    def sendall(self, *values: Any) -> None:
-        """Send all."""
-        self._wait()
-        super().sendall(*values)
-
-    def send(self, *values: Any) -> int:
-        """Send what is taken at once."""
-        self._wait()
-        return super().send(*values)
-
-    def recv_into(self, *values: Any) -> int:
-        """Receive what comes next."""
-        self._wait()
-        return super().recv_into(*values)
+        self.sock = TimedSocket(self.sock.detach(), deadline)
 
 
 def _loads(data: bytes, most: int) -> tuple[tuple[Any, ...], str | None]:
@@ -207,7 +179,7 @@ class _HttpServer(http.server.ThreadingHTTPServer):
         except OSError:
             time.sleep(PAUSE)  # else the socket, which stays readable, would be asked again at once
             raise
-        return _TimedSocket(made.detach(), time.monotonic() + PATIENCE), address
+        return TimedSocket(made.detach(), time.monotonic() + PATIENCE), address
 
     def verify_request(self, request: Any, client_address: Any) -> bool:
         """Whether the peer may connect."""

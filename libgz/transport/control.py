@@ -7,6 +7,7 @@ that many bytes; so is the answer, ``ok`` or ``error``, whose bytes are the mess
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import socket
 import threading
@@ -20,14 +21,18 @@ from libgz.base.errors import ServerError
 from libgz.base.numbers import whole_number
 from libgz.base.waiting import wait_for
 from libgz.transport.paths import CONTROL_SOCKET, check_owner, server_directory
+from libgz.transport.timed_socket import TimedSocket
 
 __all__ = ["Control", "Request", "ask"]
 
+log = logging.getLogger("libgz.transport")
+
 LONGEST_LINE = 256  # [byte]
-MOST = 1 << 31  # [byte]
+MOST = 1 << 28  # [byte] of a request; a state is the longest
+MOST_ANSWER = 1 << 31  # [byte]
 MOST_REQUESTS = 16  # at a time; others wait for their turn
-PAUSE = 0.25  # [s] when no descriptors are left
-PATIENCE = 10.0  # [s] for each part of a request to arrive
+PAUSE = 0.25  # [s] when no descriptors or threads are left
+PATIENCE = 10.0  # [s] for a request to arrive, and for its answer to be taken
 
 
 @dataclass(eq=False, repr=False)
@@ -93,18 +98,24 @@ class Control:
                     return
                 time.sleep(PAUSE)
                 continue
-            threading.Thread(target=self._serve, args=(connection,), name="control", daemon=True).start()
+            try:
+                threading.Thread(target=self._serve, args=(connection,), name="control", daemon=True).start()
+            except RuntimeError:  # the system has no thread left
+                connection.close()
+                self._free.release()
+                time.sleep(PAUSE)
 
     def _serve(self, connection: socket.socket) -> None:
         try:
             self._answer(connection)
+        except MemoryError:
+            log.warning("control: no memory is left for a request; it is dropped")
         finally:
             self._free.release()
 
-    def _answer(self, connection: socket.socket) -> None:
-        with connection, contextlib.suppress(OSError):
-            connection.settimeout(PATIENCE)
-            words, content = _receive(connection)
+    def _answer(self, made: socket.socket) -> None:
+        with TimedSocket(made.detach(), time.monotonic() + PATIENCE) as connection, contextlib.suppress(OSError):
+            words, content = _receive(connection, MOST)
             if len(words) != 2:
                 _send(connection, "error", b"the request is not understood")
                 return
@@ -112,7 +123,9 @@ class Control:
             self.waiting.append(request)
             if self._closed:
                 request.answer(error="the server is ending")
-            _send(connection, *request.wait())
+            answer = request.wait()
+            connection.deadline = time.monotonic() + PATIENCE
+            _send(connection, *answer)
 
     def close(self) -> None:
         """Take no more requests, and remove the socket. Can be called twice."""
@@ -149,7 +162,7 @@ def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"", ti
             ) from None
         try:
             _send(connection, f"{verb} {argument}", content)
-            words, result = _receive(connection)
+            words, result = _receive(connection, MOST_ANSWER)
         except TimeoutError:
             raise ServerError(f"server {server_id} did not answer within {timeout:g} s") from None
         except OSError as error:
@@ -173,15 +186,15 @@ def _send(connection: socket.socket, line: str, content: bytes) -> None:
     connection.sendall(f"{line} {len(content)}\n".encode() + content)
 
 
-def _receive(connection: socket.socket) -> tuple[list[str], bytes]:
-    """The words of a line without the length, and the bytes after it.
+def _receive(connection: socket.socket, most: int) -> tuple[list[str], bytes]:
+    """The words of a line without the length, and the bytes after it, of which there are so many at most.
 
     Raises:
         OSError: what arrives is not of this form.
     """
     with connection.makefile("rb") as stream:
         words = stream.readline(LONGEST_LINE).decode(errors="replace").split()
-        length = whole_number(words[-1], MOST) if words else None
+        length = whole_number(words[-1], most) if words else None
         if length is None:
             raise OSError("the other process sent something else")
         content = stream.read(length)

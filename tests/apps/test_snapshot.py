@@ -126,7 +126,7 @@ def test_what_cannot_be_done_is_one_sentence(wire, serve, tmp_path):
         (("restore", tmp_path / "text"), "is no state: it was not written by `libgz snapshot save`"),
         (("restore", tmp_path / "old"), "this state has format 1; this version of libgz has format 9"),
         (("restore", tmp_path / "truncated"), "the state is damaged"),
-        (("restore", tmp_path / "huge"), "is larger than 2 GiB"),
+        (("restore", tmp_path / "huge"), "is larger than 256 MiB"),
         (("restore", "/dev/zero"), "it is a device, not a file"),
         (("restore", tmp_path / "absent"), "cannot read"),
         (("save", tmp_path), "cannot write"),

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import itertools
 import os
 import resource
 import socket
@@ -19,7 +20,7 @@ import libgz
 from libgz.base.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.position import Position
-from libgz.transport import control as control_module
+from libgz.transport import control as control_module, timed_socket
 from libgz.transport.control import Control, ask
 from libgz.transport.paths import CONTROL_SOCKET, LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
@@ -213,6 +214,85 @@ def test_control_serves_a_bounded_number_of_requests_at_a_time(server, monkeypat
                 control.waiting.popleft().answer()
     finally:
         control.close()
+
+
+def served(control):
+    """Whether a request is answered."""
+    answered = threading.Thread(target=ask, args=(int(control._path.split("/")[-2].rsplit("-", 1)[1]), "verb"))
+    answered.start()
+    wait_for(lambda: control.waiting)
+    control.waiting.popleft().answer()
+    answered.join()
+    return True
+
+
+def test_a_request_that_comes_byte_by_byte_is_late_as_a_whole(server, monkeypatch):
+    """However often a byte comes: here always before one has been waited for."""
+    clock = itertools.count()
+    monkeypatch.setattr(timed_socket.time, "monotonic", lambda: float(next(clock)))
+    control = Control(server.path)
+    try:
+        with socket.socket(socket.AF_UNIX) as slow:
+            slow.connect(f"{server.path}/{CONTROL_SOCKET}")
+            slow.settimeout(20.0)
+            slow.sendall(b"verb - 10000\n")
+            with contextlib.suppress(OSError):  # once the connection is closed
+                for _ in range(10_000):
+                    slow.sendall(b"x")
+                pytest.fail("all of it was taken")
+        assert not control.waiting
+    finally:
+        control.close()
+
+
+@pytest.mark.parametrize("length", [(1 << 28) + 1, 1 << 31, -1])
+def test_a_request_of_more_than_the_bound_is_not_read(server, monkeypatch, length):
+    monkeypatch.setattr(control_module, "PATIENCE", 1000.0)
+    control = Control(server.path)
+    try:
+        with socket.socket(socket.AF_UNIX) as large:
+            large.connect(f"{server.path}/{CONTROL_SOCKET}")
+            large.settimeout(20.0)
+            large.sendall(f"verb - {length}\n".encode())
+            assert large.recv(1) == b""
+        assert served(control)
+    finally:
+        control.close()
+
+
+def test_control_serves_on_when_a_request_found_no_memory_or_no_thread(server, monkeypatch, caplog):
+    monkeypatch.setattr(control_module, "MOST_REQUESTS", 1)
+    monkeypatch.setattr(control_module, "PAUSE", 0.0)
+    failures = [MemoryError, RuntimeError]
+    real, thread = control_module._receive, threading.Thread
+
+    def receive(connection, most):
+        if MemoryError in failures and most == control_module.MOST:
+            failures.remove(MemoryError)
+            raise MemoryError
+        return real(connection, most)
+
+    class Threads(thread):
+        def start(self):
+            if RuntimeError in failures and self._target.__name__ == "_serve":
+                failures.remove(RuntimeError)
+                raise RuntimeError("can't start new thread")
+            super().start()
+
+    control = Control(server.path)
+    monkeypatch.setattr(control_module, "_receive", receive)
+    monkeypatch.setattr(threading, "Thread", Threads)
+    try:
+        for _ in range(2):
+            with socket.socket(socket.AF_UNIX) as one:
+                one.connect(f"{server.path}/{CONTROL_SOCKET}")
+                one.settimeout(20.0)
+                assert one.recv(1) == b""
+        assert not failures
+        assert served(control)
+    finally:
+        control.close()
+    assert "no memory is left for a request" in caplog.text
 
 
 def test_a_free_server_id(wire):

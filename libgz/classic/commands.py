@@ -444,7 +444,8 @@ class Commands:
                 controller.SetVelocityTarget(name, message.velocity.target)
 
     def _find(self, name: str, kind: type[Any]) -> Any:
-        found = self._world.EntityByName(name)
+        world = self._world  # which may have the same name, as may a link
+        found = world.LightByName(name) if kind is Light else world.ModelByName(name)
         if not isinstance(found, kind):
             names = [part.GetName() for part in self._world.children() if isinstance(part, kind)]
             raise NotFoundError(f"there is no {kind.__name__.lower()} {name!r}{nearest(name, names)}")

@@ -325,6 +325,7 @@ class World(Base):
 
     def LightByName(self, name: str) -> Light | Any:
         """A light by name; None if there is none."""
+        name = name.removeprefix(f"{self.Name()}::")
         return next((light for light in self.Lights() if light.GetName() == name), None)
 
     def Light(self, which: str | int) -> Light | Any:
@@ -440,7 +441,7 @@ class World(Base):
         Raises:
             NotFoundError: there is none of this name.
         """
-        entity: Base | None = which if isinstance(which, Base) else self.BaseByName(which)
+        entity: Base | None = which if isinstance(which, Base) else self._removable(which)
         if entity is None or not isinstance(entity, Model | Light):
             names = [part.GetName() for part in self.children()]
             raise NotFoundError(f"world {self.Name()!r} has no model {which!r}{nearest(str(which), names)}")
@@ -449,6 +450,12 @@ class World(Base):
             family = [model.core for model in entity.family()]
         nested_first = list(reversed(family))
         self.core.after_step(lambda: self.core.remove(nested_first))
+
+    def _removable(self, name: str) -> Model | Light | None:
+        """The model or light of a name, which the world, or a link, may have, too."""
+        model = self.ModelByName(name)
+        found: Model | Light | None = model if model is not None else self.LightByName(name)
+        return found
 
     def Clear(self) -> None:
         """Remove all models and lights."""

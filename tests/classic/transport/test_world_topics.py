@@ -303,6 +303,17 @@ def test_an_invalid_light_is_not_made(view, send, caplog, message, given):
     assert [light.GetName() for light in view.Lights()] == ["lamp"]
 
 
+@pytest.mark.parametrize("name", ["topics", "rod"])
+def test_a_light_may_have_the_name_of_the_world_or_a_link(view, send, caplog, name):
+    send("~/factory/light", msgs.Light(name=name, range=math.nan))
+    assert "the range of a light" in caplog.text
+    assert [light.GetName() for light in view.Lights()] == ["lamp"]
+    send("~/factory/light", msgs.Light(name=name, range=7.0))
+    assert view.LightByName(name).Range() == 7.0
+    view.RemoveModel(name)
+    assert [light.GetName() for light in view.Lights()] == ["lamp"]
+
+
 def test_a_world_with_any_wrenches_and_lights_can_be_brought_back(core, view, send):
     """A refused state is undone by one of the world itself, which must therefore never be refused."""
     send("~/light/modify", msgs.Light(name="lamp", attenuation_constant=1e30, range=math.inf))

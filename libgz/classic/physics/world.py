@@ -451,11 +451,10 @@ class World(Base):
         nested_first = list(reversed(family))
         self.core.after_step(lambda: self.core.remove(nested_first))
 
-    def _removable(self, name: str) -> Model | Light | None:
+    def _removable(self, name: str) -> Base | Any:
         """The model or light of a name, which the world, or a link, may have, too."""
         model = self.ModelByName(name)
-        found: Model | Light | None = model if model is not None else self.LightByName(name)
-        return found
+        return model if model is not None else self.LightByName(name)
 
     def Clear(self) -> None:
         """Remove all models and lights."""

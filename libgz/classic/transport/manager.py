@@ -13,6 +13,7 @@ from libgz.base.errors import NotFoundError, ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.names import takes_names
+from libgz.classic.transport.elements import check_elements
 from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
 from libgz.physics.lock import WorldLock
@@ -329,7 +330,11 @@ def _receive(topic: Topic, received: Received) -> None:
         received.refuse(topic.name, f"it is published here with {known}; a {incoming.type_name} was dropped")
         return
     try:
-        message = message_type(incoming.type_name).FromString(incoming.data)
+        kind = message_type(incoming.type_name)
+        remote = TopicManager.Instance().remote
+        if remote is None or not remote.client:  # clients trust their server, whose world may be large
+            check_elements(kind.DESCRIPTOR, incoming.data)
+        message = kind.FromString(incoming.data)
     except (NotFoundError, ParameterError) as error:
         received.refuse(topic.name, f"a received message was dropped: {error}")
         return

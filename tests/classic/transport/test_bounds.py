@@ -1,5 +1,6 @@
 """What other processes can make a server hold, each and together."""
 
+import contextlib
 import socket
 import time
 from selectors import SelectorKey
@@ -11,11 +12,14 @@ from libgz.base.errors import ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.transport import backlog, loop, master as master_module, received
 from libgz.classic.transport.backlog import Backlog
+from libgz.classic.transport.elements import check_elements
 from libgz.classic.transport.framing import Frames, frame, packet
 from libgz.classic.transport.loop import Connection, SocketLoop
+from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.master import Master, _Client
+from libgz.classic.transport.node import Node
 from libgz.classic.transport.received import Received
-from libgz.classic.transport.topic import Incoming, Topic
+from libgz.classic.transport.topic import Incoming, Topic, sequence
 
 MIB = 1 << 20
 
@@ -149,6 +153,59 @@ def test_received_messages_are_bounded_in_number_and_size(caplog):
     assert waiting.size == 0
     assert waiting.add(topic, Incoming(0, "t", bytes(20_000), None))  # it is handled alone
     assert "the oldest are dropped" in caplog.text
+
+
+LISTS_OF = b"\x0a\x03box"  # a Model with a name; then its other fields, and whether they are too many
+LISTS = {
+    "empty messages in a list": (b"\x42\x00" * 100_001, True),
+    "as many as are allowed": (b"\x42\x00" * 100_000, False),
+    "messages with overlong lengths": (b"\x42\x80\x80\x00" * 100_001, True),
+    "numbers, one after the other": (b"\x10\x01" * 1_000_001, True),
+    "a long text": (b"\x0a\x80\x80\x80\x01" + b"x" * (1 << 21), False),
+    "a length beyond the end": (b"\x42\xff\xff\xff\x7f" + b"x" * 300_000, False),
+    "half a tag": (b"\x42\x00" * 100_000 + b"\xff", False),
+}
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_lists_of_received_messages_are_bounded_before_they_are_decoded(name):
+    data, refused = LISTS[name]
+    kind = message_type("Model").DESCRIPTOR
+    with pytest.raises(ParameterError, match="more than 100000") if refused else contextlib.nullcontext():
+        check_elements(kind, LISTS_OF + data)
+
+
+def test_elements_of_messages_in_messages_are_counted_together():
+    kind = message_type("Model").DESCRIPTOR
+    inner = next(field.number for field in kind.fields if field.name == "model")
+    parts = b"\x42\x00" * 60_000
+    one = bytes([inner << 3 | 2, len(parts) & 127 | 128, len(parts) >> 7 & 127 | 128, len(parts) >> 14]) + parts
+    check_elements(kind, one)
+    with pytest.raises(ParameterError, match="more than 100000"):
+        check_elements(kind, one * 2)
+
+
+def test_texts_are_counted_and_readings_are_not_looked_through():
+    with pytest.raises(ParameterError, match="more than 100000"):
+        check_elements(message_type("GzString_V").DESCRIPTOR, b"\x0a\x00" * 100_001)
+    check_elements(message_type("LaserScanStamped").DESCRIPTOR, b"\x10\x01" * 1_000_001)
+
+
+def test_a_message_with_too_many_elements_is_dropped(caplog):
+    manager, got = TopicManager.Instance(), []
+    node = Node()
+    node.Init("bounds")
+    kept = node.Subscribe("~/many", got.append)
+    topic = manager.topics["/gazebo/bounds/many"]
+    for count in (100_001, 100_000):
+        incoming = Incoming(next(sequence), "gazebo.msgs.GzString_V", b"\x0a\x00" * count, None)
+        manager.receive(topic, incoming)
+        manager.ProcessNodes()
+    assert [len(message.data) for message in got] == [100_000]
+    assert "a received message was dropped: its lists have more than 100000" in caplog.text
+    kept.Unsubscribe()
+    node.Fini()
+    manager.clear("/gazebo/bounds/")
 
 
 def test_the_bounds_are_those_of_the_security_page():

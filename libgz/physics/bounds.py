@@ -31,7 +31,7 @@ FINITE = 1e150  # whose square is finite, too
 _UNIT = 1e-6  # error of rotations and of unit vectors
 
 _BODY_WORDS = 76  # of a body from its mass to its steps left
-_BODY_MARKS = 0b111111100  # of a body, that may differ: disabled, gravity, auto-disable, damping, gyroscopic
+_BODY_MARKS = 0b111111111  # of a body, that may differ: how it turns, disabled, gravity, damping, gyroscopic
 _GEOM_ENABLED, _GEOM_EMPTY = 16, 32
 
 # Joints, behind lambda[6], which is written only. v: vector or quaternion, 4 words; d: number; m: limit and motor, 11
@@ -137,6 +137,7 @@ class _Plan(NamedTuple):
         masses: the first words of what depends on the masses of bodies, a row each.
         rotations: the words of rotations, 12 a row.
         units: the words of quaternions, 4 a row, with 0 in place of the fourth one of the normal of a plane.
+        axes: the first words of axes of bodies, 3 a row, which may be zero.
         small: words with integers of 4 bytes: at which stop a motor is.
         heads: words of the heads of angular motors.
         samples: words of which the second integer stays as it is.
@@ -151,6 +152,7 @@ class _Plan(NamedTuple):
     rotations: NDArray[np.int64]
     quaternions: NDArray[np.int64]
     normals: NDArray[np.int64]
+    axes: NDArray[np.int64]
     stops: NDArray[np.int64]
     heads: NDArray[np.int64]
     samples: NDArray[np.int64]
@@ -188,7 +190,7 @@ class _Planner:
 
     def plan(self) -> _Plan:
         """All of it."""
-        widths = {"masses": 30, "rotations": 12, "quaternions": 4, "normals": 3, "heads": _HEAD}
+        widths = {"masses": 30, "rotations": 12, "quaternions": 4, "normals": 3, "axes": 3, "heads": _HEAD}
         indices = {
             name: np.array(starts, np.int64).reshape(-1, 1) + np.arange(widths.get(name, 1))
             for name, starts in self.places.items()
@@ -244,7 +246,8 @@ def _add_body(words: _Planner, distance: float) -> None:
     words.add(4, -FINITE, FINITE)
     words.add(8, -FINITE, FINITE)  # velocities
     words.skip(8)  # efforts may be any: the step stops bodies with such ones (begin_motion)
-    words.add(4, -FINITE, FINITE)  # an axis that is not used
+    words.note("axes")
+    words.add(4, -FINITE, FINITE)  # the one about which it turns exactly
     words.add(1, -math.inf, math.inf)  # time until it falls asleep
     words.note("samples")
     words.skip()  # steps until then, and how many samples are averaged
@@ -304,7 +307,8 @@ def _check(plan: _Plan, words: Words, before: Words) -> None:
     matrices = words[plan.rotations].reshape(-1, 3, 4)[:, :, :3]
     error = np.abs(np.matmul(matrices, matrices.transpose(0, 2, 1)) - np.eye(3))
     _require((error <= _UNIT).all() and (np.linalg.det(matrices) > 0.0).all(), "a rotation in it is none")
-    for units in (words[plan.quaternions], words[plan.normals]):
+    axes = words[plan.axes]
+    for units in (words[plan.quaternions], words[plan.normals], axes[axes.any(axis=1)]):
         _require((np.abs((units * units).sum(axis=1) - 1.0) <= _UNIT).all(), "a direction in it has not length 1")
     masses = words[plan.masses]
     changed = (masses.view(np.int64) != before[plan.masses].view(np.int64)).any(axis=1)

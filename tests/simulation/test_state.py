@@ -183,6 +183,34 @@ def test_states_are_bytes_that_can_be_pickled_and_compared(world):
     assert world.get_state() != state
 
 
+BODY_SETTERS = {
+    "SetGravityMode": (False,),
+    "SetFiniteRotationMode": (1,),
+    "SetFiniteRotationAxis": (0.0, 1.0, 1.0),
+    "SetForce": ((1.0, 2.0, 3.0),),
+    "SetTorque": (0.1, 0.2, 0.3),
+    "SetLinearVel": ((0.5, 0.0, 0.0),),
+    "set_auto_disable": (True,),
+    "set_damping": (0.1, 0.2),
+    "set_kinematic": (True,),
+}
+
+
+@pytest.mark.parametrize("name", BODY_SETTERS)
+def test_what_was_set_of_a_body_returns_in_a_world_without_it(world, name):
+    before = world.get_state()
+    getattr(world.body("box"), name)(*BODY_SETTERS[name])
+    after = world.get_state()
+    for state in (before, after):
+        world.set_state(state)
+        assert world.get_state() == state
+    world.step(20)
+    seen = world.engine.states.tobytes()
+    world.set_state(after)
+    world.step(20)
+    assert world.engine.states.tobytes() == seen
+
+
 def test_clients_stay_connected(wire):
     with libgz.World.from_string(ROBOTS, server_id=wire) as world, libgz.Client(wire, 0) as client:
         world.step(20)

@@ -281,6 +281,18 @@ def test_large_numbers_are_refused(world):
             assert engine.get_state() == state
 
 
+def test_an_axis_about_which_a_body_turns_exactly_has_length_1(world):
+    engine = world.engine
+    body = next(iter(engine.bodies.values()))
+    body.SetFiniteRotationAxis(0.0, 0.0, -1.0)
+    state = engine.get_state()
+    at = state["memory"].index(struct.pack("3d", 0.0, 0.0, -1.0))
+    memory = state["memory"][:at] + struct.pack("d", 1e100) + state["memory"][at + 8 :]
+    with pytest.raises(StateError, match="has not length 1"):
+        engine.set_state({**state, "memory": memory})
+    assert engine.get_state() == state
+
+
 def test_states_have_the_limit_of_all_that_is_decompressed(monkeypatch):
     state = encode(bytes(2 << 20))
     monkeypatch.setenv(VARIABLE, "1")

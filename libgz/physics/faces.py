@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from libgz.base.errors import ParameterError
 from libgz.physics.outlines import joined, triangulate
 
-__all__ = ["cut_fans", "cut_polygons", "cut_strips"]
+__all__ = ["Effort", "cut_fans", "cut_polygons", "cut_strips"]
 
 Corners = NDArray[np.int64]
 
@@ -23,7 +23,24 @@ MOST_CUT = 50_000_000  # sum of the squares of the corners of concave polygons t
 ROUNDING = 1e-9  # of the squares of sides, below which a corner is straight
 
 
-def cut_polygons(counts: Corners, points: NDArray[np.float64], holes: NDArray[np.bool_] | None = None) -> Corners:
+class Effort:
+    """What may still be spent on the concave polygons of one mesh, whose faces are in groups."""
+
+    def __init__(self) -> None:
+        self._left = MOST_CUT
+
+    def allows(self, corners: int) -> bool:
+        """Whether a polygon of so many corners may be cut; it is counted."""
+        self._left -= corners * corners
+        return self._left >= 0
+
+
+def cut_polygons(
+    counts: Corners,
+    points: NDArray[np.float64],
+    holes: NDArray[np.bool_] | None = None,
+    effort: Effort | None = None,
+) -> Corners:
     """Triangles of polygons, in the order of the polygons, shape (m, 3).
 
     Convex polygons become fans of their first corners, concave ones and those with holes are cut by ears (Meisters,
@@ -34,6 +51,7 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64], holes: NDArray[np
         counts: of corners of each polygon; those with less than three have no triangle.
         points: positions of all corners [m], shape (n, 3).
         holes: which polygons are holes in the last one before that is none; None for no holes.
+        effort: of the mesh; None if it has no other polygons.
 
     Raises:
         ValueError: the polygons have more corners than there are.
@@ -47,11 +65,10 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64], holes: NDArray[np
         plain &= ~holes
     plain[list(inner)] = False
     found: list[tuple[Corners, Corners]] = []  # (polygon of each triangle, triangles)
-    left = MOST_CUT
+    effort = effort or Effort()
     for polygon, around in inner.items():
         rings = [starts[k] + np.arange(counts[k]) for k in (polygon, *around)]
-        left -= int(sum(map(len, rings))) ** 2
-        cut = _cut_around(points, rings, left >= 0)
+        cut = _cut_around(points, rings, effort.allows(sum(map(len, rings))))
         found.append((np.full(len(cut), polygon), cut))
     for count in np.unique(counts[plain]).tolist():
         which = np.flatnonzero(plain & (counts == count))
@@ -61,8 +78,7 @@ def cut_polygons(counts: Corners, points: NDArray[np.float64], holes: NDArray[np
         fan = np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
         found.append((np.repeat(which[~concave], len(fan)), corners[~concave][:, fan].reshape(-1, 3)))
         for polygon, own in zip(which[concave].tolist(), corners[concave], strict=True):
-            left -= count * count
-            cut = own[_ears(points[own], fan) if left >= 0 else fan]
+            cut = own[_ears(points[own], fan) if effort.allows(count) else fan]
             found.append((np.full(len(cut), polygon), cut))
     if not found:
         return np.zeros((0, 3), dtype=np.int64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,7 @@ from libgz.base.files import open_file
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["open_image"]
+__all__ = ["open_image", "quiet"]
 
 MOST_PIXELS = 8192 * 8192
 # Formats of pillow that are plain image files: no others, such as EPS, which runs another program. They are tried in
@@ -24,6 +25,17 @@ FORMATS += ("DDS", "ICO", "JPEG2000", "PCX", "SGI", "TGA", "TIFF", "WEBP", "XPM"
 
 class _TooLarge(GazeboError):
     pass
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Without pillow's warnings, of which a damaged TIFF file causes one for each tag, as long as its names.
+
+    Filters of warnings are those of all threads: another one may lose pillow's warnings too, and no others.
+    """
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module=r"PIL\.")
+        yield
 
 
 @contextlib.contextmanager
@@ -40,11 +52,15 @@ def open_image(path: Path, most_pixels: int = MOST_PIXELS) -> Iterator[Image.Ima
     from PIL import Image, UnidentifiedImageError  # here, because most worlds read no image
 
     try:
-        with open_file(path) as file, Image.open(file, formats=FORMATS) as image:
-            if image.width * image.height > most_pixels:
-                raise _TooLarge(f"image {path} has {image.width} x {image.height} pixels; {most_pixels} are allowed")
-            image.load()
-            yield image
+        with open_file(path) as file:
+            with quiet():
+                image = Image.open(file, formats=FORMATS)
+                if image.width * image.height > most_pixels:
+                    wide, high = image.size
+                    raise _TooLarge(f"image {path} has {wide} x {high} pixels; {most_pixels} are allowed")
+                image.load()
+            with image:
+                yield image
     except GazeboError:
         raise
     except MemoryError:

@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from libgz.base.errors import GazeboError
 from libgz.base.extras import install
 from libgz.base.files import is_file, open_file, read_file, read_text
-from libgz.physics.faces import cut_fans, cut_polygons, cut_strips
+from libgz.physics.faces import Effort, cut_fans, cut_polygons, cut_strips
+from libgz.physics.image_files import quiet
 from libgz.physics.mesh_parts import MeshPart, NamedImage, Texture
 from libgz.physics.meshes import triangle_normals, units
 
@@ -39,13 +40,17 @@ __all__ = [
 log = logging.getLogger("libgz.physics")
 
 Array = NDArray[np.float64]
+Found = TypeVar("Found")
 
 MOST_TRIANGLES = 20_000_000
+# Triangles of an OBJ file, beside one for each so many bytes, for a face may have any number of corners.
+MOST_SMALL, TRIANGLE = 1_000_000, 8
 MOST_KEPT = 256 << 20  # bytes of meshes that were read
 TEXT_START = 4096  # bytes of an STL file in which a text has its first vertex
 # Characters that are read because references of a COLLADA document lead to them, each time; and as many as the file's
 # own times so many. An element takes as long as so many characters.
 MOST_READ, TIMES_READ, ELEMENT = 2 << 30, 8, 500
+ARCHIVES = ("bz2", "gz", "tar", "zip")  # which trimesh reads, to any size
 LARGEST_FILE = 4 << 30  # bytes; 20 million triangles have less
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
 LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says
@@ -191,10 +196,19 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
         import trimesh  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
         raise GazeboError(f"{what} {path} needs the package trimesh: {install('mesh')}") from None
+    kind = path.suffix.lower().removeprefix(".")
+    if kind in ARCHIVES:
+        raise GazeboError(f"{what} {path} cannot be read: it is an archive")
+
+    class Files(trimesh.resolvers.FilePathResolver):  # type: ignore[misc, unused-ignore]
+        def get(self, name: str) -> bytes:
+            """The bytes of a file that this one names, such as the numbers of a glTF file."""
+            return read_file(Path(self.parent) / name.strip())
+
     try:
-        with open_file(path):  # which checks it
-            loaded: Any = trimesh.load(path, force="scene")
-        parts = loaded.dump()
+        with open_file(path) as file, quiet():
+            loaded: Any = trimesh.load(file, file_type=kind, force="scene", resolver=Files(str(path)))
+            parts = loaded.dump()
     except Exception as error:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
         raise GazeboError(f"{what} {path} cannot be read: {error}") from None
     return [part for part in parts if len(getattr(part, "faces", ()))]
@@ -298,7 +312,9 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
     looks: dict[str, _Look] = {}
     groups: dict[tuple[str, str], _Faces] = {}
     name = material = ""
-    for line in read_text(path).replace("\\\n", " ").splitlines():
+    text, total = read_text(path), 0
+    most = min(MOST_TRIANGLES, MOST_SMALL + len(text) // TRIANGLE)
+    for line in text.replace("\\\n", " ").splitlines():
         key, rest = (*line.split(None, 1), "", "")[:2]  # spaces and tabs, as in Gazebo
         if key == "v":
             vertices.append(rest.split())
@@ -317,7 +333,12 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
                     looks |= _read_mtl(library)
         elif key == "f":
             group = groups.setdefault((name, material), _Faces())
-            group.add(rest.split(), (len(vertices), len(coordinates), len(normals)))
+            words = rest.split(None, most + 2)
+            total += max(len(words) - 2, 0)
+            if total > most:  # before they are kept
+                raise GazeboError(f"mesh {path} has more than {most} triangles")
+            group.add(words, (len(vertices), len(coordinates), len(normals)))
+    effort = Effort()
     # Each table once, for there may be as many groups as rows.
     points, table, directions = _positions(vertices), _texels(_table(coordinates, 2)), _directions(_table(normals, 3))
     for (name, material), faces in groups.items():
@@ -325,7 +346,7 @@ def _read_obj(path: Path, libraries: dict[Path, int]) -> Iterator[MeshPart]:
         corners, texels, lit = (np.array(rows, dtype=np.int64) for rows in faces.rows)
         if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
             raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
-        cut = cut_polygons(np.array(faces.counts), points[corners])
+        cut = cut_polygons(np.array(faces.counts), points[corners], effort=effort)
         image = NamedImage(look.image, look.file) if look is not None and look.image else None
         placed = _rows(table, texels[cut])
         texture = Texture(image, placed) if image is not None or (placed is not None and texels.max() >= 0) else None
@@ -505,8 +526,10 @@ class Collada:
         self.nodes = 0  # visited, and geometries in them
         self.above: list[Any] = []  # the nodes that are being visited
         self.ids = {element.get("id"): element for element in self.root.iter(etree.Element) if "id" in element.attrib}
+        self._effort = Effort()
         self._looks: dict[str, _Effect] = {}
         self._sizes: dict[Any, int] = {}  # of what references lead to
+        self._found: dict[tuple[Any, ...], Any] = {}  # numbers that were read, or the error that reading them raised
 
     @staticmethod
     def tag(element: Any) -> str:
@@ -538,6 +561,24 @@ class Collada:
         if self._left < 0:
             raise ValueError("its parts refer to each other so often that reading it takes too long")
         return found
+
+    def once(self, read: Callable[..., Found], *what: Any) -> Found:
+        """What `read` makes of a part of the document: read once, for what is instanced may be so often.
+
+        Raises:
+            ValueError, OverflowError, IndexError: it is damaged.
+        """
+        key = (read.__name__, *what)
+        if key not in self._found:
+            try:
+                self._found[key] = read(*what)
+            except (ValueError, OverflowError, IndexError) as error:
+                self._found[key] = error
+        found = self._found[key]
+        if isinstance(found, Exception):
+            found.__traceback__ = None  # it would grow each time
+            raise found
+        return found  # type: ignore[no-any-return]
 
     def first(self, elements: Iterable[Any], what: str) -> Any:
         """The first of several elements.
@@ -633,12 +674,13 @@ class Collada:
         for mesh in self.all(geometry, "mesh"):
             for group in self.groups(mesh):
                 points, triangles, cut = self.primitive(group)
-                points = points @ frame[:3, :3].T + frame[:3, 3]
                 material = bound.get(group.get("material"))
                 look = self.look(material)
                 texture = self.texture(material, group, cut)
                 shading = self.normals(group, cut, frame)
-                yield used(name or geometry.get("name", ""), points, triangles, look.color, texture, shading)
+                part = used(name or geometry.get("name", ""), points, triangles, look.color, texture, shading)
+                part.vertices = part.vertices @ frame[:3, :3].T + frame[:3, 3]  # after others are left out
+                yield part
 
     def groups(self, mesh: Any) -> Iterator[Any]:
         """The groups of faces of a mesh."""
@@ -657,13 +699,18 @@ class Collada:
             return None
         try:
             corners = self.corners(group, own if own is not None else vertex)
-            table = self.rows(self.target(given.get("source")), 3)
-            return _rows(_directions(table @ np.linalg.inv(frame[:3, :3])), corners[cut])
+            lit = _rows(self.rows(self.target(given.get("source")), 3), corners[cut])
+            # Only those that are used: a geometry of one triangle may be instanced again and again.
+            turned = _directions(lit.reshape(-1, 3) @ np.linalg.inv(frame[:3, :3])) if lit is not None else None
+            return turned.reshape(-1, 3, 3) if turned is not None and len(turned) else None
         except (ValueError, OverflowError, IndexError):
             return None
 
     def primitive(self, group: Any) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
         """(positions, triangles, the corners of the group that those of the triangles are) of one group of faces."""
+        return self.once(self._primitive, group)
+
+    def _primitive(self, group: Any) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
         vertex = self.first(self.inputs(group, "VERTEX"), "an <input> of vertices")
         given = self.all(self.target(vertex.get("source")), "input")
         positions = self.first((i for i in given if i.get("semantic") == "POSITION"), "an <input> of positions")
@@ -688,6 +735,9 @@ class Collada:
 
     def corners(self, group: Any, wanted: Any) -> NDArray[np.int64]:
         """The numbers of one input for all corners of a group, in their order."""
+        return self.once(self._corners, group, wanted)
+
+    def _corners(self, group: Any, wanted: Any) -> NDArray[np.int64]:
         stride, offset = self.stride(group), int(wanted.get("offset", "0"))
         found = [run[offset::stride] for run in self.runs(group)]
         return np.concatenate(found) if found else np.zeros(0, dtype=np.int64)
@@ -699,12 +749,12 @@ class Collada:
             return np.arange(len(corners) // 3 * 3).reshape(-1, 3)
         if kind == "polylist":
             counts = read_numbers(self.first(self.deep(group, "vcount"), "<vcount>").text, np.int64)
-            return cut_polygons(counts, points[corners])
+            return cut_polygons(counts, points[corners], effort=self._effort)
         stride = self.stride(group)
         counts = np.array([-(-len(run) // stride) for run in self.runs(group)], dtype=np.int64)
         if kind == "polygons":
             holes = np.array([self.tag(run) == "h" for run in group.iter("{*}p", "{*}h")], dtype=bool)
-            return cut_polygons(counts, points[corners], holes)
+            return cut_polygons(counts, points[corners], holes, self._effort)
         return cut_strips(counts) if kind == "tristrips" else cut_fans(counts)
 
     def texture(self, material: Any, group: Any, cut: NDArray[np.int64]) -> Texture | None:
@@ -713,7 +763,7 @@ class Collada:
         try:
             chosen = self.coordinate_input(material, group, look.coordinates)
             corners = self.corners(group, chosen)
-            coordinates = _rows(_texels(self.rows(self.target(chosen.get("source")))), corners[cut])
+            coordinates = _rows(self.once(self._coordinates, self.target(chosen.get("source"))), corners[cut])
         except (ValueError, OverflowError, IndexError):
             coordinates = None
         image = NamedImage(look.image, self.path) if look.image else None
@@ -740,6 +790,9 @@ class Collada:
         Raises:
             ValueError: they are damaged.
         """
+        return self.once(self._rows, source, columns)
+
+    def _rows(self, source: Any, columns: int) -> Array:
         array = self.first(self.deep(source, "float_array"), "<float_array>")
         numbers = read_numbers(array.text)
         accessor = next(self.deep(source, "accessor"), None)
@@ -749,6 +802,9 @@ class Collada:
         if stride < columns:
             raise ValueError(f"rows of {columns} numbers have a stride of {stride}")
         return numbers[: len(numbers) // stride * stride].reshape(-1, stride)[:, :columns]
+
+    def _coordinates(self, source: Any) -> Array:
+        return _texels(self.rows(source))
 
     def look(self, material: Any) -> _Effect:
         """What the material of an `<instance_material>` looks like; nothing is set without one."""

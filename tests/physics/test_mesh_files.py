@@ -1,5 +1,7 @@
 """Mesh files: what formats allow and programs write is read; what a scene instantiates is bounded."""
 
+import json
+import os
 import struct
 
 import numpy as np
@@ -7,7 +9,7 @@ import pytest
 from sample_files import sample
 
 from libgz.base.errors import GazeboError
-from libgz.physics import mesh_files
+from libgz.physics import faces, mesh_files
 from libgz.physics.mesh_files import read_mesh
 
 NODE = '<node id="n">'
@@ -244,3 +246,81 @@ def test_meshes_are_read_once_as_long_as_they_fit(file, monkeypatch):
     assert read == []
     read_mesh(paths[50])
     assert read == ["50"]
+
+
+# What a hostile file may cost ----------------------------------------------------------------------------------------
+
+
+def test_numbers_of_an_instanced_geometry_are_read_once(read, monkeypatch):
+    texts, numbers = [], mesh_files.read_numbers
+    monkeypatch.setattr(mesh_files, "read_numbers", lambda text, *kind: texts.append(text) or numbers(text, *kind))
+    read(NODE, NODE)
+    once = [text for text in texts if len(text) > 40]
+    texts.clear()
+    read('<instance_node url="#n"/>', '<instance_node url="#n"/>' * 20)
+    assert [text for text in texts if len(text) > 40] == once != []
+
+
+def test_an_obj_has_no_more_triangles_than_its_bytes_may_name(file, monkeypatch):
+    monkeypatch.setattr(mesh_files, "MOST_SMALL", 10)
+    path = file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + " 1" * 1000)
+    kept = []
+    monkeypatch.setattr(mesh_files._Faces, "add", lambda *_: kept.append(0))
+    with pytest.raises(GazeboError, match=r"a\.obj has more than \d+ triangles"):
+        read_mesh(path)
+    assert kept == []
+
+
+@pytest.mark.parametrize("kind", ["obj", "dae"])
+def test_all_groups_of_a_mesh_share_what_cutting_may_cost(file, monkeypatch, kind):
+    monkeypatch.setattr(faces, "MOST_CUT", 2 * 36)
+    cut, ears = [], faces._ears
+    monkeypatch.setattr(faces, "_ears", lambda *given: cut.append(0) or ears(*given))
+    corners = np.array(L_SHAPE.split()).reshape(-1, 3)
+    group = f'<polygons count="1">{VERTEX}<p>0 1 2 3 4 5</p></polygons>'
+    vertices = "".join(f"v {' '.join(row)}\n" for row in corners)
+    contents = {
+        "obj": vertices + "".join(f"g {k}\nf 1 2 3 4 5 6\n" for k in range(5)),
+        "dae": DOCUMENT.format(asset="", points=L_SHAPE, faces=group * 5, scene=SECOND),
+    }
+    assert len(read_mesh(file(f"a.{kind}", contents[kind]))) == 5
+    assert len(cut) == 2
+
+
+@pytest.mark.parametrize("name", ["a.zip", "a.tar.gz", "a.bz2"])
+def test_archives_are_no_meshes(file, name):
+    pytest.importorskip("trimesh")
+    with pytest.raises(GazeboError, match="it is an archive"):
+        read_mesh(file(name, b""))
+
+
+def test_other_formats_are_read_from_what_was_opened(file, monkeypatch):
+    trimesh = pytest.importorskip("trimesh")
+    given, load = [], trimesh.load
+    monkeypatch.setattr(trimesh, "load", lambda source, **more: given.append(source) or load(source, **more))
+    (part,) = read_mesh(file("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"))
+    assert len(part.triangles) == 1
+    assert hasattr(given[0], "read")
+
+
+def test_a_pipe_that_a_gltf_names_is_not_waited_for(tmp_path, file):
+    pytest.importorskip("trimesh")
+    os.mkfifo(tmp_path / "numbers")
+    contents = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "numbers", "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    }
+    writer = os.open(tmp_path / "numbers", os.O_RDWR)  # so that no reader waits in the test
+    try:
+        os.set_blocking(writer, False)
+        os.write(writer, b"secret")
+        with pytest.raises(GazeboError, match="it is a pipe, not a file"):
+            read_mesh(file("a.gltf", json.dumps(contents)))
+        assert os.read(writer, 10) == b"secret"
+    finally:
+        os.close(writer)

@@ -225,6 +225,12 @@ def too_large_a_mesh(folder, monkeypatch):
     read_mesh(folder / "a.dae")
 
 
+def an_archive(folder, monkeypatch):
+    pytest.importorskip("trimesh")
+    (folder / "a.zip").write_bytes(b"")
+    read_mesh(folder / "a.zip")
+
+
 def too_many_bones(folder, monkeypatch):
     monkeypatch.setattr(skeletons, "MOST_KEYS", 1)
     (folder / "a.dae").write_text(two_bones())
@@ -272,6 +278,7 @@ MORE = {
     ("libgz/physics/mesh_files.py", "its parts refer to each other so often that reading it takes too long"): (
         too_many_references
     ),
+    ("libgz/physics/mesh_files.py", "{} {} cannot be read: it is an archive"): an_archive,
     ("libgz/physics/mesh_files.py", "mesh {} is larger than {} MiB"): too_large_a_mesh,
     ("libgz/physics/mesh_files.py", "its scene has more than {} nodes and geometries"): too_many_nodes,
     ("libgz/physics/mesh_files.py", "mesh {} has more than {} triangles"): too_many_triangles,

@@ -25,6 +25,7 @@ import libgz
 from libgz.classic.transport import TopicManager, serve
 
 PAIRS, LIMIT = 15, 0.05
+LIMIT_OF_COMMANDS = 2.0  # what their messages ask for may take as long as all else; then native code makes single steps
 SETTLING, BLOCK = 0.5, 0.7  # [s]
 BOXES = 20
 BOX = """<model name='b{i}'><allow_auto_disable>0</allow_auto_disable><pose>{i} 0 0.5 0 0 0</pose><link name='l'>
@@ -40,7 +41,10 @@ ATTACKS = {
     "sinks": "300 subscribers to poses that read nothing",
     "parts": "400 connections with nearly all of a packet of 64 KiB",
     "flood": "a publisher of messages of 1 MiB to ~/factory",
+    "lists": "a publisher of messages with 9,999 parts to ~/model/modify",
+    "resets": "a publisher of resets to ~/world_control",
 }
+COMMANDS = "lists", "resets"
 HELD = (64 + 128 + 64) << 20  # [bytes] of all bounds together
 
 ATTACKER = r"""
@@ -58,7 +62,7 @@ def packet(kind, content):
 
 def connect(port, data=b""):
     made = socket.socket()
-    made.settimeout(2.0 if kind == "flood" else 0.2)
+    made.settimeout(2.0 if kind in FLOODS else 0.2)
     try:
         made.connect(("127.0.0.1", port))
         made.sendall(data)
@@ -71,7 +75,15 @@ def release():
         made.close()
     kept.clear()
 
-field_of_a_mebibyte = b"\x12\xfc\xff\x3f" + b"x" * ((1 << 20) - 4)  # a name of a file
+def framed(data):
+    return b"%08x" % len(data) + data
+
+# of each the topic, the type, and what is sent
+FLOODS = {
+    "flood": (b"factory", b"Factory", framed(b"\x12\xfc\xff\x3f" + b"x" * ((1 << 20) - 4))),  # a name of a file
+    "lists": (b"model/modify", b"Model", framed(b"\x0a\x02b1" + b"\x42\x03\x0a\x01v" * 9999)),
+    "resets": (b"world_control", b"WorldControl", framed(b"\x22\x02\x08\x01") * 100),
+}
 REQUEST = packet(b"request", b"\x08\x01\x12\x0aget_topics")
 SUBSCRIBE = packet(b"sub", field(1, b"/gazebo/default/pose/info") + field(2, b"127.0.0.1") + b"\x18\x01"
                    + field(4, b"gazebo.msgs.PosesStamped"))
@@ -126,13 +138,15 @@ while True:
         connect(topics, SUBSCRIBE)
     elif kind == "parts" and len(kept) < 400:
         connect(master, b"0000ffff" + b"x" * 65000)
-    elif kind == "flood":
+    elif kind in FLOODS:
+        topic, type_name, content = FLOODS[kind]
         if not kept:
             listener = socket.create_server(("127.0.0.1", 0))
             listener.settimeout(2.0)
             kept.append(listener)
             port = listener.getsockname()[1]
-            about = field(1, b"/gazebo/default/factory") + field(2, b"gazebo.msgs.Factory") + field(3, b"127.0.0.1")
+            about = field(1, b"/gazebo/default/" + topic) + field(2, b"gazebo.msgs." + type_name)
+            about += field(3, b"127.0.0.1")
             digits = bytes([port & 127 | 128, port >> 7 & 127 | 128, port >> 14])
             connect(master, packet(b"advertise", about + b"\x20" + digits))
             try:
@@ -143,7 +157,7 @@ while True:
                 release()
                 continue
         try:
-            rest = rest or b"%08x" % (1 << 20) + field_of_a_mebibyte
+            rest = rest or content
             rest = rest[kept[-1].send(rest):]
         except OSError:
             time.sleep(0.001)
@@ -215,7 +229,8 @@ def main() -> int:
                 for kind, what in ((kind, what) for kind, what in ATTACKS.items() if kind in wanted):
                     held = Held()
                     cpu, wall = measure(world, attacker, kind, pairs, held)
-                    missed += interval(cpu)[0] > 1.0 + LIMIT or held.most > HELD
+                    limit = LIMIT_OF_COMMANDS if kind in COMMANDS else LIMIT
+                    missed += interval(cpu)[0] > 1.0 + limit or held.most > HELD
                     print(f"{text_of(cpu)} CPU, {text_of(wall)} wall, {held}: {what}", flush=True)
                 print("the server answers" if link.connected() else "the server does not answer")
                 missed += not link.connected()

@@ -28,6 +28,7 @@ from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
+from libgz.classic.transport.manager import TopicManager
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
@@ -133,13 +134,17 @@ class Commands:
     def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A subscriber's callback for a handler."""
 
+        agenda, manager = self._world.core.agenda, TopicManager.Instance()
+
         def on_message(message: Any) -> None:
+            before = len(agenda.deferred)
             try:
                 handler(message)
             except GazeboError as error:
                 self._report(topic, str(error))
             except Exception as error:  # noqa: BLE001 - the subscription must not end
                 self._report(topic, f"a message could not be handled: {error!r}", error)
+            manager.changes += max(0, len(agenda.deferred) - before)
 
         return on_message
 

@@ -29,6 +29,7 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
+from libgz.classic.transport.elements import MOST_OF_COMMANDS
 from libgz.classic.transport.publisher import drop_waiting, queue_message, waiting_messages
 from libgz.classic.user_commands import Handlers, UserCommands
 from libgz.simulation.world import World as CoreWorld
@@ -202,10 +203,13 @@ class WorldTopics:
             "~/world_control": (commands.world_control, msgs.WorldControl),
             "/gazebo/server/control": (commands.server_control, msgs.ServerControl),
         }
-        return [
-            self._node.Subscribe(topic, commands.guarded(topic, handler), kind=kind)
-            for topic, (handler, kind) in handlers.items()
-        ]
+        return [self._obey(topic, handler, kind) for topic, (handler, kind) in handlers.items()]
+
+    def _obey(self, topic: str, handler: Callable[[Any], None], kind: type[Any]) -> Subscriber:
+        """Have the messages of a topic handled, if they are not too large for that."""
+        subscriber = self._node.Subscribe(topic, self._commands.guarded(topic, handler), kind=kind)
+        self._manager.topic(subscriber.GetTopic()).elements = MOST_OF_COMMANDS
+        return subscriber
 
     def save(self) -> list[tuple[str, Any]]:
         """The messages of this process that wait for delivery, as plain data.
@@ -274,10 +278,7 @@ class WorldTopics:
         for link in model.GetLinks() if not model.IsStatic() else ():
             name = link.GetScopedName()
             handlers[f"~/{name}/wrench"] = functools.partial(commands.wrench, name), msgs.Wrench
-        return [
-            self._node.Subscribe(topic.replace("::", "/"), commands.guarded(topic, handler), kind=kind)
-            for topic, (handler, kind) in handlers.items()
-        ]
+        return [self._obey(topic.replace("::", "/"), handler, kind) for topic, (handler, kind) in handlers.items()]
 
     def removed(self, entity: Model | Light) -> None:
         """End the topics of an entity, and publish that it was deleted."""
@@ -292,7 +293,7 @@ class WorldTopics:
     @property
     def idle(self) -> bool:
         """Whether `update` has nothing to do now."""
-        if self._manager.queue or self._records or self._world.Physics().GetContactManager().filtered:
+        if self._manager.waits or self._records or self._world.Physics().GetContactManager().filtered:
             return False
         if any(one.listened and time.monotonic() >= one.due for one in self._periodic):
             return False
@@ -319,6 +320,8 @@ class WorldTopics:
                 manager.release(self)
         manager.PublishContacts()
         self._manager.ProcessNodes()
+        if self._manager.changes:  # those that messages asked for were deferred
+            self._world.core.after_step(self._manager.allowance.spend)
 
     def _publish_links(self) -> None:
         """Publish the velocities of links with an IMU, in each iteration."""

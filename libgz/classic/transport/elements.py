@@ -1,6 +1,6 @@
-"""Elements: how many texts and messages the lists of a message have, counted before it is decoded.
+"""Elements: how many messages a message has in it, and texts in lists, counted before it is decoded.
 
-In its bytes an empty element takes two, decoded a hundred times as many, and each costs its handler microseconds.
+In its bytes an empty element takes two, decoded a hundred times as many, and each costs its handler up to 0.1 ms.
 """
 
 from __future__ import annotations
@@ -10,26 +10,27 @@ from typing import Any
 
 from libgz.base.errors import ParameterError
 
-__all__ = ["check_elements"]
+__all__ = ["MOST", "MOST_OF_COMMANDS", "check_elements"]
 
-MOST = 100_000  # texts and messages in the lists of a message
-MOST_FIELDS = 10 * MOST  # that are looked at
+MOST = 100_000  # messages, and texts in lists, in a message
+MOST_OF_COMMANDS = 10_000  # the same in one that a world's own handlers take
+FIELDS = 10  # that are looked at, for each of those
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5  # types on the wire
 
 
-def check_elements(kind: Any, data: bytes) -> None:
-    """Raise ParameterError if the bytes of a message of some type (its descriptor) have more than MOST elements.
+def check_elements(kind: Any, data: bytes, most: int = MOST) -> None:
+    """Raise ParameterError if the bytes of a message of some type (its descriptor) have more than `most` elements.
 
     Damaged bytes are not refused: who decodes them does that.
     """
-    if len(data) > 2 * MOST and _lists(kind):
+    if len(data) > 2 * most and _lists(kind):
         try:
-            _count(kind, data)
+            _count(kind, data, most)
         except IndexError:
             return
 
 
-def _count(kind: Any, data: bytes) -> None:
+def _count(kind: Any, data: bytes, most: int) -> None:
     elements = fields = 0
     waiting = [(kind, 0, len(data))]
     while waiting:
@@ -42,14 +43,14 @@ def _count(kind: Any, data: bytes) -> None:
                 _, at = _varint(data, at)
             elif wire == _BYTES:
                 size, at = _varint(data, at)
-                listed, inner = known.get(tag >> 3, (False, None))
-                elements += listed
+                counted, inner = known.get(tag >> 3, (False, None))
+                elements += counted
                 if inner is not None:
                     waiting.append((inner, at, min(at + size, end)))
             at += {_FIXED64: 8, _FIXED32: 4}.get(wire, size)
             fields += 1
-            if elements > MOST or fields > MOST_FIELDS:
-                raise ParameterError(f"its lists have more than {MOST} texts and messages, or it has too many fields")
+            if elements > most or fields > FIELDS * most:
+                raise ParameterError(f"it has more than {most} messages and texts in lists in it, or too many fields")
 
 
 def _varint(data: bytes, at: int) -> tuple[int, int]:
@@ -66,13 +67,18 @@ def _varint(data: bytes, at: int) -> tuple[int, int]:
 
 @functools.lru_cache(1000)
 def _fields(kind: Any) -> dict[int, tuple[bool, Any]]:
-    """The fields that matter, by number: whether they are lists, and the type of messages with lists in them."""
+    """The fields that matter, by number: whether they are counted, and the type of messages with more of them."""
     found = {}
     for field in kind.fields:
         inner = field.message_type
-        listed = field.is_repeated and (inner is not None or field.type == field.TYPE_STRING)
-        found[field.number] = listed, inner if inner is not None and _lists(inner) else None
+        counted = inner is not None or (field.is_repeated and field.type == field.TYPE_STRING)
+        found[field.number] = counted, inner if inner is not None and _fields_of(inner) else None
     return {number: one for number, one in found.items() if any(one)}
+
+
+def _fields_of(kind: Any) -> bool:
+    """Whether messages of a type have something in them that is counted."""
+    return any(one.message_type is not None or (one.is_repeated and one.type == one.TYPE_STRING) for one in kind.fields)
 
 
 @functools.lru_cache(1000)

@@ -14,7 +14,7 @@ from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.names import takes_names
 from libgz.classic.transport.elements import check_elements
-from libgz.classic.transport.received import Received
+from libgz.classic.transport.received import Allowance, Received
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
 from libgz.physics.lock import WorldLock
 
@@ -22,6 +22,7 @@ __all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
 
 PATIENCE = 0.02  # [s] of waiting for another thread that delivers
 DELIVERY_PERIOD = 0.001  # [s] between deliveries of a DeliveryThread
+CHANGES = 16  # of worlds that messages of other processes lead to in an iteration; later ones wait for the next
 
 
 class Remote(Protocol):
@@ -63,7 +64,12 @@ class TopicManager:
     """All topics of this process; `TopicManager.Instance()` is its only instance.
 
     Messages wait in the order in which they were published, from any thread, until `ProcessNodes` delivers them: the
-    server calls it after each iteration, so that callbacks run between iterations, in a fixed order.
+    server calls it after each iteration, so that callbacks run between iterations, in a fixed order. Those that come
+    from other processes follow, as far as a server has time for them.
+
+    Attributes:
+        allowance: the time that a server has for messages of other processes.
+        changes: deferred changes of worlds that such messages have led to in this iteration.
     """
 
     _instance: ClassVar[TopicManager | None] = None
@@ -71,6 +77,9 @@ class TopicManager:
     def __init__(self) -> None:
         self.topics: dict[str, Topic] = {}
         self.queue: deque[Callable[[], None]] = deque()
+        self.incoming: deque[Callable[[], None]] = deque()  # what other processes have sent
+        self.allowance = Allowance()
+        self.changes = 0
         self.delivering = threading.RLock()  # held while callbacks run
         self.received = Received()
         self.locks: set[WorldLock] = set()  # of the worlds that are to deliver messages of other processes at once
@@ -90,12 +99,17 @@ class TopicManager:
 
     # Delivery ----------------------------------------------------------------------------------------------------
 
+    @property
+    def waits(self) -> bool:
+        """Whether messages wait."""
+        return bool(self.queue or self.incoming)
+
     def ProcessNodes(self) -> None:
         """Deliver the messages published up to now; those that callbacks publish wait for the next call.
 
         So do all while another thread delivers: one of its callbacks may wait for the world that this thread steps.
         """
-        if not self.queue:
+        if not self.waits:
             return
         if not self.delivering.acquire(timeout=PATIENCE):
             return
@@ -115,8 +129,28 @@ class TopicManager:
                 except IndexError:
                     break
                 deliver()
+            self._deliver_incoming()
         finally:
             self._busy = False
+
+    def _deliver_incoming(self) -> None:
+        """Deliver messages of other processes: all to a client, to a server as long as they may take."""
+        bounded, self.changes = not self.trusting, 0
+        self.allowance.begin()
+        for _ in range(len(self.incoming)):
+            if bounded and (not self.allowance.left or self.changes >= CHANGES):
+                break
+            try:
+                deliver = self.incoming.popleft()
+            except IndexError:
+                break
+            deliver()
+            self.allowance.spend()
+
+    @property
+    def trusting(self) -> bool:
+        """Whether this is a client, which trusts its server, whose world may be large."""
+        return self.remote is not None and self.remote.client
 
     def PauseIncoming(self, pause: bool) -> None:
         """Stop delivering messages, or deliver them again."""
@@ -125,6 +159,7 @@ class TopicManager:
     def ClearBuffers(self) -> None:
         """Drop all waiting messages."""
         self.queue.clear()
+        self.incoming.clear()
         for topic in list(self.topics.values()):
             self.received.clear(topic)
             for publisher in topic.live_publishers():
@@ -230,7 +265,7 @@ class TopicManager:
     def receive(self, topic: Topic, message: Incoming, queue: deque[Callable[[], None]] | None = None) -> None:
         """Queue a message from another process, by default for `ProcessNodes`; any thread may call this."""
         if self.received.add(topic, message):
-            (self.queue if queue is None else queue).append(functools.partial(_receive, topic, self.received))
+            (self.incoming if queue is None else queue).append(functools.partial(_receive, topic, self.received))
             for lock in list(self.locks):
                 lock.interrupt()
 
@@ -331,9 +366,8 @@ def _receive(topic: Topic, received: Received) -> None:
         return
     try:
         kind = message_type(incoming.type_name)
-        remote = TopicManager.Instance().remote
-        if remote is None or not remote.client:  # clients trust their server, whose world may be large
-            check_elements(kind.DESCRIPTOR, incoming.data)
+        if not TopicManager.Instance().trusting:
+            check_elements(kind.DESCRIPTOR, incoming.data, topic.elements)
         message = kind.FromString(incoming.data)
     except (NotFoundError, ParameterError) as error:
         received.refuse(topic.name, f"a received message was dropped: {error}")

@@ -78,7 +78,8 @@ class Network:
         self._registered: set[str] = set()  # of this process
         self._ready = threading.Event()
         # Answers do not say what was asked. They come in the order of the questions, of which there is one at a time;
-        # one that comes late, after its question was given up, is not that of the next.
+        # one that comes late, after its question was given up, is not that of the next. If fewer come in time than
+        # were awaited, the master has left a question out, and the last one is that of the last question.
         self._answers: dict[str, Any] = {}
         self._awaited = collections.Counter[str]()  # answers that have not come
         self._answered = threading.Condition()
@@ -152,13 +153,15 @@ class Network:
         """Return the master's answer, one of the types in ANSWERS."""
         request = message_type("Request")(id=0, request=what, data=about)
         with self._asking, self._answered:
+            self._answers.pop(answer, None)
             self._awaited[answer] += 1
             self._loop.call(lambda: self._tell("request", request))
             self._answered.wait_for(lambda: not self._awaited[answer] or not self._master.open, ANSWER_PATIENCE)
             if not self._master.open:
                 raise GazeboError("The server has ended.")
-            if self._awaited[answer]:
+            if answer not in self._answers:
                 raise GazeboError(f"the master at {self.address.uri} did not answer in {ANSWER_PATIENCE:g} s")
+            self._awaited[answer] = 0
             return self._answers.pop(answer)
 
     def _receive_packet(self, data: bytes) -> None:
@@ -277,6 +280,8 @@ class Network:
         self, topic: Topic, key: _Key, type_name: str, target: int, subscriber: weakref.ref[LocalSubscriber] | None
     ) -> None:
         if not self.client and len(self._sources) >= SOURCES:
+            self._close_ended_sources()
+        if not self.client and len(self._sources) >= SOURCES:
             self._loop.warn("clients publish on more than %d topics; others are not received", SOURCES)
             return
         host, port = self._hosts.get(key, key[1]), key[2]
@@ -303,6 +308,13 @@ class Network:
         )
         connection.send(packet("sub", own))
         connection.start()
+
+    def _close_ended_sources(self) -> None:
+        """Close connections to publishers that have ended: at once, their last messages might be lost."""
+        for (key, target), connection in list(self._sources.items()):
+            if key not in self._publishers:
+                del self._sources[key, target]
+                connection.close()
 
     def _forget_source(self, key: _Key, target: int) -> None:
         self._sources.pop((key, target), None)

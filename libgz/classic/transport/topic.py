@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 
 from libgz.base.errors import ParameterError
 from libgz.classic.msgs.message import Message
+from libgz.classic.transport.elements import MOST
 from libgz.simulation.event import Owner
 
 __all__ = ["Incoming", "LocalPublisher", "LocalSubscriber", "Topic", "decode", "encode", "log", "sequence"]
@@ -98,6 +99,7 @@ class Topic:
         self.subscribers: dict[int, weakref.ref[LocalSubscriber]] = {}
         self.remote = False  # whether another process has a subscriber
         self.incoming: deque[Incoming] = deque()
+        self.elements = MOST  # of a message of another process that is delivered
 
     @property
     def used(self) -> bool:

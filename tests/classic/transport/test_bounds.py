@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
+import libgz
 from libgz.base.errors import ParameterError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.transport import backlog, loop, master as master_module, received
@@ -22,6 +23,8 @@ from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, Topic, sequence
 
 MIB = 1 << 20
+BOX = """<model name='box'><link name='link'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry>
+</collision></link></model>"""
 
 
 class Pair:
@@ -200,12 +203,123 @@ def test_a_message_with_too_many_elements_is_dropped(caplog):
     for count in (100_001, 100_000):
         incoming = Incoming(next(sequence), "gazebo.msgs.GzString_V", b"\x0a\x00" * count, None)
         manager.receive(topic, incoming)
-        manager.ProcessNodes()
+    until(lambda: manager.ProcessNodes() or not manager.waits)
     assert [len(message.data) for message in got] == [100_000]
-    assert "a received message was dropped: its lists have more than 100000" in caplog.text
+    assert "a received message was dropped: it has more than 100000" in caplog.text
     kept.Unsubscribe()
     node.Fini()
     manager.clear("/gazebo/bounds/")
+
+
+def test_messages_in_messages_count_though_no_list_has_them():
+    kind = message_type("Model").DESCRIPTOR
+    (link,) = (field.number for field in kind.fields if field.name == "link")
+    made = message_type("Model")(name="box")
+    made.link.add(name="l").pose.position.x = 1.0
+    data = made.SerializeToString()[len(LISTS_OF) :]
+    assert data[0] == link << 3 | 2
+    check_elements(kind, LISTS_OF + data * 25_000)  # each a link, a pose, its position and its orientation
+    with pytest.raises(ParameterError, match="more than 100000"):
+        check_elements(kind, LISTS_OF + data * 25_001)
+
+
+def test_messages_to_handlers_of_a_world_have_fewer_elements(caplog):
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{BOX}</world></sdf>") as world:
+        world.attach_era()
+        manager = TopicManager.Instance()
+        for name in ("model/modify", "box/link/wrench"):
+            topic = manager.topics[f"/gazebo/{world.topic_space}/{name}"]
+            manager.receive(topic, Incoming(next(sequence), "gazebo.msgs.Model", LISTS_OF + b"\x42\x00" * 10_001, None))
+        manager.ProcessNodes()
+    assert caplog.text.count("a received message was dropped: it has more than 10000 ") == 2
+
+
+@pytest.fixture
+def delivered():
+    """A topic, a publisher of it, and what its subscriber gets."""
+    manager, node, got = TopicManager.Instance(), Node(), []
+    node.Init("bounds")
+    publisher = node.Advertise(message_type("GzString"), "~/few")
+    kept = node.Subscribe("~/few", lambda message: got.append(message.data))
+    yield manager.topics["/gazebo/bounds/few"], publisher, got
+    kept.Unsubscribe()
+    node.Fini()
+    manager.clear("/gazebo/bounds/")
+
+
+def receive(topic, *texts):
+    for text in texts:
+        data = message_type("GzString")(data=text).SerializeToString()
+        TopicManager.Instance().receive(topic, Incoming(next(sequence), "gazebo.msgs.GzString", data, None))
+
+
+def test_messages_of_other_processes_wait_when_they_have_had_their_time_and_those_of_this_one_do_not(
+    delivered, monkeypatch
+):
+    (topic, publisher, got), manager, now = delivered, TopicManager.Instance(), [0.0]
+    monkeypatch.setattr(received, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(manager, "allowance", received.Allowance())
+    slow = Node()
+    slow.Init("bounds")
+    kept = slow.Subscribe("~/few", lambda message: now.__setitem__(0, now[0] + 0.04 * (message.data != "own")))
+    receive(topic, "1", "2", "3", "4", "5")
+    manager.ProcessNodes()
+    assert got == ["1", "2", "3"]  # 0.1 s are allowed at once
+    publisher.Publish(message_type("GzString")(data="own"))
+    manager.ProcessNodes()
+    assert got == ["1", "2", "3", "own"]
+    for text in "45":
+        now[0] += 0.05
+        assert manager.waits
+        manager.ProcessNodes()
+        assert got[-1] == text
+    assert not manager.waits
+    kept.Unsubscribe()
+    slow.Fini()
+
+
+def test_what_takes_long_is_counted_up_to_a_bound(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(received, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    allowance = received.Allowance()
+    now[0] = 100.0
+    allowance.spend()
+    assert not allowance.left
+    now[0] += received.DEBT + 0.01
+    allowance.begin()
+    assert allowance.left
+
+
+def test_few_changes_of_a_world_are_made_for_messages_in_a_step(monkeypatch):
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{BOX}</world></sdf>") as world:
+        world.attach_era()
+        manager, resets = TopicManager.Instance(), []
+        allowance = SimpleNamespace(begin=lambda: None, spend=lambda: None, left=True)
+        monkeypatch.setattr(manager, "allowance", allowance)
+        monkeypatch.setattr(world.era, "reset", lambda _world: resets.append(1))
+        data = message_type("WorldControl")(reset=message_type("WorldReset")(all=True)).SerializeToString()
+        for _ in range(40):
+            topic = manager.topics[f"/gazebo/{world.topic_space}/world_control"]
+            manager.receive(topic, Incoming(next(sequence), "gazebo.msgs.WorldControl", data, None))
+        done = []
+        for _ in range(4):
+            world.step(1)
+            done.append(len(resets))
+    assert done == [16, 32, 40, 40]
+
+
+def test_the_time_of_deferred_changes_counts(monkeypatch):
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{BOX}</world></sdf>") as world:
+        world.attach_era()
+        manager, calls = TopicManager.Instance(), []
+        allowance = SimpleNamespace(begin=lambda: None, spend=lambda: calls.append("spend"), left=True)
+        monkeypatch.setattr(manager, "allowance", allowance)
+        monkeypatch.setattr(world.era, "reset", lambda _world: calls.append("reset"))
+        data = message_type("WorldControl")(reset=message_type("WorldReset")(all=True)).SerializeToString()
+        topic = manager.topics[f"/gazebo/{world.topic_space}/world_control"]
+        manager.receive(topic, Incoming(next(sequence), "gazebo.msgs.WorldControl", data, None))
+        world.step(1)
+    assert calls == ["spend", "reset", "spend"]
 
 
 def test_the_bounds_are_those_of_the_security_page():

@@ -1,5 +1,6 @@
 """Topics between processes: a second process, on an unused port."""
 
+import contextlib
 import functools
 import logging
 import socket
@@ -418,6 +419,25 @@ def test_an_answer_of_the_master_that_comes_late_is_not_that_of_the_next_questio
         assert manager.TopicInfo(kept[1].GetTopic()).msg_type == "gazebo.msgs.Int"
 
 
+def test_a_question_that_the_master_never_answers_does_not_spoil_later_ones(uri, node, monkeypatch):
+    answer = Master._request
+
+    def answer_some(master, client, request):
+        if not request.data.endswith("lost"):
+            answer(master, client, request)
+
+    monkeypatch.setattr(Master, "_request", answer_some)
+    monkeypatch.setattr(network, "ANSWER_PATIENCE", 0.2)
+    with serve():
+        kept = node.Advertise(msgs.Int, "~/topic")
+        with pytest.raises(GazeboError, match="did not answer"):
+            manager.TopicInfo("/lost")
+        monkeypatch.setattr(network, "ANSWER_PATIENCE", 2.0)
+        assert manager.TopicInfo(kept.GetTopic()).msg_type == "gazebo.msgs.Int"  # after the time of patience
+        monkeypatch.setattr(network, "ANSWER_PATIENCE", PATIENCE)
+        assert manager.TopicInfo(kept.GetTopic()).msg_type == "gazebo.msgs.Int"  # at once
+
+
 def test_without_descriptors_a_publisher_is_left_out_with_one_line(uri, node, caplog):
     with serve() as link:
         kept = node.Subscribe("~/topic", lambda _: None, kind=msgs.Int)
@@ -431,6 +451,34 @@ def test_without_descriptors_a_publisher_is_left_out_with_one_line(uri, node, ca
 
 
 @pytest.mark.trial
+def test_connections_to_publishers_that_have_ended_make_room_for_others(uri, node, monkeypatch):
+    monkeypatch.setattr(network, "SOURCES", 2)
+    listeners = [socket.create_server(("127.0.0.1", 0)) for _ in range(3)]
+    ended, *others = [
+        new("Publish", topic=node.DecodeTopicName("~/topic"), msg_type="gazebo.msgs.Int", host="127.0.0.1", port=port)
+        for port in (one.getsockname()[1] for one in listeners)
+    ]
+    with serve(uri) as link, contextlib.ExitStack() as kept:
+        sources = manager.remote._sources
+        subscriber = node.Subscribe("~/topic", lambda _message: None)
+        for one in listeners:
+            kept.enter_context(one).settimeout(PATIENCE)
+        other = Connection(link.address.port)
+        other.send("advertise", ended)
+        held = kept.enter_context(listeners[0].accept()[0])
+        other.send("unadvertise", ended)
+        other.send("advertise", others[0])  # the last messages of the other may still come
+        kept.enter_context(listeners[1].accept()[0])
+        wait(lambda: len(sources) == 2)
+        other.send("advertise", others[1])
+        kept.enter_context(listeners[2].accept()[0])
+        wait(lambda: {key[2] for key, _ in sources} == {one.port for one in others})
+        held.settimeout(PATIENCE)
+        while held.recv(1 << 16):
+            pass
+        del subscriber
+
+
 def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, node, monkeypatch):
     monkeypatch.setattr("libgz.classic.transport.loop.STALLED", 0.05)
     with serve() as link:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from libgz.base.errors import ParameterError
+from libgz.base.visible import visible
 from libgz.classic_cxx.recognition import is_classic
 from libgz.cxx.build import STANDARD, CompileError, build, check
 
@@ -53,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     if options.action == "check":
         errors = check(options.sources, standard=options.std, options=flags)
         if not errors:
-            print(f"{', '.join(map(str, options.sources))}: no errors")
+            print(visible(f"{', '.join(map(str, options.sources))}: no errors"))
         return _report(errors)
     output: Path = options.output or options.sources[0].with_suffix(".so")
     if output.suffix != ".so":
@@ -66,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         from libgz.cxx.plugin import load  # which loads all that worlds need
 
         names = ", ".join(name for name, _ in load(output).registered)
-        print(f"{output}: {names}")
+        print(visible(f"{output}: {names}"))
     return _report(errors)
 
 
@@ -78,7 +79,7 @@ def _classic(options: argparse.Namespace, flags: list[str]) -> int:
     if options.action == "check":
         errors = classic.check(options.sources, standard=standard, options=flags, progress=_progress)
         if not errors:
-            print(f"{', '.join(map(str, options.sources))}: no errors")
+            print(visible(f"{', '.join(map(str, options.sources))}: no errors"))
         return _report(errors)
     output: Path = options.output or classic.default_output(options.sources[0])
     libraries = _libraries(options)
@@ -95,7 +96,7 @@ def _classic(options: argparse.Namespace, flags: list[str]) -> int:
         from libgz.classic_cxx.plugin import load  # which loads all that worlds need
 
         (kind, _), *_ = load(output).registered
-        print(f"{output}: a {kind}Plugin")
+        print(visible(f"{output}: a {kind}Plugin"))
     return _report(errors)
 
 
@@ -108,10 +109,10 @@ def _libraries(options: argparse.Namespace) -> list[str]:
 
 
 def _progress(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+    print(visible(line), file=sys.stderr, flush=True)
 
 
 def _report(errors: list[CompileError]) -> int:
     for error in errors:
-        print(error, file=sys.stdout)
+        print(visible(str(error)), file=sys.stdout)
     return 1 if errors else 0

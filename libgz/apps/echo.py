@@ -15,7 +15,7 @@ from libgz.apps.plot import pyplot, save_plot
 from libgz.apps.series import InterfaceValues, Series
 from libgz.apps.target import add_target, connect, element_values, find_field, open_target, values_of
 from libgz.base.errors import GazeboError, ParameterError, ServerGoneError
-from libgz.base.visible import one_line
+from libgz.base.visible import one_line, visible
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
 
@@ -100,7 +100,7 @@ def run(options: argparse.Namespace) -> int:
                 for now in samples:
                     series.add(now, values.row(options.fields))
             save_plot(plotter, {options.target: series}, Path(options.plot))
-            print(f"{len(series.times)} samples plotted to {options.plot}; `libgz plot` has more")
+            print(visible(f"{len(series.times)} samples plotted to {options.plot}; `libgz plot` has more"))
     return 0
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import argparse
 import csv
+import itertools
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from libgz.apps.series import Series, read_log
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
+from libgz.base.visible import one_line, visible
 from libgz.recording.capture import check_packages
-from libgz.recording.own_messages import read_json
+from libgz.recording.own_messages import read_json, understood
 
 if TYPE_CHECKING:  # needs the extra `log`
     from libgz.recording.reader import LogReader
@@ -44,13 +47,16 @@ def run(options: argparse.Namespace) -> int:
         folder = Path(options.output) if options.output is not None else log.path.with_suffix("")
         if folder == log.path:
             raise ParameterError(f"the folder {str(folder)!r} would be the log itself; name another one with -o")
-        for target in options.targets or _all_targets(log):
+        with understood("a scene"):
+            targets = options.targets or _all_targets(log)
+        used: set[str] = set()
+        for target in targets:
             series = read_log(log, target, [])
             if not series.lines:
                 continue  # nothing but text
-            path = folder / (target.strip("~/").replace("::", ".").replace("/", "_") + ".csv")
+            path = folder / _file_name(target, used)
             _write(path, series)
-            print(f"{path}: {len(series.times)} rows")
+            print(visible(f"{path}: {len(series.times)} rows"))
     return 0
 
 
@@ -73,11 +79,25 @@ def _all_targets(log: LogReader) -> list[str]:
     return [*dict.fromkeys(found), *bodies]
 
 
+def _file_name(target: str, used: set[str]) -> str:
+    """The name of a target's file, whatever a log calls it; another one than those that were used."""
+    name = one_line(target.strip("~/").replace("::", ".").replace("/", "_"))
+    numbered = (f"{name}_{i}" for i in itertools.count(2))
+    found = next(one for one in itertools.chain([name], numbered) if one not in used)
+    used.add(found)
+    return f"{found}.csv"
+
+
+def _new_file(name: str, flags: int) -> int:
+    """Open a file for writing, but not what a link names, and no pipe that nobody reads."""
+    return os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+
+
 def _write(path: Path, series: Series) -> None:
     labels = [f"{label} [{series.units[label]}]" if series.units[label] else label for label in series.lines]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with open(path, "w", newline="", encoding="utf-8", opener=_new_file) as file:
             table = csv.writer(file)
             table.writerow(["sim time [s]", *labels])
             for i, time in enumerate(series.times):

@@ -17,6 +17,7 @@ from libgz.apps.view import make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
+from libgz.base.visible import visible
 from libgz.classic.gui import get_main_window
 from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
@@ -135,7 +136,8 @@ class Run:
         client.frame(image=True)
         camera = client.window.camera
         write_image(Path(self.options.picture), camera.pixels)
-        print(f"{self.options.picture}: {camera.ImageWidth()} x {camera.ImageHeight()} px, of {client.world.Name()!r}")
+        size = f"{camera.ImageWidth()} x {camera.ImageHeight()} px"
+        print(visible(f"{self.options.picture}: {size}, of {client.world.Name()!r}"))
         return 0
 
 

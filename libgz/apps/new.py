@@ -10,6 +10,7 @@ from pathlib import Path
 
 from libgz.apps.console import writing
 from libgz.base.errors import ParameterError
+from libgz.base.visible import visible
 from libgz.models import MODELS
 
 __all__ = ["KINDS", "configure", "run", "write_starter"]
@@ -46,11 +47,12 @@ def run(options: argparse.Namespace) -> int:
     with writing():
         written = write_starter(kind, options.name, folder)
     for path in written:
-        print(path)
+        print(visible(str(path)))
     world = next(path.name for path in written if path.suffix == ".world")
     plugin = f"-s lib{_snake(options.name)}.so " if kind == "system" else ""
     command = f"gazebo {world}" if kind == LEGACY else f"gzserver --verbose {plugin}{world}"
-    print(f"\nrun it:   cd {folder} && {command}\ntest it:  cd {folder} && pytest\nread on:  {folder / 'README.md'}")
+    steps = f"run it:   cd {folder} && {command}\ntest it:  cd {folder} && pytest\nread on:  {folder / 'README.md'}"
+    print(visible(f"\n{steps}"))
     return 0
 
 

@@ -22,7 +22,7 @@ from libgz.apps.view import make_viewer
 from libgz.apps.view_process import add_view_options, view_process
 from libgz.base.errors import GazeboError, ParameterError, ServerError
 from libgz.base.files import write_whole
-from libgz.base.visible import one_line
+from libgz.base.visible import one_line, visible
 from libgz.classic.transport import serve
 from libgz.recording.capture import check_packages
 from libgz.transport.control import ask
@@ -110,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
             print(f"server id {server_id}", flush=True)
         if not player.reader.complete:
             print(
-                f"libgz: {options.log} has no end; it is played as far as it goes, {player.reader.end:g} s",
+                visible(f"libgz: {options.log} has no end; it is played as far as it goes, {player.reader.end:g} s"),
                 file=sys.stderr,
             )
         player.paused = options.pause
@@ -140,6 +140,7 @@ def _topics(path: str, stack: contextlib.ExitStack) -> Any:
 
 def _write_page(options: argparse.Namespace) -> int:
     """Show the log to a viewer, and write what that one shows."""
+    from libgz.recording.own_messages import understood
     from libgz.recording.player import Player  # needs the extra `log`
 
     speed = options.speed or 1.0
@@ -154,13 +155,14 @@ def _write_page(options: argparse.Namespace) -> int:
         viewer = stack.enter_context(make_viewer(observer, _LogControls(player, controls), options, wait=True))
         from libgz.view.replay import replay_page  # the extra is there
 
-        title = f"{player.reader.about['world']} - {out.stem}"
-        text = replay_page(viewer, _moments(player, options, speed), title, options.show)
+        title = visible(f"{player.reader.about.get('world', 'default')} - {out.stem}")
+        with understood("a scene"):  # by what shows it
+            text = replay_page(viewer, _moments(player, options, speed), title, options.show)
     try:
         write_whole(out, text.encode())
     except OSError as error:
         raise ParameterError(f"{options.html!r} cannot be written: {error.strerror}") from None
-    print(f"{out}: {len(text) / 1e6:.1f} MB")
+    print(visible(f"{out}: {len(text) / 1e6:.1f} MB"))
     return 0
 
 
@@ -223,10 +225,9 @@ def _control(options: argparse.Namespace) -> int:
         status = json.loads(ask(options.server_id, verb, argument))
     if not isinstance(status, dict):
         raise ServerError(f"server {options.server_id} plays no log")
-    print(
-        f"{status['path']}: {status['time']:.3f} s of {status['end']:.3f} s, speed {status['speed']:g}"
-        f"{', paused' if status['paused'] else ''}"
-    )
+    paused = ", paused" if status["paused"] else ""
+    place = f"{status['time']:.3f} s of {status['end']:.3f} s, speed {status['speed']:g}"
+    print(visible(f"{status['path']}: {place}{paused}"))
     return 0
 
 
@@ -235,7 +236,8 @@ def _print_info(path: str) -> int:
 
     with LogReader(path) as reader:
         about = reader.about
-        print(f"{path}: {reader.end - reader.begin:.3f} s" + ("" if reader.complete else ", without an end"))
+        end = "" if reader.complete else ", without an end"
+        print(visible(f"{path}: {reader.end - reader.begin:.3f} s{end}"))
         if about:
             text = f"world {about.get('world')}, {about.get('era')}, recorded by libgz {about.get('libgz')}"
             print(one_line(text))

@@ -15,6 +15,7 @@ from libgz.apps.target import add_server, connect, open_target
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import LibraryError, ParameterError, ServerGoneError
 from libgz.base.extras import install
+from libgz.base.visible import visible
 from libgz.recording.capture import check_packages
 from libgz.transport.observer import Observer
 
@@ -66,7 +67,8 @@ def run(options: argparse.Namespace) -> int:
     if not any(series.times for series in found.values()):
         raise ParameterError("there is nothing to plot: no sample in this time")
     save_plot(plotter, found, Path(options.output))
-    print(f"{max(len(series.times) for series in found.values())} samples plotted to {options.output}")
+    count = max(len(series.times) for series in found.values())
+    print(visible(f"{count} samples plotted to {options.output}"))
     return 0
 
 

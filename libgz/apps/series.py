@@ -16,7 +16,7 @@ from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternToEuler, GzVector
 from libgz.classic.msgs.message import Message
 from libgz.interfaces.catalog import INTERFACES, new_interface
-from libgz.recording.own_messages import read_json, read_tables
+from libgz.recording.own_messages import read_json, read_tables, understood
 from libgz.transport.interface import Interface
 from libgz.transport.observer import Observer
 from libgz.transport.server import LocalServer
@@ -247,7 +247,7 @@ def log_values(log: LogReader, target: str) -> tuple[Values, Iterator[float]]:
     if target.startswith("state."):
         values = StateValues(target.removeprefix("state."))
         return values, _state_times(log, values)
-    if target[0] in "~/":
+    if not target or target[0] in "~/":
         name = f"/gazebo/{log.about.get('world', 'default')}{target[1:]}" if target[0] == "~" else target
         from libgz.recording.topics import type_of_topic  # legacy worlds have no topics
 
@@ -301,9 +301,10 @@ def read_log(log: LogReader, target: str, fields: list[str]) -> Series:
         ParameterError: there is no such field, or the log is damaged.
     """
     series = Series()
-    values, times = log_values(log, target)
-    for time in times:
-        series.add(time, values.row(fields))
+    with understood(target):
+        values, times = log_values(log, target)
+        for time in times:
+            series.add(time, values.row(fields))
     return series
 
 

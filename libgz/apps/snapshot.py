@@ -11,6 +11,7 @@ from libgz.apps.target import add_server
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
 from libgz.base.files import open_file, write_whole
+from libgz.base.visible import visible
 from libgz.transport.control import MOST, ask
 
 __all__ = ["configure", "run"]
@@ -50,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
             write_whole(Path(options.file), state)
         except OSError as error:
             raise ParameterError(f"cannot write {options.file!r}: {error.strerror}") from None
-        print(f"saved {len(state)} bytes to {options.file}")
+        print(visible(f"saved {len(state)} bytes to {options.file}"))
         return 0
     if options.action == "restore":
         now = ask(options.server_id, "restore", content=_read_state(options.file))

@@ -12,6 +12,7 @@ from typing import Any
 from libgz.apps.console import INTERRUPTED, TERMINATED, whole_number
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
+from libgz.base.visible import visible
 from libgz.sweep import driver
 from libgz.sweep.results import FORMATS, open_results, read_results
 from libgz.sweep.study import Study
@@ -84,7 +85,8 @@ def _run(study: Study, digest: str, options: argparse.Namespace) -> int:
         done = f"{len(results.recorded)} of {len(study)} runs are recorded; the same command continues"
         raise GazeboError(f"{error}; {done}") from None
     line.end()
-    print(f"{progress.done} runs in {folder}" + (f", {progress.failed} of them failed" if progress.failed else ""))
+    failed = f", {progress.failed} of them failed" if progress.failed else ""
+    print(visible(f"{progress.done} runs in {folder}{failed}"))
     return 1 if progress.failed else 0
 
 
@@ -145,5 +147,5 @@ def _report(options: argparse.Namespace) -> int:
     except ImportError as error:
         raise LibraryError(f"plots need the extra `plot`: {install('plot')} ({error})") from None
     for path in plot_measures(about, rows, Path(options.output) if options.output else folder):
-        print(path)
+        print(visible(str(path)))
     return 0

@@ -9,7 +9,6 @@ import io
 import os
 import stat
 from pathlib import Path
-from typing import BinaryIO
 
 from lxml import etree
 
@@ -75,7 +74,7 @@ def expand(name: str) -> Path:
         return Path(name)
 
 
-def open_file(path: str | os.PathLike[str]) -> BinaryIO:
+def open_file(path: str | os.PathLike[str]) -> io.BufferedReader:
     """Open a file for reading, but no pipe, socket or device, nor what has nothing to read yet: those may never end.
 
     Raises:

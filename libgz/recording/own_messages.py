@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import struct
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.budget import Budget
-from libgz.base.errors import ParameterError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.transport.tables import BODY_COLUMNS, HEADER, JOINT_COLUMNS
 
 __all__ = [
@@ -23,6 +25,7 @@ __all__ = [
     "read_json",
     "read_tables",
     "tables_message",
+    "understood",
 ]
 
 SEPARATOR = "=" * 80 + "\n"  # between the messages of a schema of ROS 1
@@ -78,6 +81,21 @@ class States(NamedTuple):
     def joint_rows(self) -> NDArray[np.float64]:
         """The table of joints, shape (rows, 4)."""
         return np.frombuffer(self.joints).reshape(-1, JOINT_COLUMNS)
+
+
+@contextlib.contextmanager
+def understood(what: str) -> Iterator[None]:
+    """For a `with` block that uses what a log says, such as "a scene": whatever that raises is an error of the log.
+
+    Raises:
+        ParameterError: the log is damaged.
+    """
+    try:
+        yield
+    except GazeboError:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, OSError, RecursionError, TypeError, ValueError) as error:
+        raise ParameterError(f"the log is damaged: {what} is not understood: {error}") from None
 
 
 def tables_message(image: bytes | bytearray) -> bytes:

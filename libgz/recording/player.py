@@ -10,7 +10,6 @@ import contextlib
 import json
 import logging
 import os
-import re
 import tempfile
 import time
 from collections.abc import Iterator
@@ -23,13 +22,13 @@ from libgz.base.errors import GazeboError, ParameterError, ServerError
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
 from libgz.interfaces.sim import Sim
-from libgz.recording.own_messages import States, read_file, read_json, read_tables
+from libgz.recording.own_messages import States, read_file, read_json, read_tables, understood
 from libgz.recording.reader import LogChannel, LogMessage, LogReader
 from libgz.recording.readings import Readings
 from libgz.transport.control import Control
 from libgz.transport.interface import Interface
 from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE
-from libgz.transport.paths import DATA_FILE
+from libgz.transport.paths import is_data_file
 from libgz.transport.server import Server
 from libgz.transport.tables import BODY_COLUMNS, JOINT_COLUMNS, SharedTables
 
@@ -42,7 +41,6 @@ ABILITIES = ("pause", "resume", "reset", "seek", "rewind", "speed", "step", "sta
 PLAYED = ("interface", "topic", "own")
 IDLE_PERIOD = 0.02  # [s] between two publications while it is paused
 LONGEST_SLEEP = 0.05  # [s]
-_DATA_NAME = re.compile(re.escape(DATA_FILE) + r"[0-9a-f]{20}")
 
 
 class Topics(Protocol):
@@ -318,10 +316,8 @@ class Player(Closing):
 
     def _served(self, content: bytes) -> set[tuple[str, str]]:
         """Types and ids of the interfaces in a message of /gz/interfaces."""
-        try:
+        with understood("a message of /gz/interfaces"):
             return {(kind, name) for kind, name in read_json(content)}
-        except (ValueError, TypeError):
-            raise ParameterError("the log is damaged: a message of /gz/interfaces is not understood") from None
 
     def _keep_only(self, served: set[tuple[str, str]]) -> None:
         """Destroy the interfaces that are not served any more."""
@@ -402,16 +398,15 @@ class Player(Closing):
         shared = self.server.shared
         if not isinstance(shared, SharedTables):
             return
-        try:
+        with understood("a scene"):
             scene = read_json(content)
             self._revision += 1
             scene["revision"] = self._revision
             used: set[str] = set()
             self._place_files(scene, used, shared)
             self.readings.show(scene)
-        except (ValueError, TypeError, KeyError, OSError) as error:  # the names of files are the log's
-            raise ParameterError(f"the log is damaged: a scene is not understood: {error}") from None
-        shared.write_scene(json.dumps(scene).encode(), used)
+            text = json.dumps(scene)
+        shared.write_scene(text.encode(), used)
 
     def _place_files(self, part: Any, used: set[str], shared: SharedTables) -> None:
         """Write the data that a scene names, and replace paths of textures and skins that this machine lacks."""
@@ -427,7 +422,7 @@ class Player(Closing):
 
     def _placed(self, name: str, used: set[str], shared: SharedTables) -> str:
         """Where a file is now."""
-        if _DATA_NAME.fullmatch(name):
+        if is_data_file(name):
             if name in self._files:
                 shared.keep_content(name, self._files[name])
                 used.add(name)

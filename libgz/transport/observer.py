@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,7 +17,14 @@ from numpy.typing import NDArray
 from libgz.base.closing import Closing
 from libgz.base.errors import ClosedError, InterfaceError, NotFoundError, ServerGoneError, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzVector
-from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_owner, check_server_id, server_directory
+from libgz.transport.paths import (
+    SCENE_FILE,
+    TABLES_FILE,
+    check_owner,
+    check_server_id,
+    is_data_file,
+    server_directory,
+)
 from libgz.transport.server import alive
 from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, JOINT_COLUMNS, MAGIC, Status, start_time
 
@@ -492,8 +499,16 @@ class Observer(Closing):
         return self._scene, state
 
     def _read_scene(self) -> None:
-        with contextlib.suppress(FileNotFoundError):
+        with contextlib.suppress(FileNotFoundError), self._understood("its scene"):
             self._scene = _Scene(json.loads(Path(self.path, SCENE_FILE).read_bytes()))
+
+    @contextlib.contextmanager
+    def _understood(self, what: str) -> Iterator[None]:
+        """What reading damaged data raises becomes one error: a server that plays a log writes what is in the log."""
+        try:
+            yield
+        except (AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+            raise InterfaceError(f"server {self.server_id}: {what} is not understood: {error}") from None
 
     def pose(self, name: str) -> GzPose:
         """The global pose of an entity by its id [m], or of a body by ``entity::body``.
@@ -525,9 +540,14 @@ class Observer(Closing):
 
         Raises:
             NotFoundError: the file was removed, for the scene has changed since.
+            InterfaceError: the scene names no such file, or no arrays of it.
         """
+        name = reference["file"]
+        if not is_data_file(name):
+            raise InterfaceError(f"server {self.server_id}: its scene names data {name!r}, which is no file of its own")
         try:
-            content = Path(self.path, reference["file"]).read_bytes()
+            content = Path(self.path, name).read_bytes()
         except FileNotFoundError:
-            raise NotFoundError(f"{reference['file']} was removed: the scene has changed since") from None
-        return arrays_of(content, reference)
+            raise NotFoundError(f"{name} was removed: the scene has changed since") from None
+        with self._understood(f"{name} in its scene"):
+            return arrays_of(content, reference)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import pwd
+import re
 import stat
 
 from libgz.base.errors import InterfaceError, ParameterError
@@ -20,6 +21,7 @@ __all__ = [
     "check_owner",
     "check_server_id",
     "file_name",
+    "is_data_file",
     "server_directory",
 ]
 
@@ -31,6 +33,7 @@ TABLES_FILE = ".observer.tables"
 SCENE_FILE = ".observer.scene"
 CONTROL_SOCKET = ".control"  # for requests of commands
 DATA_FILE = ".observer.data."  # and a digest of what is in it
+_DATA_NAME = re.compile(re.escape(DATA_FILE) + r"[0-9a-f]{20}")
 ROOT = 0
 LONGEST_PATH = 127  # the old library's buffers held 128 characters
 
@@ -47,6 +50,11 @@ def server_directory(server_id: int) -> str:
     if len(os.fsencode(path)) > LONGEST_PATH:
         raise ParameterError(f"the server's directory {path!r} is longer than {LONGEST_PATH} bytes; set TMP shorter")
     return path
+
+
+def is_data_file(name: object) -> bool:
+    """Whether a scene may name data so: it names a file of the server's directory, and no other one."""
+    return isinstance(name, str) and _DATA_NAME.fullmatch(name) is not None
 
 
 def check_owner(path: str) -> None:

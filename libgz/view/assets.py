@@ -6,6 +6,7 @@ import hashlib
 import io
 import json
 import logging
+import os
 import struct
 import threading
 from collections.abc import Callable, Iterator
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
+from libgz.base.files import open_file
 from libgz.rendering.mesh import Mesh
 from libgz.view.source import Source
 
@@ -92,17 +94,18 @@ class Assets:
                     name = f"assets/{_digest(body)}.bin"
                     self._keep(file, name, lambda: Asset(body, RAW))
                 return name
-            status = Path(file).stat()
-            stamp = status.st_mtime_ns, status.st_size
-            name = self._addresses.get(file, "")
-            if not name or name not in self._makers or self._stamps.get(file) != stamp:
-                self._stamps[file] = stamp
-                if kind == "texture":
-                    name = f"assets/{_digest(Path(file).read_bytes())}.image"
-                    self._keep(file, name, lambda: _texture(Path(file)))
-                else:
-                    name = f"assets/{_digest(f'{file} {stamp}'.encode())}.glb"
-                    self._keep(file, name, lambda: _skin(Path(file)))
+            with open_file(file) as opened:
+                status = os.fstat(opened.fileno())
+                stamp = status.st_mtime_ns, status.st_size
+                name = self._addresses.get(file, "")
+                if not name or name not in self._makers or self._stamps.get(file) != stamp:
+                    self._stamps[file] = stamp
+                    if kind == "texture":
+                        name = f"assets/{hashlib.file_digest(opened, 'sha256').hexdigest()[:40]}.image"
+                        self._keep(file, name, lambda: _texture(Path(file)))
+                    else:
+                        name = f"assets/{_digest(f'{file} {stamp}'.encode())}.glb"
+                        self._keep(file, name, lambda: _skin(Path(file)))
             return name
         except (GazeboError, OSError) as error:
             if self._addresses.get(file) != "":

@@ -2,6 +2,7 @@
 
 import contextlib
 import logging
+import os
 
 import pytest
 from lxml import etree
@@ -11,6 +12,7 @@ from libgz.apps.console import PREFIXES, _ConsoleFormatter
 from libgz.apps.libgz import main
 from libgz.base.errors import WorldFileError
 from libgz.base.visible import one_line, visible
+from libgz.classic import msgs
 from libgz.classic.log import LogRecord
 
 
@@ -111,3 +113,31 @@ def test_no_command_prints_control_characters_of_logs(tmp_path, capsys):
 def test_commands_print_no_control_characters():
     record = logging.LogRecord("libgz", logging.ERROR, "x.py", 1, "%s: wrong", ("a\x1b[2J.world",), None)
     assert _ConsoleFormatter("%(message)s").format(record) == f"{PREFIXES[logging.ERROR]}a\\x1b[2J.world: wrong"
+
+
+@pytest.mark.parametrize("name", ["a\x1b[2J", os.fsdecode(b"a\xff"), "a\x9b2J"])
+def test_no_command_prints_control_characters_of_names(tmp_path, capsys, name):
+    world, source = tmp_path / f"{name}.world", tmp_path / f"{name}.cc"
+    world.write_text(
+        "<sdf version='1.6'><world name='w'><model name='m\x9b2J'><link name='l'><sensor name='c' type='camera'/>"
+        "</link></model></world></sdf>"
+    )
+    source.write_text("#error a\x1b[2J\x9b2J\n")
+    for words in (
+        ("picture", "--time", "0.1", world, "-o", tmp_path / f"{name}.png"),
+        ("cxx", "check", source),
+        ("new", "model", "Name", "--in", tmp_path / name),
+        ("config", "--uninstall", "--install-classic", tmp_path / name),
+    ):
+        main([*map(str, words)])
+        printed = "".join(capsys.readouterr())
+        assert visible(printed) == printed
+        assert printed, words
+
+
+def test_no_message_is_printed_with_control_characters():
+    message = msgs.Model(name="a\x1b[2J\x9b2J\u202e é\n")
+    assert message.DebugString() == 'name: "a\\033[2J\\302\\2332J\\342\\200\\256 é\\n"\n'
+    again = msgs.Model()
+    msgs.Parse(again, message.DebugString())
+    assert again == message

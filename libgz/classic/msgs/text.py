@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from google.protobuf import text_format
 
 from libgz.base.errors import ParameterError
+from libgz.base.visible import visible
 
 __all__ = ["Parse", "write"]
 
@@ -41,10 +42,14 @@ def _scalar(field: Any, value: Any) -> str:
             return _single(value)
         return repr(int(value)) if value.is_integer() and abs(value) < 1e16 else repr(value)
     if isinstance(value, str):
-        return '"' + "".join(_ESCAPES.get(c, c if c >= " " else f"\\{ord(c):03o}") for c in value) + '"'
+        return '"' + "".join(_ESCAPES.get(c, c if visible(c) == c else _octal(c.encode())) for c in value) + '"'
     if isinstance(value, bytes):
-        return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\' else f"\\{b:03o}" for b in value) + '"'
+        return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\' else _octal((b,)) for b in value) + '"'
     return str(value)
+
+
+def _octal(content: Iterable[int]) -> str:
+    return "".join(f"\\{byte:03o}" for byte in content)
 
 
 def _single(value: float) -> str:

@@ -6,7 +6,7 @@ import logging
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sized
 from functools import partial
 from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
@@ -16,6 +16,8 @@ import numpy as np
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, StateError
 from libgz.base.law import Number, constant
+from libgz.classic.transport.manager import CHANGES
+from libgz.classic.transport.received import Allowance
 from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
@@ -256,6 +258,7 @@ class Session(Closing):
     Attributes:
         version: 1 or 2.
         gathered: whether native code has published something that was not sent yet.
+        allowance: the time for what nodes have sent.
         interrupts: called, in the wire's thread, when something has come that waits for the end of a step.
     """
 
@@ -264,6 +267,7 @@ class Session(Closing):
     def __init__(self, names: NodeNames, node: Node | BridgedNode) -> None:
         self.names, self.node = names, node
         self.version = 2 if isinstance(node, BridgedNode) else 1
+        self.allowance = Allowance()
         self.interrupts: list[Callable[[], object]] = []
         node.notify = self.interrupt
         self.waiting: deque[Subscription] = deque()
@@ -465,16 +469,25 @@ class Session(Closing):
         """Whether something waits for the end of a step."""
         return bool(self.node.changed or self.waiting or self.requests or self.later)
 
-    def deliver(self) -> None:
-        """Deliver what came; in the thread of the world."""
+    def deliver(self, changes: Sized = ()) -> None:
+        """Deliver what came, as far as there is time for it; in the thread of the world.
+
+        Args:
+            changes: what is deferred to the end of the step; with some of it, the rest waits for the next one.
+        """
         for _ in range(len(self.node.changed)):
             for publication in list(self.watchers.get(self.node.changed.popitem()[0], ())):
                 publication.changed()
+        self.allowance.begin()
         for _ in range(len(self.waiting)):  # what comes meanwhile has its turn after the next step
-            self.waiting.popleft().deliver()
+            if self.allowance.left and len(changes) < CHANGES:
+                self.waiting.popleft().deliver()
+                self.allowance.spend()
         for _ in range(len(self.requests)):
-            service, body, answer = self.requests.popleft()
-            service.handle(body, answer)
+            if self.allowance.left and len(changes) < CHANGES:
+                service, body, answer = self.requests.popleft()
+                service.handle(body, answer)
+                self.allowance.spend()
         if self.later:
             self._answer_later()
 

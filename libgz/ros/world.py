@@ -160,7 +160,11 @@ class RosWorld(Stateless):
         if not paused and self._clock.listened and self._clock_is_due():
             self._send_clock()
         self._devices.step()
-        self._session.deliver()
+        deferred = self._core.agenda.deferred
+        before = len(deferred)
+        self._session.deliver(deferred)
+        if len(deferred) > before:
+            self._core.after_step(self._session.allowance.spend)
 
     def reset(self) -> None:
         """Forget wrenches and efforts."""

@@ -18,6 +18,7 @@ from descriptors import none_left
 from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for, within
 
 from libgz.base.errors import GazeboError
+from libgz.classic.transport import received
 from libgz.ros import loop as loop_module, node as node_module, xmlrpc as xmlrpc_module
 from libgz.ros.client import RosClient
 from libgz.ros.names import read_names
@@ -130,6 +131,44 @@ def test_messages_that_come_faster_than_they_are_handled_do_not_hold_a_step(node
     subscription._received(codec(STRING).pack(STRING(data="again")))
     node.deliver()
     assert handled == ["again"]
+
+
+def test_messages_and_requests_wait_when_they_have_had_their_time(node, monkeypatch):
+    now, handled, kind = [0.0], [], service_type("std_srvs/SetBool")
+    monkeypatch.setattr(received, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(node, "allowance", received.Allowance())
+
+    def slow(message):
+        handled.append(type(message).__name__)
+        now[0] += 0.08
+        return kind.response()
+
+    subscriptions = [node.subscribe(name, STRING.name, slow) for name in "ab"]
+    service = node.serve("switch", kind.name, slow)
+    for one in subscriptions:
+        one._received(codec(STRING).pack(STRING(data="x")))
+    for _ in range(2):
+        assert service._received(b"\1", lambda *_: None)
+    counts = []
+    for _ in range(4):
+        node.deliver()
+        counts.append(len(handled))
+        now[0] += 0.09
+    assert counts == [2, 3, 4, 4]  # 0.1 s are allowed at once, and then as much as passes otherwise
+    assert not node.pending
+
+
+def test_few_changes_of_a_world_are_made_for_requests_in_a_step(node):
+    kind, deferred = service_type("std_srvs/SetBool"), []
+    service = node.serve("switch", kind.name, lambda _: deferred.append(1) or kind.response())
+    for _ in range(40):
+        assert service._received(b"\1", lambda *_: None)
+    done = []
+    for _ in range(3):
+        node.deliver(deferred)
+        done.append(len(deferred))
+        deferred.clear()
+    assert done == [16, 16, 8]
 
 
 def test_services_are_answered_between_steps(node, master):

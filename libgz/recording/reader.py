@@ -20,7 +20,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, ChunkIndex, Footer, McapRecord, Metadata, MetadataIndex, Schema
 
-from libgz.base.budget import Budget, BudgetError
+from libgz.base.budget import Budget, BudgetError, budget_limit
 from libgz.base.closing import Closing
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.files import open_file
@@ -94,11 +94,12 @@ class LogReader(Closing):
         begin, end: times of the first and last message [s].
 
     Raises:
-        ParameterError: it cannot be read, or is no MCAP file.
+        ParameterError: it cannot be read, or is no MCAP file; or the limit of a budget is invalid.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
+        budget_limit()  # an invalid one is no damage of the file
         try:
             self._file = open_file(self.path)
         except OSError as error:

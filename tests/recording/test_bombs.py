@@ -202,3 +202,12 @@ def test_names_of_files_that_no_folder_can_hold_are_damage(tmp_path, name):
         log.finish()
     with pytest.raises(ParameterError, match=r"the log is damaged: a scene is not understood"):
         Player(path, 941_778)
+
+
+@pytest.mark.parametrize("limit", ["nan", "-1", "1e400", "0", "²"])
+def test_an_invalid_limit_is_no_damage_of_the_file(tmp_path, monkeypatch, limit):
+    path = tmp_path / "a.mcap"
+    path.write_bytes(indexed(chunk(CHANNEL + message(1, 1000))))
+    monkeypatch.setenv(VARIABLE, limit)
+    with pytest.raises(ParameterError, match=f"{VARIABLE} is '{limit}'"):
+        LogReader(path)

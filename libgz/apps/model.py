@@ -13,10 +13,12 @@ from libgz.apps.console import Parser, finite_number, read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import NotFoundError, ParameterError
+from libgz.base.trust import trusted
 from libgz.base.visible import visible
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.transport import Node
+from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.recognition import is_robot_text, is_sdf_text
 from libgz.sdf.upgrade import NEWEST, upgraded
@@ -101,11 +103,30 @@ def _model_text(filename: str, arguments: Mapping[str, str]) -> str:
     if not is_robot_text(text):
         _check_inserted(text, filename)
         return text
-    file = SdfFile.load(filename, arguments=arguments)
+    return _whole_text(SdfFile.load(filename, arguments=arguments))
+
+
+def _whole_text(file: SdfFile) -> str:
+    """The text of a file, of which a server reads no other files."""
     file.diagnostics.raise_errors()
     for warning in file.diagnostics.warnings:
         print(visible(str(warning)), file=sys.stderr)
     return f"<sdf version='{NEWEST}'>{''.join(upgraded(part).ToString() for part in file.root.children)}</sdf>"
+
+
+def _untrusted_text(options: argparse.Namespace) -> str:
+    """The text of a model of strangers without its plugins, nor those of what it includes: a server would load them."""
+    if options.spawn_string:
+        file = SdfFile.from_string(options.spawn_string, "the SDF string")
+    else:
+        known = "://" in options.spawn_file
+        path = find_model(options.spawn_file) if known else options.spawn_file
+        file = SdfFile.load(path, arguments=options.arguments)
+    for plugin in list(file.root.find("plugin")):
+        name = plugin.Get(str, "filename")
+        print(visible(f"warning : {plugin.where}: plugin {name!r} is left out: files are untrusted"), file=sys.stderr)
+        plugin.RemoveFromParent()
+    return _whole_text(file)
 
 
 def _check_inserted(text: str, what: str) -> None:
@@ -115,7 +136,9 @@ def _check_inserted(text: str, what: str) -> None:
 
 def _factory(node: Node, options: argparse.Namespace, place: list[float | None] | None) -> Any:
     message = msgs.Factory()
-    if options.spawn_string:
+    if not trusted():
+        message.sdf = _untrusted_text(options)
+    elif options.spawn_string:
         _check_inserted(options.spawn_string, "the SDF string")
         message.sdf = options.spawn_string
     elif "://" in options.spawn_file:

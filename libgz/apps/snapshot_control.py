@@ -21,6 +21,8 @@ __all__ = ["SnapshotControl", "add_rewind_option"]
 log = logging.getLogger("libgz.gazebo")
 worlds_log = logging.getLogger("libgz.simulation")
 
+RESTORING = {"restore": False, "restore_untrusted": True}  # requests: whether the state is of strangers
+
 
 def add_rewind_option(parser: argparse.ArgumentParser) -> None:
     """Add --rewind."""
@@ -115,11 +117,11 @@ class SnapshotControl:
         world = self.world
         if request.verb == "save":
             return world.get_state()
-        if self._watch_only and request.verb in ("restore", "rewind"):
+        if self._watch_only and request.verb in (*RESTORING, "rewind"):
             raise GazeboError(f"this server can only be watched (--watch-only): {request.verb} is refused")
-        if request.verb == "restore":
+        if request.verb in RESTORING:
             with self.requests.replaced():
-                world.set_state(request.content)
+                world.set_state(request.content, untrusted=RESTORING[request.verb])
         elif request.verb == "rewind":
             try:
                 with self.requests.replaced():

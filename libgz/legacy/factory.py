@@ -147,11 +147,12 @@ class ModelFactory:
 
     def _offered(self) -> dict[str, metadata.EntryPoint]:
         """Models of installed packages; looked up only when a name is unknown otherwise."""
+        if not trusted():
+            return {}
         if self._packages is None:
             from importlib import metadata  # slow to import
 
-            points = metadata.entry_points(group=ENTRY_POINTS) if trusted() else ()
-            self._packages = {point.name: point for point in points}
+            self._packages = {point.name: point for point in metadata.entry_points(group=ENTRY_POINTS)}
         return self._packages
 
     def names(self) -> list[str]:

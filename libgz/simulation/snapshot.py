@@ -53,6 +53,7 @@ from libgz.base.errors import (
     StrictError,
     pass_interrupt,
 )
+from libgz.base.trust import without_trust
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
 from libgz.simulation.plugins import own_traceback
@@ -129,7 +130,7 @@ class Snapshots:
                 companion.check_state()
             raise
 
-    def restore(self, data: bytes, *, anew: bool = False) -> None:
+    def restore(self, data: bytes, *, anew: bool = False, untrusted: bool = False) -> None:
         """Bring the world into a state that `save` returned, of itself or of another world of the same file.
 
         If the state turns out to be damaged, the world is brought back to what it was before.
@@ -137,19 +138,22 @@ class Snapshots:
         Args:
             data: the state.
             anew: whether all entities are built again, also those that are there.
+            untrusted: whether a state that needs a plugin to be loaded is refused.
 
         Raises:
+            UntrustedError: it needs one.
             StateError: these bytes are no state, or one of another file, or damaged, or something that cannot be built
                 again is missing.
         """
         data = bytes(data)
         proven, self._proven = self._proven, None
-        if proven is not None and data is proven[0] and not anew and self._is_of_libgz(proven[1]):
+        if proven is not None and data is proven[0] and not (anew or untrusted) and self._is_of_libgz(proven[1]):
             saved, before = proven[1], None  # it could be set once, so nothing will have to be undone
         else:
             saved, before = self._decoded(data), self._saved_before()
         try:
-            self._set(data, saved, anew)
+            with without_trust() if untrusted else contextlib.nullcontext():
+                self._set(data, saved, anew)
             if self.failures:
                 raise self.failures[0]
             self._proven = (data, saved) if self._is_of_libgz(saved) else None

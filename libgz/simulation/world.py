@@ -786,24 +786,28 @@ class World(Closing):
         return self.snapshots.save()
 
     @exclusive
-    def set_state(self, state: bytes) -> None:
+    def set_state(self, state: bytes, *, untrusted: bool = False) -> None:
         """Bring the world into a state of itself, or of another world of the same file, in any process.
 
         What happens from then on is equal to the bit to what happened after `get_state`. Models that came since are
         removed. From the first one on that went, models are built again, in their order; references to the former ones
         raise ClosedError. Clients stay connected.
 
+        Args:
+            state: the bytes.
+            untrusted: for states of strangers: one that needs a plugin to be loaded is refused.
+
         Raises:
             GazeboError: a step is under way, or plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
             StateError: these bytes are no state of this version of libgz, or one of another file, or damaged, or
                 something that cannot be built again is missing; the world is as before.
-            PluginError: a LoadState failed; the message has the traceback.
+            PluginError: a LoadState failed; the message has the traceback. Or a plugin is needed, and not trusted.
         """
         if self._inside or self.agenda.holding or not self.clock.running:
             self._check_ready("restored")
         with self.agenda.hold():
-            self.snapshots.restore(state)
+            self.snapshots.restore(state, untrusted=untrusted)
 
     def keep_rewind(self, seconds: float, interval: float = 0.1, megabytes: float = 512.0) -> None:
         """Keep the states of the last seconds of sim time from now on, for `rewind`; 0 seconds end that.

@@ -184,3 +184,32 @@ def test_commands_for_worlds_without_an_action_or_with_wrong_numbers_are_errors(
             found = error.code
         assert found == code
         assert message in capsys.readouterr().err
+
+
+def test_a_model_of_strangers_comes_without_its_plugins(place, libgz, tmp_path):
+    plugin = tmp_path / "ran.py"
+    plugin.write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    code = f"<plugin name='p' filename='{plugin}'/>"
+    text = "<sdf version='1.6'><model name='{}'><static>1</static><link name='l'>{}</link>{}</model></sdf>"
+    inner, outer = tmp_path / "inner", tmp_path / "outer.sdf"
+    inner.mkdir()
+    (inner / "model.sdf").write_text(text.format("inner", "", code))
+    (inner / "model.config").write_text("<model><name>inner</name><sdf version='1.6'>model.sdf</sdf></model>")
+    sensor = f"<sensor name='s' type='imu'>{code}</sensor>"
+    outer.write_text(text.format("outer", sensor, "<include><uri>model://inner</uri></include>"))
+    env = {**place, "GAZEBO_MODEL_PATH": str(tmp_path)}
+    words = {
+        "file": ("-f", outer),
+        "known": ("-f", "model://inner"),
+        "text": ("-s", text.format("x", "", code)),
+    }
+    for name, given in words.items():
+        done = run_libgz("model", "--untrusted", *given, "-m", name, env=env)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr.count("is left out: files are untrusted") == (2 if name == "file" else 1)
+        eventually(lambda name=name: f'"{name}"' in libgz("topic", "-r", "entity_list"))
+        assert not (tmp_path / "ran").exists()
+        libgz("model", "-m", name, "-d")
+    libgz("model", "-f", str(inner / "model.sdf"), "-m", "trusted")
+    eventually((tmp_path / "ran").exists)
+    libgz("model", "-m", "trusted", "-d")

@@ -15,6 +15,8 @@ from gzserver_process import SERVER, new_environment
 import libgz
 from libgz.base.encoding import FORMAT
 from libgz.base.files import installed_worlds
+from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.world import SdfWorld
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
 
 WORLD = installed_worlds() / "segwayrmp.world"
@@ -199,3 +201,31 @@ def test_a_model_whose_state_cannot_be_saved_ends_a_strict_server_only(wire, ser
     messages = server.stderr.read()
     assert server.returncode == (3 if strict else 0)
     assert messages.count("(Odd): its state cannot be saved:") == (2 if strict else 1)
+
+
+def test_a_state_of_strangers_loads_no_plugin_into_a_server(wire, serve, tmp_path):
+    plugin, world, state = tmp_path / "libran.py", tmp_path / "box.world", tmp_path / "a.state"
+    head = "from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin\nclass Ran(ModelPlugin):\n    STATE = ()\n"
+    rest = "    def Load(self, model, sdf): {}\nGZ_REGISTER_MODEL_PLUGIN(Ran)\n"
+    plugin.write_text(head + rest.format("pass"))
+    world.write_text(BOX)
+    guest = f"<model name='guest'><link name='l'/><plugin name='p' filename='{plugin}'/></model>"
+    with libgz.World.from_file(world) as here:
+        here.attach_era()
+        here.extension(SdfWorld).insert(SdfFile.from_string(f"<sdf version='1.6'>{guest}</sdf>"))
+        here.Step()
+        assert len(list(here.companions[0].plugins.running())) == 1
+        state.write_bytes(here.get_state())
+    plugin.write_text(head + rest.format(f"open({str(tmp_path / 'ran')!r}, 'w')"))
+    serve(gazebo(wire, world))
+    for words, env in ((("--untrusted",), {}), ((), {"LIBGZ_UNTRUSTED": "1"})):
+        done = run_libgz("snapshot", "restore", *words, state, "-s", wire, env={**os.environ, **env})
+        assert done.returncode == 1
+        assert "Model plugin 'p' of guest of the state cannot be loaded again" in done.stderr
+        assert not (tmp_path / "ran").exists()
+    plain = tmp_path / "plain.state"
+    assert run_libgz("snapshot", "save", plain, "-s", wire).returncode == 0
+    assert run_libgz("snapshot", "restore", "--untrusted", plain, "-s", wire).returncode == 0
+    done = run_libgz("snapshot", "restore", state, "-s", wire)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "ran").exists()

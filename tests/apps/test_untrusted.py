@@ -11,9 +11,10 @@ from commands import run_libgz
 from libgz import World
 from libgz.apps import command_line
 from libgz.base.errors import GazeboError
-from libgz.base.trust import UNTRUSTED, UntrustedError
+from libgz.base.trust import UNTRUSTED, UntrustedError, check_trusted, without_trust
 from libgz.cxx.plugin import load as load_compiled
 from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.plugins import load_plugin
 
 READERS = (
@@ -100,6 +101,37 @@ def test_files_of_code_are_refused_wherever_they_are_loaded(untrusted):
     for load in (load_plugin, load_compiled):
         with pytest.raises(UntrustedError, match="is left out"):
             load(untrusted / "evil.py")
+
+
+def test_a_block_without_trust_notes_what_it_refused():
+    check_trusted("a")
+    with without_trust():
+        pass
+    with pytest.raises(UntrustedError, match="a is left out"), without_trust(), contextlib.suppress(UntrustedError):
+        check_trusted("a")
+    check_trusted("a")
+
+
+def test_a_refused_state_of_strangers_leaves_a_world_its_own_plugins(files):
+    """Also where its own models are built again on the way: those are trusted."""
+    text = NEW.replace("</world>", "<model name='n'><link name='l'/></model></world>")
+    more = NEW[NEW.index("<model") : NEW.index("</world>")].replace('"m"', '"guest"')
+    (files / "new.world").write_text(text)
+    (files / "evil.py").write_text(PLUGIN.replace("Path(__file__)", "#"))
+    with World.from_file(files / "new.world") as world:
+        world.extension(SdfWorld).insert(SdfFile.from_string(f"<sdf version='1.6'>{more}</sdf>", folder=files))
+        state = world.get_state()
+    with World.from_file(files / "new.world") as world:
+        world.remove(world.entities[:1])
+        world.extension(SdfWorld).insert(SdfFile.from_string(f"<sdf version='1.6'>{more}</sdf>", folder=files))
+        before, names = world.get_state(), [entity.GetId() for entity in world.entities]
+        with pytest.raises(GazeboError, match="'p' of guest of the state cannot be loaded again"):
+            world.set_state(state, untrusted=True)
+        assert [entity.GetId() for entity in world.entities] == names
+        assert len(list(world.companions[0].plugins.running())) == 2
+        assert world.get_state() == before
+        world.set_state(state)
+        assert len(list(world.companions[0].plugins.running())) == 4
 
 
 def test_macros_are_not_expanded(untrusted):

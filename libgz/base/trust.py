@@ -47,7 +47,7 @@ def without_trust() -> Iterator[None]:
     """For a `with` block that loads no plugins and expands no macros in this thread, whatever the process trusts.
 
     Raises:
-        UntrustedError: something was to be loaded or expanded, and the block went on without it.
+        UntrustedError: something was to be loaded or expanded, and the block has ended without it.
     """
     refused: list[UntrustedError] = []
     before = _refused.set(refused)

@@ -198,18 +198,18 @@ def test_a_model_of_strangers_comes_without_its_plugins(place, libgz, tmp_path):
     sensor = f"<sensor name='s' type='imu'>{code}</sensor>"
     outer.write_text(text.format("outer", sensor, "<include><uri>model://inner</uri></include>"))
     env = {**place, "GAZEBO_MODEL_PATH": str(tmp_path)}
-    words = {
-        "file": ("-f", outer),
-        "known": ("-f", "model://inner"),
-        "text": ("-s", text.format("x", "", code)),
-    }
-    for name, given in words.items():
-        done = run_libgz("model", "--untrusted", *given, "-m", name, env=env)
+    for name, *given in (
+        ("outer", "-f", outer),
+        ("inner", "-f", "model://inner"),
+        ("x", "-s", text.format("x", "", code)),
+    ):
+        done = run_libgz("model", "--untrusted", *given, env=env)
         assert done.returncode == 0, done.stderr
-        assert done.stderr.count("is left out: files are untrusted") == (2 if name == "file" else 1)
+        assert done.stderr.count("is left out: files are untrusted") == (2 if name == "outer" else 1)
         eventually(lambda name=name: f'"{name}"' in libgz("topic", "-r", "entity_list"))
         assert not (tmp_path / "ran").exists()
         libgz("model", "-m", name, "-d")
-    libgz("model", "-f", str(inner / "model.sdf"), "-m", "trusted")
+    libgz("model", "-f", str(inner / "model.sdf"))
     eventually((tmp_path / "ran").exists)
-    libgz("model", "-m", "trusted", "-d")
+    eventually(lambda: '"inner"' in libgz("topic", "-r", "entity_list"))
+    libgz("model", "-m", "inner", "-d")

@@ -33,6 +33,7 @@ class Camera(Closing):
 
     Attributes:
         lens: what its lens does to images; None for a plain pinhole.
+        pending: the image that `Start` began, until `Finish`.
 
     Args:
         world: the World; the first camera of a world opens an OpenGL context, the last one's `close` releases it.
@@ -70,13 +71,13 @@ class Camera(Closing):
         self._scene.pixels.set(self, width * height)
         self.width, self.height, self.near, self.far = width, height, near, far
         self.options = RenderOptions()
-        self.image: NDArray[np.uint8] = np.zeros((height, width, 3), dtype=np.uint8)
+        self._image: NDArray[np.uint8] = np.zeros((height, width, 3), dtype=np.uint8)
         self.pose = GzPose()
         self.lens: Lens | None = None
         self._plain: NDArray[np.uint8] = np.zeros((0, 0, 3), dtype=np.uint8)  # what the lens turns into the image
         self.SetFOV(hfov)
         self._shot: Shot | None = None  # of the last image
-        self._pending: Future[None] | None = None  # the image that `Start` began
+        self.pending: Future[None] | None = None
         self._closed = False
         self._scene.join()
 
@@ -138,7 +139,7 @@ class Camera(Closing):
     def _target(self) -> NDArray[np.uint8]:
         """The array that is rendered into."""
         if self.lens is None:
-            return self.image
+            return self._image
         size = (self.lens.height, self.lens.width, 3)
         if self._plain.shape != size:
             self._plain = np.zeros(size, dtype=np.uint8)
@@ -146,28 +147,39 @@ class Camera(Closing):
 
     def _apply_lens(self) -> None:
         if self.lens is not None:
-            self.lens.image(self._plain, self.image)
+            self.lens.image(self._plain, self._image)
+
+    @property
+    def image(self) -> NDArray[np.uint8]:
+        """The last image, shape (height, width, 3); one that `Start` began is waited for."""
+        return self.Finish()
+
+    @image.setter
+    def image(self, image: NDArray[np.uint8]) -> None:
+        self.Finish()
+        self._image = image
 
     def Start(self) -> None:
-        """Begin to render an image of the world as it is now. Do not read `image` before `Finish` returns it."""
-        self._shot, self._pending = self._scene.start(self.view, self._target())
+        """Begin to render an image of the world as it is now, beside what comes next."""
+        self.Finish()
+        self._shot, self.pending = self._scene.start(self.view, self._target())
 
     def Finish(self) -> NDArray[np.uint8]:
         """The image that `Start` began; wait until it is complete."""
-        if self._pending is not None:
-            self._pending.result()
-            self._pending = None
+        pending, self.pending = self.pending, None
+        if pending is not None:
+            pending.result()
             self._apply_lens()
-        return self.image
+        return self._image
 
     @property
     def ready(self) -> bool:
         """Whether `Finish` can return without waiting."""
-        return self._pending is None or self._pending.done()
+        return self.pending is None or self.pending.done()
 
     @property
     def threaded(self) -> bool:
-        """Whether `Start` renders in a separate thread while physics continues."""
+        """Whether images may be served later than the step in which they were taken."""
         return self._scene.threaded
 
     @property

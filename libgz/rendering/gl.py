@@ -18,7 +18,7 @@ from OpenGL import platform  # type: ignore[import-untyped]
 
 from libgz.base.errors import LibraryError
 
-__all__ = ["GL", "Constant", "floats"]
+__all__ = ["GL", "Constant", "declared", "floats"]
 
 try:
     _library = platform.PLATFORM.GL
@@ -43,6 +43,13 @@ def _declared(name: str) -> Any:
         if hasattr(module, name):
             return getattr(module, name)
     raise AttributeError(f"OpenGL has no {name} up to version 3.0")
+
+
+def declared(name: str) -> tuple[Any, list[Any]]:
+    """What a function returns, and its arguments: types of ctypes, `c_void_p` for arrays."""
+    found = _declared(name)
+    result = found.restype if found.restype in PLAIN else c_char_p
+    return result, [kind if kind in PLAIN else c_void_p for kind in found.argtypes]
 
 
 class _Constants:
@@ -71,9 +78,7 @@ class GL:
         self._address_of = address_of
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
-        declared = _declared(name)
-        result = declared.restype if declared.restype in PLAIN else c_char_p
-        arguments = [kind if kind in PLAIN else c_void_p for kind in declared.argtypes]
+        result, arguments = declared(name)
         signature = ctypes.CFUNCTYPE if name in WAITING else ctypes.PYFUNCTYPE
         function: Callable[..., Any] = signature(result, *arguments)(self.address(name))
         setattr(self, name, function)

@@ -1,4 +1,4 @@
-"""Library: display lists and textures of a scene, made once and kept while used. For the context's thread only."""
+"""Library: display lists and textures of a scene, made once and kept while used."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from libgz.base.errors import GazeboError
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import TriMeshGeom
 from libgz.rendering.geom_meshes import meshes_of
-from libgz.rendering.gl import GL, Constant, floats
+from libgz.rendering.gl import Constant, floats
 from libgz.rendering.ground import Sight, rings
 from libgz.rendering.image import pyramid, read_image
 from libgz.rendering.mesh import Material, Mesh
 from libgz.rendering.selection import FINE, LEVELS, TINY, new_selector
 from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
+from libgz.rendering.tape import Tape
 
 __all__ = ["Compiled", "Level", "Library", "Look", "Table"]
 
@@ -124,7 +125,7 @@ class Table:
 class Library:
     """Display lists by item, look and detail; textures and skins by file."""
 
-    def __init__(self, gl: GL) -> None:
+    def __init__(self, gl: Tape) -> None:
         self.gl = gl
         self._items: dict[tuple[tuple[int, ...], Look, int, bool], Compiled] = {}
         self._planes: dict[tuple[int, Sight, Look, bool], Compiled] = {}
@@ -173,7 +174,7 @@ class Library:
 
     def _delete(self, number: int) -> None:
         self._texels.pop(number, None)
-        self.gl.glDeleteTextures(1, ctypes.byref(ctypes.c_uint(number)))
+        self.gl.glDeleteTextures(1, ctypes.c_uint(number))
 
     def table(self, content: Content, look: Look, plain: bool) -> Table:
         """The lists of all items of the content in use; plain: their shapes alone, without materials."""
@@ -349,17 +350,17 @@ class Library:
             gl.glDisable(Constant.CULL_FACE)
             gl.glLightModeli(Constant.LIGHT_MODEL_TWO_SIDE, 1)
         gl.glEnableClientState(Constant.VERTEX_ARRAY)
-        gl.glVertexPointer(3, Constant.FLOAT, 0, shape.vertices.ctypes.data)
+        gl.glVertexPointer(3, Constant.FLOAT, 0, shape.vertices)
         if shape.normals is not None:
             gl.glEnableClientState(Constant.NORMAL_ARRAY)
-            gl.glNormalPointer(Constant.FLOAT, 0, shape.normals.ctypes.data)
+            gl.glNormalPointer(Constant.FLOAT, 0, shape.normals)
         if textured and shape.texcoords is not None:
             gl.glEnableClientState(Constant.TEXTURE_COORD_ARRAY)
-            gl.glTexCoordPointer(2, Constant.FLOAT, 0, shape.texcoords.ctypes.data)
+            gl.glTexCoordPointer(2, Constant.FLOAT, 0, shape.texcoords)
         if shape.indices is None:
             gl.glDrawArrays(shape.mode, 0, len(shape.vertices))
         else:
-            gl.glDrawElements(shape.mode, len(shape.indices), Constant.UNSIGNED_INT, shape.indices.ctypes.data)
+            gl.glDrawElements(shape.mode, len(shape.indices), Constant.UNSIGNED_INT, shape.indices)
         for array in (Constant.VERTEX_ARRAY, Constant.NORMAL_ARRAY, Constant.TEXTURE_COORD_ARRAY):
             gl.glDisableClientState(array)
         if shape.two_sided:
@@ -455,7 +456,7 @@ class Library:
                 gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
         for level, image in enumerate(images):
             size, form = (image.shape[1], image.shape[0]), (Constant.RGB, Constant.RGBA)[image.shape[2] - 3]
-            gl.glTexImage2D(kind, level, Constant.RGBA8, *size, 0, form, Constant.UNSIGNED_BYTE, image.ctypes.data)
+            gl.glTexImage2D(kind, level, Constant.RGBA8, *size, 0, form, Constant.UNSIGNED_BYTE, image)
         return int(number.value)
 
 

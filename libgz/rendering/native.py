@@ -1,4 +1,4 @@
-"""The native part of rendering: frame.c and pixels.c, by ctypes, where they were built."""
+"""The native part of rendering: the C files beside, by ctypes, where they were built."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Renderer: renders shots into arrays. All of it runs in its context's thread."""
+"""Renderer: records how shots are rendered into arrays."""
 
 from __future__ import annotations
 
@@ -16,17 +16,18 @@ from libgz.base.errors import LibraryError
 from libgz.base.geometry import GzColor
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import PlaneGeom
+from libgz.rendering.context import Context
 from libgz.rendering.dome import dome_mesh
-from libgz.rendering.gl import GL, Constant, floats
+from libgz.rendering.gl import Constant, floats
 from libgz.rendering.ground import Sight
 from libgz.rendering.library import Library, Look
-from libgz.rendering.native import address, find_native
 from libgz.rendering.pixels import PixelReader
 from libgz.rendering.selection import LocalLight
 from libgz.rendering.shading import Shading
 from libgz.rendering.shadows import ShadowMaps
 from libgz.rendering.shot import Light, Shot, View
 from libgz.rendering.submission import Submitter
+from libgz.rendering.tape import Tape
 
 __all__ = ["Renderer"]
 
@@ -39,13 +40,20 @@ FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
 
 
 class Renderer:
-    """Renders shots with the lists and textures of one context."""
+    """Renders shots with the lists and textures of one context.
 
-    def __init__(self, gl: GL) -> None:
-        self.gl = gl
+    It reads the world, and records; whoever calls it has the tape played. Only one thread at a time may use it.
+
+    Args:
+        context: to render in.
+        native: frame.c and what is beside; None for the forms in Python.
+    """
+
+    def __init__(self, context: Context, native: ctypes.CDLL | None) -> None:
+        gl = self.gl = Tape(context, native)
         self.library = Library(gl)
-        self._pixels = PixelReader(gl)
-        self._submitter = Submitter(gl, find_native())
+        self._pixels = PixelReader(gl, native)
+        self._submitter = Submitter(gl, native)
         self._maps = ShadowMaps(gl, self._submitter)
         self._shading: Shading | None = None  # made for the first image with shadows
         self._shades = True  # until that fails
@@ -68,12 +76,12 @@ class Renderer:
         if key not in self._buffers:
             if len(self._buffers) >= MOST_SIZES:
                 old, used = self._buffers.pop(next(iter(self._buffers)))
-                gl.glDeleteFramebuffers(1, ctypes.byref(old))
+                gl.glDeleteFramebuffers(1, old)
                 gl.glDeleteRenderbuffers(2, used)
             number, parts = ctypes.c_uint(), (ctypes.c_uint * 2)()
             gl.glGenFramebuffers(1, ctypes.byref(number))
             gl.glGenRenderbuffers(2, parts)
-            gl.glBindFramebuffer(frame, number)
+            gl.glBindFramebuffer(frame, number.value)
             roles = (
                 (Constant.COLOR_ATTACHMENT0, Constant.RGBA8),
                 (Constant.DEPTH_ATTACHMENT, Constant.DEPTH_COMPONENT24),
@@ -88,9 +96,10 @@ class Renderer:
             if gl.glCheckFramebufferStatus(frame) != Constant.FRAMEBUFFER_COMPLETE:
                 raise LibraryError(f"this OpenGL cannot render images of {width} x {height} px")
             self._buffers[key] = (number, parts)
-        gl.glBindFramebuffer(frame, self._buffers[key][0])
+        bound = int(self._buffers[key][0].value)
+        gl.glBindFramebuffer(frame, bound)
         gl.glViewport(0, 0, width, height)
-        return int(self._buffers[key][0].value)
+        return bound
 
     def render(self, shot: Shot, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None = None) -> None:
         """Render a shot.
@@ -98,7 +107,8 @@ class Renderer:
         Args:
             shot: what to render.
             image: out, shape (height, width, 3), top row first.
-            depth: out, distance ahead, along the axis [m], shape (height, width); infinite where there is nothing.
+            depth: out, distance ahead, along the axis [m], shape (height, width); infinite where there is nothing. With
+                it, the tape is played at once.
         """
         view = shot.view
         if shot.shadows and (image is None or not self._can_shade()):
@@ -123,7 +133,6 @@ class Renderer:
         self._lines(shot, eye)
         self.gl.glPolygonMode(Constant.FRONT_AND_BACK, Constant.FILL)
         self.gl.glDisable(Constant.FOG)
-        self.gl.check()
         if samples:
             self._resolve(sampled, view)
         self._read(view, image, depth)
@@ -157,7 +166,6 @@ class Renderer:
         self._ground(shot, eye, plain=True)
         self._items(shot, eye, plain=True)
         self.gl.glColor3f(1.0, 1.0, 1.0)
-        self.gl.check()
         self._read(shot.view, ids, None)
 
     def _begin(self, shot: Shot, black: bool = False) -> NDArray[np.float64]:
@@ -339,7 +347,7 @@ class Renderer:
         for lines in shot.lines:
             gl.glColor3f(*lines.color)
             gl.glEnableClientState(Constant.VERTEX_ARRAY)
-            gl.glVertexPointer(3, Constant.FLOAT, 0, lines.ends.ctypes.data)
+            gl.glVertexPointer(3, Constant.FLOAT, 0, lines.ends)
             gl.glDrawArrays(Constant.LINES, 0, len(lines.ends))
             gl.glDisableClientState(Constant.VERTEX_ARRAY)
         gl.glColor3f(1.0, 1.0, 1.0)
@@ -350,9 +358,11 @@ class Renderer:
         if image is not None:
             self._pixels.read(image)
         if depth is not None:
-            gl.glReadPixels(*area, Constant.DEPTH_COMPONENT, Constant.FLOAT, depth.ctypes.data)
-            near, far, nothing = view.near, view.far, depth >= 1.0
-            np.divide(far * near, far - depth.astype(np.float64) * (far - near), out=depth, casting="same_kind")
+            found = np.empty((view.height, view.width), dtype=np.float32)
+            gl.glReadPixels(*area, Constant.DEPTH_COMPONENT, Constant.FLOAT, found)
+            gl.play().result()
+            near, far, nothing = view.near, view.far, found >= 1.0
+            np.divide(far * near, far - found.astype(np.float64) * (far - near), out=depth, casting="same_kind")
             depth[nothing] = np.inf
 
 
@@ -383,5 +393,5 @@ def _plane_axes(normal: tuple[float, float, float]) -> tuple[tuple[float, ...], 
     return tuple(tuple(axis.tolist()) for axis in (x, np.cross(z, x), z))
 
 
-def _load(gl: GL, matrix: NDArray[np.float64]) -> None:
-    gl.glLoadTransposeMatrixd(address(matrix))
+def _load(gl: Tape, matrix: NDArray[np.float64]) -> None:
+    gl.glLoadTransposeMatrixd(matrix)

@@ -81,7 +81,7 @@ class Scene:
 
     @property
     def threaded(self) -> bool:
-        """Whether `start` returns while the image is still being rendered."""
+        """Whether images may be served later than the step in which they were taken."""
         return bool(self.world.backdrop.threaded)
 
     def join(self) -> None:
@@ -115,7 +115,7 @@ class Scene:
     def start(self, view: View, image: NDArray[np.uint8]) -> tuple[Shot, Future[None] | None]:
         """Begin to render the world as it is now; do not touch the array before the result is there."""
         shot = self.capture(view)
-        return shot, self.thread.start(shot, image, not self.threaded) if self.thread is not None else None
+        return shot, self.thread.start(shot, image) if self.thread is not None else None
 
     def shade(self, shot: Shot) -> NDArray[np.uint8]:
         """The image of a shot with shadows, unless the scene forbids them; shape (height, width, 3)."""

@@ -78,7 +78,7 @@ def _finest(item: Item) -> int:
 
 
 class Selection(NamedTuple):
-    """What a view shows; valid until the next one of the same selector.
+    """What a view shows.
 
     Attributes:
         matrices: of all items, into the eye frame, by columns, shape (n, 16).
@@ -144,10 +144,7 @@ class Selector:
 
     def __init__(self, radii: Floats, rounds: Rounds, native: ctypes.CDLL | None) -> None:
         self.radii, self.rounds = np.ascontiguousarray(radii, dtype=np.float64), rounds
-        count = len(self.radii)
         self._segments = np.array(LEVELS, dtype=np.float64)
-        self._matrices = np.empty((count, 16))
-        self._places, self._levels, self._dark = (np.empty(count, dtype=np.int64) for _ in range(3))
         self._select: Any = None
         if native is not None:
             native.gz_selection_size.restype = ctypes.c_size_t
@@ -176,10 +173,6 @@ class Selector:
             tiny=TINY_RADIUS,
             small=SMALL_RADIUS,
             depth_error=DEPTH_ERROR,
-            matrices=self._matrices.ctypes.data,
-            places=self._places.ctypes.data,
-            levels=self._levels.ctypes.data,
-            dark=self._dark.ctypes.data,
         )
 
     def select(self, view: View, eye: Floats, states: Floats, lights: Sequence[LocalLight]) -> Selection:
@@ -204,8 +197,12 @@ class Selector:
         if lights:
             flat = (c_double * (4 * len(lights)))(*(number for k in lights for number in (*k.place, k.range)))
             record.lights = ctypes.addressof(flat)
+        matrices, (places, levels, dark) = np.empty((len(states), 16)), np.empty((3, len(states)), dtype=np.int64)
+        if len(states):
+            record.matrices, record.places = address(matrices), address(places)
+            record.levels, record.dark = address(levels), address(dark)
         count = self._select(ctypes.byref(record))
-        return Selection(self._matrices, self._places[:count], self._levels[:count], self._dark[:count])
+        return Selection(matrices, places[:count], levels[:count], dark[:count])
 
     def _select_here(self, view: View, eye: Floats, states: Floats, lights: Sequence[LocalLight]) -> Selection:
         matrices, radii = place(eye, states), self.radii

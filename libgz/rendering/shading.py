@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import LibraryError
-from libgz.rendering.gl import GL, Constant
+from libgz.rendering.gl import Constant
 from libgz.rendering.shadows import FIRST_UNIT, MAPS, SIZE, Fit
 from libgz.rendering.shot import Shot
+from libgz.rendering.tape import Tape
 
 __all__ = ["Shading"]
 
@@ -158,13 +159,13 @@ class Program(NamedTuple):
 
 
 class Shading:
-    """The programs of one context, one for each kind of shot. For the context's thread only.
+    """The programs of one context, one for each kind of shot.
 
     Raises:
         LibraryError: this OpenGL cannot compile them.
     """
 
-    def __init__(self, gl: GL) -> None:
+    def __init__(self, gl: Tape) -> None:
         self.gl = gl
         self._programs: dict[tuple[tuple[str, int], ...], Program] = {}
         self._program((("COUNT", 1), ("SUN", 0), ("LAMP", -1), ("FOG", 0), ("SMOOTH", 1)))
@@ -234,9 +235,9 @@ class Shading:
         for i, light in enumerate(shot.lights):
             reach[i] = min(light.range, NO_RANGE)
         gl.glUseProgram(number)
-        gl.glUniformMatrix4fv(places[b"into"], len(fits), 0, matrices.ctypes.data)
-        gl.glUniform1fv(places[b"texel"], len(fits), texels.ctypes.data)
-        gl.glUniform1fv(places[b"reach"], LIGHTS, reach.ctypes.data)
+        gl.glUniformMatrix4fv(places[b"into"], len(fits), 0, matrices)
+        gl.glUniform1fv(places[b"texel"], len(fits), texels)
+        gl.glUniform1fv(places[b"reach"], LIGHTS, reach)
         gl.glUniform3f(places[b"up"], *eye[:3, 2].tolist())
         gl.glUniform1f(places[b"bounce"], _bounce(shot))
 

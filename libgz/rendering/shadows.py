@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import LibraryError
-from libgz.rendering.gl import GL, Constant
+from libgz.rendering.gl import Constant
 from libgz.rendering.library import Table
 from libgz.rendering.selection import LARGE, SMALL
 from libgz.rendering.shot import Light, Shot, View, pose_matrices
 from libgz.rendering.submission import Submitter
+from libgz.rendering.tape import Tape
 
 __all__ = ["FIRST_UNIT", "MAPS", "SIZE", "Balls", "Fit", "ShadowMaps", "lamp_fits", "pick", "sun_fits"]
 
@@ -223,9 +224,9 @@ def _in_view(view: View, balls: Balls) -> NDArray[np.bool_]:
 
 
 class ShadowMaps:
-    """The textures of the maps, and how they are rendered. For the context's thread only."""
+    """The textures of the maps, and how they are rendered."""
 
-    def __init__(self, gl: GL, submitter: Submitter) -> None:
+    def __init__(self, gl: Tape, submitter: Submitter) -> None:
         self.gl, self._submitter = gl, submitter
         self._targets: dict[int, tuple[int, int]] = {}  # of each map: framebuffer, texture
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import c_int64, c_void_p
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import LibraryError
-from libgz.rendering.gl import GL
 from libgz.rendering.native import address
+from libgz.rendering.tape import Tape
 
 __all__ = ["Submitter"]
 
@@ -33,6 +32,7 @@ class SubmissionRecord(ctypes.Structure):
         ("lights", c_void_p),
         ("light_count", c_int64),
     )
+    kept: object  # what it points to
 
 
 class Submitter:
@@ -46,16 +46,15 @@ class Submitter:
         LibraryError: frame.c was built from another version, or OpenGL lacks a function.
     """
 
-    def __init__(self, gl: GL, native: ctypes.CDLL | None) -> None:
+    def __init__(self, gl: Tape, native: ctypes.CDLL | None) -> None:
         self._gl = gl
-        self._submit: Any = None
+        self._submit: Callable[..., None] | None = None
         if native is not None:
             native.gz_submission_size.restype = ctypes.c_size_t
             if native.gz_submission_size() != ctypes.sizeof(SubmissionRecord):
                 raise LibraryError("_frame.so was built from another version of frame.c; install libgz again")
-            native.gz_submit.restype = None
-            self._submit = native.gz_submit
-            self._record = SubmissionRecord(**{name: gl.address(name) for name in FUNCTIONS})
+            self._submit = gl.recorder(ctypes.cast(native.gz_submit, c_void_p).value or 0, "p")
+            self._functions = [gl.address(name) for name in FUNCTIONS]
 
     def submit(
         self,
@@ -81,13 +80,15 @@ class Submitter:
         if self._submit is None:
             self._submit_here(matrices, places, lists, colors, dark, lights)
             return
-        record, numbers = self._record, (ctypes.c_uint32 * len(lights))(*lights)
+        numbers = (ctypes.c_uint32 * len(lights))(*lights)
+        record = SubmissionRecord(*self._functions)
         record.matrices, record.places = address(matrices), address(places)
         record.lists, record.count = address(lists), len(places)
         record.colors = None if colors is None else address(colors)
         record.dark = address(dark) if lights and dark is not None else None
         record.lights, record.light_count = ctypes.addressof(numbers), len(lights)
-        self._submit(ctypes.byref(record))
+        record.kept = matrices, places, lists, colors, dark, numbers  # until it is played
+        self._submit(record)
 
     def _submit_here(
         self,
@@ -99,13 +100,12 @@ class Submitter:
         lights: Sequence[int],
     ) -> None:
         gl, now = self._gl, 0
-        start = matrices.ctypes.data
         for k, (i, number) in enumerate(zip(places.tolist(), lists.tolist(), strict=True)):
             if colors is not None:
-                gl.glColor3ubv(colors[i].ctypes.data)
+                gl.glColor3ubv(colors[i])
             if lights and dark is not None:
                 now = self._switch(lights, now, int(dark[k]))
-            gl.glLoadMatrixd(start + 128 * i)
+            gl.glLoadMatrixd(matrices[i])
             gl.glCallList(number)
         self._switch(lights, now, 0)
 

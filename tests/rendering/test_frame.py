@@ -10,7 +10,7 @@ from camera_worlds import LIGHT, solid, world_of
 
 import libgz
 from libgz.base.geometry import GzPose, GzPosePointAt, GzQuatern, GzVector
-from libgz.rendering import renderer, selection
+from libgz.rendering import render_thread, selection
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import open_context
 from libgz.rendering.gl import Constant
@@ -19,6 +19,7 @@ from libgz.rendering.native import find_native
 from libgz.rendering.selection import LEVELS, LocalLight, Rounds, Selector
 from libgz.rendering.shot import Content, View
 from libgz.rendering.submission import Submitter
+from libgz.rendering.tape import Tape
 
 ROOT = Path(__file__).parents[2]
 
@@ -74,12 +75,13 @@ class Recorder:
     """Functions of OpenGL that note their calls."""
 
     SIGNATURES = {
-        "glLoadMatrixd": (lambda address: tuple((ctypes.c_double * 16).from_address(address)), ctypes.c_void_p),
+        "glLoadMatrixd": (lambda place: tuple((ctypes.c_double * 16).from_address(place)), ctypes.c_void_p),
         "glCallList": (int, ctypes.c_uint),
         "glEnable": (int, ctypes.c_uint),
         "glDisable": (int, ctypes.c_uint),
-        "glColor3ubv": (lambda address: tuple((ctypes.c_ubyte * 3).from_address(address)), ctypes.c_void_p),
+        "glColor3ubv": (lambda place: tuple((ctypes.c_ubyte * 3).from_address(place)), ctypes.c_void_p),
     }
+    ARRAYS = ("glLoadMatrixd", "glColor3ubv")
 
     def __init__(self):
         self.calls = []
@@ -87,10 +89,16 @@ class Recorder:
         for name, (read, kind) in self.SIGNATURES.items():
             function = ctypes.PYFUNCTYPE(None, kind)(lambda value, n=name, r=read: self.calls.append((n, r(value))))
             self._functions[name] = function
-            setattr(self, name, function)
+            given = (lambda array, call=function: call(array.ctypes.data)) if name in self.ARRAYS else function
+            setattr(self, name, given)
 
     def address(self, name):
         return ctypes.cast(self._functions[name], ctypes.c_void_p).value
+
+    def recorder(self, function, _form):
+        """What calls a function at once, with the interpreter lock."""
+        call = ctypes.PYFUNCTYPE(None, ctypes.c_void_p)(function)
+        return lambda record: call(ctypes.addressof(record))
 
 
 @pytest.mark.parametrize("colors", [False, True])
@@ -101,8 +109,7 @@ def test_both_forms_submit_the_same(colors, lights):
     lists, dark = np.array([11, 12, 13, 14], dtype=np.uint32), np.array([0, 1, 3, 2], dtype=np.int64)
     shades = random.integers(0, 256, (9, 3), dtype=np.uint8) if colors else None
     calls = []
-    library = ctypes.PyDLL(find_native()._name)  # the recorder needs the interpreter lock
-    for native in (library, None):
+    for native in (find_native(), None):
         gl = Recorder()
         Submitter(gl, native).submit(matrices, places, lists, shades, dark, lights)
         calls.append(gl.calls)
@@ -148,7 +155,7 @@ def test_images_of_both_forms_are_the_same_bit_for_bit(shadows, monkeypatch):
             camera.options.shadows = shadows
             camera.SetPose(GzPosePointAt(GzVector(-3, -2, 2.5), GzVector(1.5, 1, 0.3), GzVector(0, 0, 1)))
             images.append((camera.Update().copy(), camera.depth, camera.segmentation))
-        for module in (renderer, selection):
+        for module in (render_thread, selection):
             monkeypatch.setattr(module, "find_native", lambda: None)
     for native, plain in zip(*images, strict=True):
         assert np.array_equal(native, plain)
@@ -169,7 +176,7 @@ def test_lights_that_change_are_seen_at_once():
 
 def test_equal_materials_are_set_once_in_a_list():
     with world_of(LIGHT + "<model:Pioneer2AT><id>r</id></model:Pioneer2AT>") as world, Camera(world, 8, 8) as camera:
-        gl = camera._scene.thread.context.gl
+        gl = camera._scene.thread.renderer.gl
         known, calls = gl.glMaterialfv, []
         gl.glMaterialfv = lambda *values: (calls.append(1), known(*values))
         camera.Update()
@@ -186,9 +193,13 @@ def test_smaller_images_of_a_texture_are_those_of_opengl(size, monkeypatch):
     pixels = np.random.default_rng(5).integers(0, 256, (*size, 3), dtype=np.uint8)
     context = open_context("osmesa")
 
-    def levels(library):
+    def levels(tape):
+        Library(tape)._upload(pixels, Constant.REPEAT, Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST)
+        tape.play().result()
+        return context.run(read)
+
+    def read():
         gl = context.gl
-        library._upload(pixels, Constant.REPEAT, Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST)
         found, width, height = [], *size[::-1]
         get = ctypes.PYFUNCTYPE(None, *(ctypes.c_uint, ctypes.c_int, ctypes.c_uint, ctypes.c_uint, ctypes.c_void_p))(
             gl.address("glGetTexImage")
@@ -203,7 +214,7 @@ def test_smaller_images_of_a_texture_are_those_of_opengl(size, monkeypatch):
             width, height = max(width // 2, 1), max(height // 2, 1)
 
     def generated():
-        gl = context.gl
+        gl = Tape(context, find_native())
         plain = gl.glTexImage2D
 
         def with_mipmaps(*values):
@@ -212,11 +223,11 @@ def test_smaller_images_of_a_texture_are_those_of_opengl(size, monkeypatch):
 
         gl.glTexImage2D = with_mipmaps
         monkeypatch.setattr("libgz.rendering.library.pyramid", lambda image: [image])
-        return levels(Library(gl))
+        return levels(gl)
 
     try:
-        own = context.run(lambda: levels(Library(context.gl)))
-        expected = context.run(generated)
+        own = levels(Tape(context, find_native()))
+        expected = generated()
     finally:
         context.close()
     assert all(np.array_equal(one, other) for one, other in zip(own, expected, strict=True))

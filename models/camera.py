@@ -184,22 +184,26 @@ class CameraServer:
             plan.call(look)
 
     def take(self, pose: GzPose, hfov: float) -> None:
-        """Render an image from a global pose [m] with a field of view [rad]."""
+        """Begin an image from a global pose [m] with a field of view [rad]; in a step, it is served at its end."""
         eye = self.eye
         if eye is None:
             return
-        if self._taken is not None:
-            self._publish(eye, self._taken)
+        self._publish_taken()
         set_view(self.model, eye, hfov)
         eye.SetPose(pose)
         eye.Start()
         self._taken = self.model.world.GetSimTime()
         if not eye.threaded:
-            self._publish(eye, self._taken)
+            self.model.world.agenda.after_step(self._publish_taken, eye.pending)
 
     def _publish_ready(self) -> None:
         """Publish the image that is being rendered beside the world, once it is complete."""
-        if self._taken is not None and self.eye is not None and self.eye.ready:
+        if self.eye is not None and self.eye.ready:
+            self._publish_taken()
+
+    def _publish_taken(self) -> None:
+        """Publish the image that is not published yet, if there is one, when it is complete."""
+        if self._taken is not None and self.eye is not None:
             self._publish(self.eye, self._taken)
 
     def _publish(self, eye: Eye, taken: float) -> None:
@@ -219,8 +223,7 @@ class CameraServer:
 
     def SaveState(self) -> object:
         """Nothing: an image that is not published yet is published now."""
-        if self.eye is not None and self._taken is not None:
-            self._publish(self.eye, self._taken)
+        self._publish_taken()
         return None
 
     def LoadState(self, state: object) -> None:
@@ -231,9 +234,8 @@ class CameraServer:
 
     def Fini(self) -> None:
         """Destroy the interface and the rendering camera."""
+        self._publish_taken()
         if self.eye is not None:
-            if self._taken is not None:
-                self._publish(self.eye, self._taken)
             self.eye.close()
             self.eye = None
         self.interface.destroy()

@@ -7,7 +7,9 @@ import operator
 import os
 import threading
 import weakref
+from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Future, wait
 from contextlib import contextmanager
 from ctypes import c_void_p
 from functools import partial
@@ -23,7 +25,8 @@ __all__ = ["Crew", "Task"]
 MOST_THREADS = 256
 
 T = TypeVar("T")
-Task = Generator[JobRecord, None, T]  # resumed when the job is done that it yields
+# Resumed when the job of native code is done that it yields, or what it awaits.
+Task = Generator["JobRecord | Future[Any]", None, T]
 
 
 class Crew:
@@ -90,25 +93,35 @@ class Crew:
             native = self._native = _Threads(self.threads)
         outcomes: list[Any] = [None] * len(tasks)
         under_way: dict[int, int] = {}  # the number of the task by the address of its job
+        awaiting: deque[tuple[int, Future[Any]]] = deque()  # the numbers of others, and what they wait for
         add, following, address_of = native.add, native.next, ctypes.addressof
 
         def advance(number: int) -> None:
             try:
-                address = address_of(next(tasks[number]))
+                job = next(tasks[number])
             except StopIteration as end:
                 outcomes[number] = end.value
             except USER_ERRORS as error:
                 pass_interrupt(error)
                 outcomes[number] = error
             else:
+                if isinstance(job, Future):
+                    awaiting.append((number, job))
+                    return
+                address = address_of(job)
                 under_way[address] = number
                 add(address)
 
         try:
             for number in order:
                 advance(number)
-            while job := following():
-                advance(under_way.pop(job))
+            while under_way or awaiting:
+                if awaiting and (not under_way or awaiting[0][1].done()):
+                    number, awaited = awaiting.popleft()
+                    wait([awaited])
+                    advance(number)
+                elif job := following():
+                    advance(under_way.pop(job))
         finally:  # after Ctrl-C, which may come while a job is given back, threads still step
             while following():
                 pass

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
 
 from libgz.base.errors import USER_ERRORS, GazeboError, pass_interrupt
 from libgz.physics.lock import WorldLock
@@ -47,22 +49,30 @@ class Agenda:
     Attributes:
         stepping: whether a step is under way.
         holding: whether lists of models or plugins are iterated over outside steps.
+        awaited: what deferred actions wait for.
     """
 
     def __init__(self, lock: WorldLock) -> None:
         self.lock = lock
         self.stepping = self.holding = False
         self.deferred: list[tuple[Owner | None, Callable[[], object]]] = []
+        self.awaited: list[Future[Any]] = []
 
-    def after_step(self, action: Callable[[], object]) -> None:
+    def after_step(self, action: Callable[[], object], awaited: Future[Any] | None = None) -> None:
         """Call `action` at once; if this thread runs a step or holds changes back, after that.
 
         While another thread steps, this one waits for the end of the step. A deferred action fails alone: the error is
         reported, with the plugin that asked for it, and the world continues.
+
+        Args:
+            action: is called.
+            awaited: what it will wait for, so that worlds that step beside each other need not wait there.
         """
         with self.lock:
             if self.stepping or self.holding:
                 self.deferred.append((owner.get(), action))
+                if awaited is not None:
+                    self.awaited.append(awaited)
                 return
             with self.hold():
                 action()
@@ -80,6 +90,7 @@ class Agenda:
     def act(self) -> None:
         """Run the deferred actions, and those that they defer in turn, unless that has no end."""
         self.stepping = False
+        self.awaited.clear()
         with self.hold():
             generation, left, led_to = 0, len(self.deferred), 0
             while self.deferred:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, pass_interrupt
@@ -27,6 +28,10 @@ MOST_FREE = 1000  # steps between two looks at what runs beside the world
 STEP_TOLERANCE = 1e-6  # steps; so much earlier it is asked, because the sim time is a sum
 
 
+def _nothing() -> None:
+    """What ends steps of which nothing is left."""
+
+
 class Stepping:
     """The steps of a world: buttons, entities, physics, followers, clock, companions, clients.
 
@@ -46,11 +51,18 @@ class Stepping:
     def run(self, most: int, pace: Any) -> int:
         """One step, and more as long as native code does them alone; how many."""
         if free := self.prepare(most):
-            return self.finish(free, self.world.rows.run_all(pace))
-        return self.run_in_python()
+            made, end = self.finish(free, self.world.rows.run_all(pace))
+        else:
+            made, end = 1, self.run_in_python()
+        end()
+        return made
 
     def prepare(self, most: int) -> int:
-        """How many of the next steps native code may do, at least until a row stops it; then comes `finish`."""
+        """How many of the next steps native code may do, at least until a row stops it; then comes `finish`.
+
+        Where it is none, `run_in_python` comes. Both leave to their caller what ends a step: the changes that were
+        deferred, which may have to wait for what the agenda's `awaited` has, and its report.
+        """
         rows = self.world.rows
         if not rows.valid or self._laws is not self._begin.entries:
             self._build_rows()
@@ -64,29 +76,25 @@ class Stepping:
         rows.steps.value = free
         return free
 
-    def finish(self, free: int, number: int) -> int:
-        """Do what native code has left of so many steps, from a row on; how many steps were made."""
+    def finish(self, free: int, number: int) -> tuple[int, Callable[[], None]]:
+        """Do what native code has left of so many steps, from a row on; how many were made, and what ends the last."""
         rows = self.world.rows
         made = free - rows.steps.value
         if made:
             for companion in self.world.companions:
                 companion.skipped()
         if number < rows.count:
-            made += 1
-            self._continue_natively(number)
-        return made
+            return made + 1, self._continue_natively(number)
+        return made, _nothing
 
-    def run_in_python(self) -> int:
-        """Do a step whose parts Python calls; 1."""
+    def run_in_python(self) -> Callable[[], None]:
+        """Do a step whose parts Python calls, up to what ends it."""
         if self.world.buttons.read():
-            self._pause()
-        else:
-            self.world.agenda.stepping = True
-            self._begin_step()
-            self._advance()
-            self._act()
-            self._end_step(paused=False)
-        return 1
+            return self._pause()
+        self.world.agenda.stepping = True
+        self._begin_step()
+        self._advance()
+        return partial(self._end_step, paused=False)
 
     def _free_steps(self) -> int:
         """How many of the next steps consist of what rows do, and nothing else."""
@@ -100,13 +108,12 @@ class Stepping:
         free = (until - self.world.clock.sim_time) / self.world.engine.step_time - STEP_TOLERANCE
         return int(max(0.0, min(free, MOST_FREE)))
 
-    def _continue_natively(self, number: int) -> None:
-        """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
+    def _continue_natively(self, number: int) -> Callable[[], None]:
+        """Do in Python a row that the native code cannot do, and then the step where it can, up to what ends it."""
         rows, refused = self.world.rows, number
         if number < rows.begin:
             if number == 0 and self.world.buttons.read():
-                self._pause()
-                return
+                return self._pause()
             self.world.agenda.stepping = True
             self._run_own_rows(max(number, 1), rows.begin, refused)
             if not rows.valid:  # a callback has changed what the rows after it depend on
@@ -122,12 +129,18 @@ class Stepping:
                 self._advance_physics()
             else:
                 self._run_own_rows(number, rows.tail, refused)
-            self._act()
-            number, refused = rows.tail, -1
-            if not rows.valid or not self._free_steps():  # the interface that the last rows write to may have changed
-                self._end_step(paused=False)
-                return
+            return self._end_natively
         self._run_own_rows(number, rows.count, refused)
+        return _nothing
+
+    def _end_natively(self) -> None:
+        """End a step, natively where that is possible."""
+        rows = self.world.rows
+        self._act()
+        if not rows.valid or not self._free_steps():  # the interface that the last rows write to may have changed
+            self._report(paused=False)
+        else:
+            self._run_own_rows(rows.tail, rows.count)
 
     def _run_own_rows(self, begin: int, end: int, refused: int = -1) -> None:
         """Do rows of the world itself; one that native code has refused is not done by it again."""
@@ -181,13 +194,17 @@ class Stepping:
                 pass_interrupt(error)
                 self._begin.failed(entry, error)
 
-    def _pause(self) -> None:
-        """What a step does while the world is paused."""
+    def _pause(self) -> Callable[[], None]:
+        """What a step does while the world is paused, up to what ends it."""
         self.world.agenda.stepping = True
         self._update_entities(0.0)
         self.world.clock.pause_time += self.world.engine.step_time
+        return partial(self._end_step, paused=True)
+
+    def _end_step(self, paused: bool) -> None:
+        """End a step in Python."""
         self._act()
-        self._end_step(paused=True)
+        self._report(paused)
 
     def _act(self) -> None:
         """Make the changes that were deferred to the end of the updates and of physics."""
@@ -195,7 +212,7 @@ class Stepping:
             self.world.agenda.act()
         self.world.agenda.stepping = False
 
-    def _end_step(self, paused: bool) -> None:
+    def _report(self, paused: bool) -> None:
         """Update companions, and let others know of the step."""
         agenda = self.world.agenda
         agenda.stepping = bool(self.world.companions)

@@ -7,7 +7,7 @@ import logging
 import struct
 import sys
 import time
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overload
 
@@ -26,8 +26,8 @@ from libgz.base.errors import (
 )
 from libgz.base.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzPoseOf, GzVector
 from libgz.base.law import law
-from libgz.base.records import JobRecord
 from libgz.interfaces.sim import Sim
+from libgz.ode.crew import Task
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
 from libgz.physics.check import finite, not_negative
@@ -617,8 +617,8 @@ class World(Closing):
                     lock.pass_on()
                 count -= self._steps_alone(count)
 
-    def step_beside(self, count: int, last: LawCall | None = None) -> Generator[JobRecord, None, None]:
-        """`step`, for a `Crew`: a generator, resumed when the job of native code is done that it yields.
+    def step_beside(self, count: int, last: LawCall | None = None) -> Task[None]:
+        """`step`, for a `Crew`.
 
         Args:
             count: steps.
@@ -636,10 +636,13 @@ class World(Closing):
                         job = rows.job
                         job.law = last.address if last is not None and free == count else None
                         yield job
-                        count -= stepping.finish(free, job.row)
+                        made, end = stepping.finish(free, job.row)
                         obeyed = job.obeyed
                     else:
-                        count -= stepping.run_in_python()
+                        made, end = 1, stepping.run_in_python()
+                    yield from self.agenda.awaited
+                    end()
+                    count -= made
                     if last is not None and count <= 0 and not obeyed:
                         last()
                 finally:

@@ -13,6 +13,7 @@ import pytest
 
 import libgz
 from libgz.base.errors import ClosedError, GazeboError, ParameterError, StrictError
+from libgz.rendering.render_thread import RenderThread
 
 ROBOTS = (
     "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/><model:Pioneer2AT><id>one</id>"
@@ -78,6 +79,46 @@ def test_worlds_move_as_alone_with_any_number_of_threads(tmp_path):
             worlds.step(STEPS // 2)
             worlds.step(STEPS - STEPS // 2)
             assert [digest(world) for world in worlds] == expected
+
+
+CAMERA = (
+    "<gz:world xmlns:gz='g' xmlns:model='m'><model:LightSource/><model:GroundPlane/>"
+    "<model:Pioneer2AT><id>r</id><xyz>2 {} 0</xyz></model:Pioneer2AT>"
+    "<model:MonoCam><id>c</id><xyz>0 0 0.5</xyz><imageSize>32 24</imageSize></model:MonoCam></gz:world>"
+)
+
+
+def with_camera(y):
+    world = libgz.World.from_string(CAMERA.format(y))
+    world.interface("position", "r").command(vx=0.5, vyaw=1.0)
+    return world
+
+
+@pytest.mark.parametrize("natively", [True, False])
+def test_images_are_rendered_beside_other_worlds_and_are_the_same(natively, monkeypatch):
+    places, expected = (-0.3, 0.0, 0.3), []
+    for y in places:
+        with with_camera(y) as world:
+            world.step(40)
+            expected.append(world.interface("camera", "c").image.tobytes())
+    assert len(set(expected)) == len(places)
+    start, begun = RenderThread.start, []
+    all_begun = threading.Barrier(len(places))
+
+    def start_together(self, *arguments):
+        """Begin an image that is not complete before those of all other worlds were begun."""
+        start(self, *arguments)
+        begun.append(self.context.submit(all_begun.wait, 20.0))
+        return begun[-1]
+
+    monkeypatch.setattr(RenderThread, "start", start_together)
+    with libgz.Worlds(map(with_camera, places)) as worlds:
+        for world in worlds:
+            world.rows.enabled = natively
+        worlds.step(40)
+        assert [world.interface("camera", "c").image.tobytes() for world in worlds] == expected
+    assert len(begun) >= 3 * len(places)
+    assert all(one.exception() is None for one in begun)
 
 
 def test_callbacks_run_in_the_calling_thread():

@@ -28,6 +28,8 @@ QUIET = logging.getLogger("libgz.view.port")
 QUIET.setLevel(logging.CRITICAL)
 
 MOST_CONNECTIONS = 200  # to the port
+MOST_TRUSTED = 50  # more of pages with the token: any user of this machine can open the others
+MOST_SPARE = 50  # more that have not sent it, of which each serves one request
 MOST_DRAWING = 50  # requests for portraits that wait
 MOST_TRIES = 200  # ports
 MOST_WAITING = 400  # messages to a page that have not been sent
@@ -37,6 +39,7 @@ FASTEST, FASTEST_WATCHER = 500.0, 20.0  # messages of a page per second; without
 FASTEST_WATCHERS = 300.0  # of all pages without the token together
 FASTEST_CONNECTIONS, BURST_OF_CONNECTIONS = 40.0, 100.0  # that are accepted per second, and at once
 BACKLOG = 256  # connections that wait for that
+AT_ONCE = 1 << 13  # [byte] that are read of a page without the token before others have their turn: frames may be empty
 PATIENCE = 10.0  # [s] for a page to read a message
 KEPT = 15.0  # [s] that a connection without a page stays open
 SILENCE = 20.0  # [s] for a connection to send its first request
@@ -148,6 +151,7 @@ class Pages(Closing):
         self._pages: dict[int, Page] = {}
         self._sockets: weakref.WeakSet[web.WebSocketResponse] = weakref.WeakSet()
         self._connections: set[Any] = set()
+        self._spare: dict[Any, None] = {}  # those of them that came when there were enough, oldest first
         self._silent: set[Any] = set()  # connections without a request
         self._count = 0
         self._readers, self._drawers = ThreadPoolExecutor(2, "assets"), ThreadPoolExecutor(1, "portraits")
@@ -221,14 +225,25 @@ class Pages(Closing):
             await asyncio.sleep(pace.next())
 
     def _protocol(self) -> asyncio.BaseProtocol:
-        if len(self._connections) >= MOST_CONNECTIONS:
+        kept = len(self._connections) - len(self._spare)
+        if kept >= MOST_CONNECTIONS + MOST_TRUSTED:
             return _Refusal()
         made = _Connection(self._server, loop=self._loop, access_log=QUIET, logger=QUIET, keepalive_timeout=KEPT)
-        made.all = self._connections
+        made.forget = self._forget
+        if kept >= MOST_CONNECTIONS:
+            if len(self._spare) >= MOST_SPARE:
+                oldest = next(iter(self._spare))
+                self._forget(oldest)
+                oldest.force_close()
+            self._spare[made] = None
         self._connections.add(made)
         self._silent.add(made)
         self._loop.call_later(SILENCE, self._close_silent, made)
         return made
+
+    def _forget(self, protocol: Any) -> None:
+        self._connections.discard(protocol)
+        self._spare.pop(protocol, None)
 
     def _close_silent(self, protocol: Any) -> None:
         if protocol in self._silent:
@@ -240,12 +255,18 @@ class Pages(Closing):
         refusal = self.gate.refusal(request)
         if refusal is not None:
             return refusal
+        if self.gate.may_control(request):
+            self._spare.pop(request.protocol, None)
+        spare = request.protocol in self._spare
         if request.headers.get("Upgrade", "").lower() == "websocket":
-            return await self._talk(request)
+            return await self._talk(request) if not spare else _busy("too many pages are open")
         if not self.gate.is_slow(request):
-            return await self._loop.run_in_executor(self._readers, self.gate.answer, request)
+            response = await self._loop.run_in_executor(self._readers, self.gate.answer, request)
+            if spare:
+                response.force_close()
+            return response
         if self._drawing >= MOST_DRAWING:
-            return web.Response(status=503, text="too many portraits are asked for")
+            return _busy("too many portraits are asked for")
         self._drawing += 1
         try:
             return await self._loop.run_in_executor(self._drawers, self.gate.answer, request)
@@ -258,8 +279,11 @@ class Pages(Closing):
             return web.Response(status=404, text="there is nothing here")
         may_control = self.gate.may_control(request)
         largest = LARGEST_MESSAGE if may_control else LARGEST_OF_WATCHERS
-        channel = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False)
+        # Pings are answered below: they count as messages, and so do pongs.
+        channel = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False, autoping=False)
         await channel.prepare(request)
+        if not may_control and request.transport is not None:
+            request.transport.max_size = AT_ONCE  # type: ignore[attr-defined]
         self._count += 1
         page = Page(self._count, may_control, self._loop)
         self._pages[page.number] = page
@@ -268,6 +292,9 @@ class Pages(Closing):
         try:
             self._on_open(page)
             async for raw in channel:
+                if raw.type == WSMsgType.PING:
+                    with contextlib.suppress(ConnectionError):
+                        await channel.pong(raw.data)
                 text = raw.data if raw.type == WSMsgType.TEXT else ""  # else bytes, or an error
                 message = read_message(text)
                 if message is not None:
@@ -321,15 +348,21 @@ def _put_all(pages: list[Page], key: str, message: bytes | str) -> None:
         page.put(key, message)
 
 
-class _Connection(web.RequestHandler):
-    """A connection, which is counted: in `all` as long as it lives."""
+def _busy(text: str) -> web.Response:
+    response = web.Response(status=503, text=text)
+    response.force_close()
+    return response
 
-    __slots__ = ("all",)
-    all: set[Any]
+
+class _Connection(web.RequestHandler):
+    """A connection, which is counted as long as it lives."""
+
+    __slots__ = ("forget",)
+    forget: Callable[[Any], None]
 
     def connection_lost(self, exc: BaseException | None) -> None:
         """Count it no longer."""
-        self.all.discard(self)
+        self.forget(self)
         super().connection_lost(exc)
 
 

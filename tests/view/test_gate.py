@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 
 import aiohttp
@@ -329,7 +330,8 @@ def test_a_message_that_is_too_large_ends_the_page_alone(viewer, caplog):
 
 
 def test_connections_are_limited(viewer, monkeypatch):
-    monkeypatch.setattr(pages, "MOST_CONNECTIONS", 8)
+    monkeypatch.setattr(pages, "MOST_CONNECTIONS", 6)
+    monkeypatch.setattr(pages, "MOST_SPARE", 2)
     port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
     crowd = [socket.create_connection(("127.0.0.1", port), 60.0) for _ in range(30)]
     places, end = set(crowd), time.monotonic() + 20.0
@@ -467,6 +469,47 @@ def test_a_pace_allows_some_at_once_and_no_more_on_average():
     waits = [pace.next() for _ in range(9)]
     assert waits[:5] == [0.0] * 5
     assert 0.3 < waits[8] <= 0.4
+
+
+def test_pages_that_watch_do_not_keep_out_one_that_controls(viewer, monkeypatch):
+    monkeypatch.setattr(pages, "MOST_CONNECTIONS", 5)
+    monkeypatch.setattr(pages, "MOST_TRUSTED", 2)
+    monkeypatch.setattr(pages, "MOST_SPARE", 3)
+    place = urllib.parse.urlsplit(viewer.url)
+    with contextlib.ExitStack() as kept:
+        silent = [kept.enter_context(socket.create_connection((place.hostname, place.port))) for _ in range(20)]
+        for one in silent[5:17]:
+            assert one.recv(1) == b""  # closed for those that came later
+        with urllib.request.urlopen(viewer.watch_url, timeout=20.0) as answer:
+            assert answer.headers["Connection"] == "close"
+        page = kept.enter_context(Socket(viewer.url))
+        assert page.ask("pause", "on") == (None, None)
+        with pytest.raises(aiohttp.WSServerHandshakeError, match="503"):
+            Socket(viewer.watch_url)
+        assert page.ask("pause", "off") == (None, None)
+
+
+def test_pings_and_pongs_count_as_messages_and_pings_are_answered(viewer):
+    counted = []
+
+    async def answered():
+        where = viewer.watch_url + "socket"
+        async with page.session.ws_connect(where, autoping=False) as other:
+            await other.ping(b"there?")
+            while (found := await other.receive()).type != aiohttp.WSMsgType.PONG:
+                pass
+            return found.data
+
+    with Socket(viewer.watch_url) as page:
+        page.until("state")
+        [one] = viewer._pages
+        one.pace.next = lambda: counted.append(1) or 0.0
+        for _ in range(5):
+            page.run(page.socket.ping())
+            page.run(page.socket.pong())
+        page.ask("describe", name="none")
+        assert len(counted) >= 10
+        assert page.run(answered()) == b"there?"
 
 
 class Watching:

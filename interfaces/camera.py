@@ -39,7 +39,9 @@ class CameraData(SampleData):
     width: int = uint32(SERVER, "px", "width of the image; set before the first image")
     height: int = uint32(SERVER, "px", "height of the image")
     image_size: int = uint32(SERVER, "byte", "bytes of the image; 0 until the first image")
-    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_CAMERA_MAX_IMAGE_SIZE)
+    image: Array[int] = byte(
+        SERVER, "", "red, green, blue; top row first", GAZEBO_CAMERA_MAX_IMAGE_SIZE, used="image_size"
+    )
 
 
 @layout
@@ -50,7 +52,7 @@ class CameraDataOld(SampleData):
     width: int = uint32(SERVER, "px", "width of the image; set before the first image")
     height: int = uint32(SERVER, "px", "height of the image")
     image_size: int = uint32(SERVER, "byte", "bytes of the image; 0 until the first image")
-    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", 320 * 240 * 3)
+    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", 320 * 240 * 3, used="image_size")
 
 
 class Camera(SampleInterface[CameraData]):

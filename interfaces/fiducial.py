@@ -46,7 +46,7 @@ class FiducialData(SampleData):
 
     time: float = double(SERVER, "s", "sim time of this sample")
     fid_count: int = int32(SERVER, "", "number of objects in view, at most 401")
-    fids: Array[FiducialFid] = elements(FiducialFid, SERVER, "the objects", GZ_FIDUCIAL_MAX_FIDS)
+    fids: Array[FiducialFid] = elements(FiducialFid, SERVER, "the objects", GZ_FIDUCIAL_MAX_FIDS, used="fid_count")
 
 
 class Fiducial(SampleInterface[FiducialData]):

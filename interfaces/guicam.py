@@ -56,7 +56,9 @@ class GuicamData(Data):
     save_frames: int = int32(BOTH, "", "1: save every image, at a client's request at most 1000")
     width: int = uint32(SERVER, "px", "width of the image")
     height: int = uint32(SERVER, "px", "height of the image")
-    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_GUICAM_MAX_IMAGE_SIZE)
+    image: Array[int] = byte(
+        SERVER, "", "red, green, blue; top row first", GAZEBO_GUICAM_MAX_IMAGE_SIZE, used="image_size"
+    )
     image_size: int = uint32(SERVER, "byte", "bytes of the image")
 
 

@@ -32,11 +32,11 @@ class IrData(RangeData):
     time: float = double(SERVER, "s", "sim time of this sample")
     max_range: float = double(SERVER, "m", "reading of a sensor that detects nothing")
     ir_count: int = int32(SERVER, "", "number of sensors, at most 48")
-    ir_pos: Array[float] = double(SERVER, "m", "positions in the robot's frame", GZ_IR_MAX_RANGES, 3)
+    ir_pos: Array[float] = double(SERVER, "m", "positions in the robot's frame", GZ_IR_MAX_RANGES, 3, used="ir_count")
     ir_rot: Array[float] = double(
-        SERVER, "rad", "rotations in the robot's frame: roll, pitch, yaw", GZ_IR_MAX_RANGES, 3
+        SERVER, "rad", "rotations in the robot's frame: roll, pitch, yaw", GZ_IR_MAX_RANGES, 3, used="ir_count"
     )
-    ir_ranges: Array[float] = double(SERVER, "m", "measured distances", GZ_IR_MAX_RANGES)
+    ir_ranges: Array[float] = double(SERVER, "m", "measured distances", GZ_IR_MAX_RANGES, used="ir_count")
     cmd_enable_ir: int = int32(CLIENT, "", "0 or 1")
 
 

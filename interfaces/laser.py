@@ -41,9 +41,11 @@ class LaserData(SampleData):
     max_range: float = double(SERVER, "m", "reading where nothing is hit")
     range_count: int = int32(SERVER, "", "number of readings, at most 400")
     ranges: Array[float] = double(
-        SERVER, "m", "distance from the sensor's centre, counter-clockwise", GZ_LASER_MAX_RANGES
+        SERVER, "m", "distance from the sensor's centre, counter-clockwise", GZ_LASER_MAX_RANGES, used="range_count"
     )
-    intensity: Array[int] = int32(SERVER, "", "1 where a retro-reflector is hit", GZ_LASER_MAX_RANGES)
+    intensity: Array[int] = int32(
+        SERVER, "", "1 where a retro-reflector is hit", GZ_LASER_MAX_RANGES, used="range_count"
+    )
     cmd_new_angle: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
     cmd_new_length: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
     cmd_max_range: float = double(CLIENT, "m", "wanted maximum range; 0: as it is")

@@ -32,11 +32,13 @@ class SonarData(RangeData):
     time: float = double(SERVER, "s", "sim time of this sample")
     max_range: float = double(SERVER, "m", "reading of a sonar that detects nothing")
     sonar_count: int = int32(SERVER, "", "number of sonars, at most 48")
-    sonar_pos: Array[float] = double(SERVER, "m", "positions in the robot's frame", GZ_SONAR_MAX_RANGES, 3)
-    sonar_rot: Array[float] = double(
-        SERVER, "rad", "rotations in the robot's frame: roll, pitch, yaw", GZ_SONAR_MAX_RANGES, 3
+    sonar_pos: Array[float] = double(
+        SERVER, "m", "positions in the robot's frame", GZ_SONAR_MAX_RANGES, 3, used="sonar_count"
     )
-    sonar_ranges: Array[float] = double(SERVER, "m", "measured distances", GZ_SONAR_MAX_RANGES)
+    sonar_rot: Array[float] = double(
+        SERVER, "rad", "rotations in the robot's frame: roll, pitch, yaw", GZ_SONAR_MAX_RANGES, 3, used="sonar_count"
+    )
+    sonar_ranges: Array[float] = double(SERVER, "m", "measured distances", GZ_SONAR_MAX_RANGES, used="sonar_count")
     cmd_enable_sonar: int = int32(CLIENT, "", "0 or 1; without effect on the Pioneers")
 
 

@@ -40,13 +40,21 @@ class StereoData(SampleData):
     width: int = uint32(SERVER, "px", "width of the images")
     height: int = uint32(SERVER, "px", "height of the images")
     left_image_size: int = uint32(SERVER, "byte", "bytes of the left image")
-    left_image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_STEREO_MAX_RGB_SIZE)
+    left_image: Array[int] = byte(
+        SERVER, "", "red, green, blue; top row first", GAZEBO_STEREO_MAX_RGB_SIZE, used="left_image_size"
+    )
     right_image_size: int = uint32(SERVER, "byte", "bytes of the right image")
-    right_image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_STEREO_MAX_RGB_SIZE)
+    right_image: Array[int] = byte(
+        SERVER, "", "red, green, blue; top row first", GAZEBO_STEREO_MAX_RGB_SIZE, used="right_image_size"
+    )
     left_disparity_size: int = uint32(SERVER, "", "number of left disparities: width times height")
-    left_disparity: Array[float] = float32(SERVER, "px", "shift to the right image", GAZEBO_STEREO_MAX_DISPARITY_SIZE)
+    left_disparity: Array[float] = float32(
+        SERVER, "px", "shift to the right image", GAZEBO_STEREO_MAX_DISPARITY_SIZE, used="left_disparity_size"
+    )
     right_disparity_size: int = uint32(SERVER, "", "number of right disparities")
-    right_disparity: Array[float] = float32(SERVER, "px", "shift to the left image", GAZEBO_STEREO_MAX_DISPARITY_SIZE)
+    right_disparity: Array[float] = float32(
+        SERVER, "px", "shift to the left image", GAZEBO_STEREO_MAX_DISPARITY_SIZE, used="right_disparity_size"
+    )
 
 
 class Stereo(SampleInterface[StereoData]):

@@ -4,10 +4,10 @@ The server only compares and copies bytes: compression, schemas and what other p
 log of a server that is killed is finished by that process; if both are killed, at most the last half second is lost.
 
 It takes from the server what changed, and nothing else: memory is compared with what was sent last, in one native call
-a step (`changes.c`), and patches go to a pipe. A large interface is compared when its server has released its lock
-since (`LinkRecord.exchanges`), or what clients write in it differs, and in every 32nd step besides. If the other
-process is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that observers
-can follow when it goes back.
+a step (`changes.c`), and patches go to a pipe. What is in use of an interface is compared when its server has released
+its lock since (`LinkRecord.exchanges`), or what clients write in it differs; all of it is in every 128th step. If the
+other process is slow, the server waits. Files that a log names are sent once. `Player` numbers scenes anew, so that
+observers can follow when it goes back.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from libgz.recording.frames import Kind, channel_frame, frame
 from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Data, commands_of
+from libgz.transport.layout import Data, commands_of, parts_of
 from libgz.transport.tables import HEADER
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ __all__ = ["FORMAT", "Capture", "check_packages"]
 log = logging.getLogger("libgz.recording")
 
 FORMAT = "1"  # of the log
-LARGE, BEGINNING = 512, 256  # [byte]
+BEGINNING = 40  # [byte] of what follows the head of an interface
 LARGEST_FILE = 64 << 20  # [byte] of textures and skins that are kept in the log
 PIPE_SIZE = 1 << 20  # [byte]
 LATEST = 2**63 - 1  # [ns] of a record
@@ -76,13 +76,10 @@ def check_packages() -> None:
 
 
 def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:
-    """The parts of a large struct that clients write, and its beginning with the time, for writes without the lock.
-
-    Nothing for a small one: all of it is compared.
-    """
-    if ctypes.sizeof(layout) < LARGE:
-        return ()
-    return (0, BEGINNING), *((part.start, part.stop - part.start) for part, _ in commands_of(layout))
+    """The parts of a struct that clients write, and its beginning with the time, for writes without the lock."""
+    head: Any = layout.head  # a field of ctypes
+    beginning = head.size, min(BEGINNING, ctypes.sizeof(layout) - head.size)
+    return beginning, *((part.start, part.stop - part.start) for part, _ in commands_of(layout))
 
 
 class Capture(Closing):
@@ -236,7 +233,8 @@ class Capture(Closing):
             names = [[interface.type, interface.id] for interface in served]
             self._frames.append(frame(Kind.MESSAGE, SERVED, json.dumps(names).encode()))
         for one in served:
-            pieces.append(Piece(one.memory, self._interface_channel(one), keys_of(one.layout), one.link))
+            channel, parts = self._interface_channel(one), parts_of(one.layout)
+            pieces.append(Piece(one.memory, channel, keys_of(one.layout), one.link, parts=parts))
         self._changes = Changes(pieces, self._changes)
 
     def _interface_channel(self, interface: Interface[Any]) -> int:

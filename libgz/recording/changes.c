@@ -14,10 +14,15 @@ struct range {
     int64_t offset, size;
 };
 
+/* Of an array: the size of an element, and where a 32-bit number says how many are in use. Otherwise both are 0. */
+struct part {
+    int64_t offset, size, element, used;
+};
+
 /* To look at all memory in each step would displace what the step itself needs from the processor's caches. So a row has
-   a count of its server's writes, and keys, parts of it that others write or that change whenever something else does;
-   all of it is compared in every 32nd step besides. */
-enum { TURNS = 32 };
+   a count of its server's writes, and keys, parts of it that others write or that change whenever something else does.
+   If they have changed, parts that are in use are compared; all of it is in every 128th step. */
+enum { TURNS = 128 };
 
 struct row {
     const uint8_t *memory;
@@ -29,6 +34,8 @@ struct row {
     int64_t writes_seen;
     const struct range *keys;
     int64_t key_count; /* 0: all of it is compared each time */
+    const struct part *parts;
+    int64_t part_count;
 };
 
 struct recorder {
@@ -83,41 +90,53 @@ static int differs(const uint8_t *a, const uint8_t *b)
     return found != 0;
 }
 
-/* Where the bytes from `at` on differ: the start of a block, or `size`. Stretches that are equal are passed at once. */
-static int64_t first_change(const struct row *row, int64_t at)
+/* Where the bytes from `at` on differ: the start of a block, or `end`. Stretches that are equal are passed at once. */
+static int64_t first_change(const struct row *row, int64_t at, int64_t end)
 {
     const uint8_t *memory = row->memory, *shadow = row->shadow;
-    while (row->size - at >= STRETCH && !memcmp(memory + at, shadow + at, STRETCH))
+    while (end - at >= STRETCH && !memcmp(memory + at, shadow + at, STRETCH))
         at += STRETCH;
-    while (row->size - at >= BLOCK && !differs(memory + at, shadow + at))
+    while (end - at >= BLOCK && !differs(memory + at, shadow + at))
         at += BLOCK;
-    if (row->size - at < BLOCK && !memcmp(memory + at, shadow + at, (size_t)(row->size - at)))
-        at = row->size;
+    if (end - at < BLOCK && !memcmp(memory + at, shadow + at, (size_t)(end - at)))
+        at = end;
     return at;
 }
 
-/* The changed blocks of a row, neighbours together: offset, length, bytes. */
-static uint8_t *patches(struct row *row, uint8_t *out)
+/* The changed blocks of a row from `at` to `end`, neighbours together: offset, length, bytes. */
+static uint8_t *patches(struct row *row, int64_t at, int64_t end, uint8_t *out)
 {
     const uint8_t *memory = row->memory;
     uint8_t *shadow = row->shadow;
-    int64_t at = 0, size = row->size;
-    while ((at = first_change(row, at)) < size) {
+    while ((at = first_change(row, at, end)) < end) {
         int64_t start = at;
         uint32_t head[2];
         do {
-            int64_t length = size - at < BLOCK ? size - at : BLOCK;
+            int64_t length = end - at < BLOCK ? end - at : BLOCK;
             /* What is written down is the shadow: a client may write the memory meanwhile. */
             memcpy(shadow + at, memory + at, (size_t)length);
             at += length;
-        } while (size - at >= BLOCK && differs(memory + at, shadow + at));
+        } while (end - at >= BLOCK && differs(memory + at, shadow + at));
         head[0] = (uint32_t)start, head[1] = (uint32_t)(at - start);
         out = put(put(out, head, PATCH_HEAD), shadow + start, at - start);
     }
     return out;
 }
 
-static int changed(struct row *row, int whole)
+/* The end of what is in use of a part. */
+static int64_t end_of(const struct row *row, const struct part *part)
+{
+    int64_t size = part->size;
+    if (part->element) {
+        uint32_t count;
+        memcpy(&count, row->memory + part->used, sizeof count);
+        if (count < part->size / part->element)
+            size = count * part->element;
+    }
+    return part->offset + size;
+}
+
+static int changed(struct row *row)
 {
     int64_t i;
     if (row->writes && *row->writes != row->writes_seen) {
@@ -129,20 +148,26 @@ static int changed(struct row *row, int whole)
         if (memcmp(row->memory + key->offset, row->shadow + key->offset, (size_t)key->size))
             return 1;
     }
-    return whole && memcmp(row->memory, row->shadow, (size_t)row->size);
+    return 0;
 }
 
 /* A frame for each row that changed. */
 static uint8_t *take(struct recorder *r, uint8_t *end)
 {
-    int64_t i;
+    int64_t i, j;
     for (i = r->first; i < r->count; i++) {
         struct row *row = &r->rows[i];
         uint8_t *head = end;
-        if (row->seen && !changed(row, !row->key_count || (i + r->turn) % TURNS == 0))
+        int whole = !row->seen || !row->key_count || (i + r->turn) % TURNS == 0;
+        if (!changed(row) && !whole)
             continue;
-        end = patches(row, head + FRAME_HEAD);
-        if (end == head + FRAME_HEAD && row->seen) { /* it was written anew, with equal bytes */
+        end += FRAME_HEAD;
+        if (whole || !row->part_count)
+            end = patches(row, 0, row->size, end);
+        else
+            for (j = 0; j < row->part_count; j++)
+                end = patches(row, row->parts[j].offset, end_of(row, &row->parts[j]), end);
+        if (end == head + FRAME_HEAD && row->seen) { /* nothing has changed */
             end = head;
             continue;
         }

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from libgz.base.records import LinkRecord
 from libgz.recording.frames import END_FRAME, Kind, frame, tick_frame
+from libgz.transport.layout import Part
 
 __all__ = ["Changes", "Moments", "Piece", "apply_patches"]
 
@@ -36,6 +37,8 @@ class _Row(ctypes.Structure):
         ("writes_seen", ctypes.c_int64),
         ("keys", ctypes.c_void_p),
         ("key_count", ctypes.c_int64),
+        ("parts", ctypes.c_void_p),
+        ("part_count", ctypes.c_int64),
     ]
 
 
@@ -94,6 +97,7 @@ class Piece(NamedTuple):
             so that the rest need not be compared each time; empty to compare everything.
         link: counts the writes of the server, where that is known.
         seen: whether the log has its present content.
+        parts: that are compared after a write; empty to compare everything.
     """
 
     memory: Any
@@ -101,6 +105,7 @@ class Piece(NamedTuple):
     keys: tuple[tuple[int, int], ...] = ()
     link: LinkRecord | None = None
     seen: bool = False
+    parts: tuple[Part, ...] = ()
 
 
 @lru_cache
@@ -151,14 +156,15 @@ class Changes:
 
     def _prepare(self) -> None:
         self._keys = [np.array(piece.keys, dtype=np.int64).reshape(-1, 2) for piece in self._pieces]
+        self._parts = [np.array(piece.parts, dtype=np.int64).reshape(-1, 4) for piece in self._pieces]
         rows = []
         for i, (piece, memory) in enumerate(zip(self._pieces, self._memories, strict=True)):
-            keys, writes = self._keys[i], None
+            keys, parts, writes = self._keys[i], self._parts[i], None
             if piece.link is not None:
                 writes = ctypes.addressof(piece.link) + LinkRecord.exchanges.offset
             shadow = self.shadows[piece.channel][1].ctypes.data
             row = memory.ctypes.data, shadow, len(memory), piece.channel, self._seen[i], writes, -1
-            rows.append(_Row(*row, keys.ctypes.data, len(keys)))
+            rows.append(_Row(*row, keys.ctypes.data, len(keys), parts.ctypes.data, len(parts)))
         self._rows = (_Row * len(rows))(*rows)
         self._most = sum(len(memory) + len(memory) // 8 + 64 for memory in self._memories) + 64
         self._recorder = _Recorder(None, 0, ctypes.addressof(self._rows), len(rows), 0)

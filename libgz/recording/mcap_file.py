@@ -1,7 +1,7 @@
 """McapFile: writes an MCAP file.
 
 Records are those of the library mcap. Its own writer takes 20 us for a message, and a server at full speed makes tens
-of them a step; so messages are packed here.
+of them a step; so messages and their index are packed here.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from mcap.records import (
     Footer,
     Header,
     McapRecord,
-    MessageIndex,
     Metadata,
     MetadataIndex,
     Schema,
@@ -34,7 +33,8 @@ CHUNK_SIZE = 4 << 20  # [byte]
 LEVEL = 1  # of compression: the quickest
 
 _MESSAGE = struct.Struct("<BQHIQQ")  # kind of record, its length, channel, sequence, time of the log and of publication
-_BEHIND_LENGTH = _MESSAGE.size - 9
+_INDEX = struct.Struct("<BQHI")  # kind of record, its length, channel, length of the entries
+_BEHIND_LENGTH, _INDEX_BEHIND_LENGTH = _MESSAGE.size - 9, _INDEX.size - 9
 
 
 def _record(record: McapRecord) -> bytes:
@@ -61,7 +61,7 @@ class McapFile:
         self._metadata: list[MetadataIndex] = []
         self._parts: list[bytes] = []  # of the present chunk
         self._size = 0
-        self._index: dict[int, list[tuple[int, int]]] = {}
+        self._index: dict[int, list[int]] = {}  # by channel: time and offset of each message
         self._begin = self._end = 0  # [ns] of the chunk
         self._write(MAGIC + _record(Header(profile="", library=library)))
         stream.flush()
@@ -103,7 +103,7 @@ class McapFile:
         if channel not in self._index:
             self._index[channel] = []
         self._begin, self._end = min(self._begin, log_time), max(self._end, log_time)
-        self._index[channel].append((log_time, self._size))
+        self._index[channel] += log_time, self._size
         head = _MESSAGE.pack(5, _BEHIND_LENGTH + len(data), channel, sequence & 0xFFFFFFFF, log_time, publish_time)
         self._parts += head, data
         self._size += len(head) + len(data)
@@ -134,9 +134,11 @@ class McapFile:
         end = start + len(data)
         for channel, entries in self._index.items():
             offsets[channel] = end
-            indices.append(_record(MessageIndex(channel_id=channel, records=entries)))
+            packed_entries = struct.pack(f"<{len(entries)}Q", *entries)
+            length = len(packed_entries)
+            indices.append(_INDEX.pack(7, _INDEX_BEHIND_LENGTH + length, channel, length) + packed_entries)
             end += len(indices[-1])
-            self._counts[channel] = self._counts.get(channel, 0) + len(entries)
+            self._counts[channel] = self._counts.get(channel, 0) + len(entries) // 2
         self._write(data + b"".join(indices))
         self._chunks.append(
             ChunkIndex(

@@ -39,6 +39,7 @@ __all__ = [
     "Element",
     "Field",
     "GzData",
+    "Part",
     "Struct",
     "abi_of",
     "byte",
@@ -53,6 +54,7 @@ __all__ = [
     "for_abi",
     "int32",
     "layout",
+    "parts_of",
     "uint16",
     "uint32",
 ]
@@ -105,6 +107,7 @@ class Field(NamedTuple):
     unit: str
     help: str
     shape: tuple[int, ...] = ()
+    used: str = ""  # of an array: the 32-bit field that has the number of elements in use
 
     @property
     def whole_ctype(self) -> Any:
@@ -116,8 +119,8 @@ class Field(NamedTuple):
 
 
 def _scalar(ctype: Any) -> Any:
-    def declare(writer: str, unit: str, help: str, *shape: int) -> Any:
-        return Field(ctype, writer, unit, help, shape)
+    def declare(writer: str, unit: str, help: str, *shape: int, used: str = "") -> Any:
+        return Field(ctype, writer, unit, help, shape, used)
 
     return declare
 
@@ -131,9 +134,9 @@ byte = _scalar(ctypes.c_uint8)
 char = _scalar(ctypes.c_char)
 
 
-def elements(kind: type[Element], writer: str, help: str, count: int) -> Any:
-    """An array of `count` structs."""
-    return Field(kind, writer, "", help, (count,))
+def elements(kind: type[Element], writer: str, help: str, most: int, used: str = "") -> Any:
+    """An array of `most` structs."""
+    return Field(kind, writer, "", help, (most,), used)
 
 
 class Struct(ctypes.Structure):
@@ -270,6 +273,28 @@ def _commands(struct: type[Struct], origin: int) -> list[tuple[int, int, bool]]:
         else:
             found.append((start, start + place.size, text))
     return found
+
+
+class Part(NamedTuple):
+    """Part of a struct: offset and size [byte]; of an array, size of an element, and offset of how many are in use."""
+
+    offset: int
+    size: int
+    element: int = 0
+    used: int = 0
+
+
+@lru_cache
+def parts_of(struct: type[Struct]) -> tuple[Part, ...]:
+    """The whole struct in parts: arrays whose number of elements in use it has, and what is between them."""
+    found, end = [], 0
+    for name, field in fields_of(struct).items():
+        if field.used:
+            place, used = getattr(struct, name), getattr(struct, field.used)
+            element = place.size // field.shape[0]
+            found += [Part(end, place.offset - end), Part(place.offset, place.size, element, used.offset)]
+            end = place.offset + place.size
+    return (*found, Part(end, ctypes.sizeof(struct) - end))
 
 
 def numpy_type(field: Field) -> Any:

@@ -11,12 +11,12 @@ from wire_layout import LAYOUT
 
 import libgz
 import libgz.interfaces
-from libgz.interfaces.catalog import INTERFACES
+from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import GripperDataCvs
 from libgz.interfaces.position import Position
 from libgz.interfaces.sim import Sim
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Data, Struct, fields_of
+from libgz.transport.layout import ABIS, VERSIONS, Data, Struct, fields_of, for_abi, parts_of
 from libgz.transport.server import Server
 
 
@@ -137,3 +137,19 @@ def test_every_field_has_a_description_and_a_writer():
 
 def test_docstrings_of_views_have_units():
     assert Position.vel_pos.__doc__.startswith("velocity in the robot's frame, forward first [m/s], shape (3,)")
+
+
+@pytest.mark.parametrize("kind", INTERFACES)
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("abi", ABIS)
+def test_parts_are_all_of_a_struct(kind, version, abi):
+    struct = for_abi(new_interface(kind).layout_for(version, None), abi)
+    parts = parts_of(struct)
+    ends = [0, *(part.offset + part.size for part in parts)]
+    assert [*(part.offset for part in parts), ctypes.sizeof(struct)] == ends
+    arrays = [part for part in parts if part.element]
+    counted = [(name, field) for name, field in fields_of(struct).items() if field.used]
+    for part, (name, field) in zip(arrays, counted, strict=True):
+        assert (part.offset, part.used) == (getattr(struct, name).offset, getattr(struct, field.used).offset)
+        assert part.element * field.shape[0] == part.size
+        assert getattr(struct, field.used).size == 4

@@ -10,6 +10,7 @@ from libgz.base.records import LinkRecord
 from libgz.recording import changes
 from libgz.recording.changes import Changes, Piece, apply_patches
 from libgz.recording.frames import Frames, Kind, tick_times
+from libgz.transport.layout import Part
 
 SIZES = (40, 96, 511, 512, 513, 5056, 20000)
 
@@ -103,7 +104,7 @@ def test_writes_of_the_server_and_of_clients_are_recorded_in_the_same_step(nativ
         assert apply(copies, frames_of(looking.send())) == []
         assert copies[5] == memory
     memory[3000] += 1  # by somebody who should not
-    for step in range(8):
+    for step in range(128):
         looking.record(step, step)
         apply(copies, frames_of(looking.send()))
     assert copies[5] == memory
@@ -174,3 +175,27 @@ def test_steps_of_a_world_are_recorded_at_its_times(native):
     assert quick.record_step(moments) == 1  # it is time to
     numbers[1] = 1e12
     assert quick.record_step(moments) == -1  # for Python limits it
+
+
+def test_after_a_write_what_is_in_use_of_an_array_is_compared(native):
+    memory, link = bytearray(5000), LinkRecord()
+    parts = Part(0, 200), Part(200, 4000, element=40, used=196), Part(4200, 800)
+    copies = {5: bytearray(5000)}
+    looking = Changes([Piece(memory, 5, ((0, 40),), link, parts=parts)], native=native)
+    looking.record(0, 0)
+    looking.send()
+    for count in (1, 3, 99, 100, 101, 2, -1, 2**31 - 1, 0, 7):
+        memory[196:200] = count.to_bytes(4, "little", signed=True)
+        used = count if 0 <= count <= 100 else 100
+        for place in (150, *((200, 199 + 40 * used) if used else ()), 4200, 4999):
+            memory[place] ^= 0xFF
+        link.exchanges += 1
+        looking.record(0, 0)
+        assert apply(copies, frames_of(looking.send())) == [5]
+        assert copies[5] == memory
+    memory[3000] ^= 0xFF  # behind those in use
+    link.exchanges += 1
+    for _ in range(128):
+        looking.record(0, 0)
+        apply(copies, frames_of(looking.send()))
+    assert copies[5] == memory

@@ -68,14 +68,14 @@ class Parser(Hints):
 
 
 def read_command_line(
-    parser: Parser, arguments: Sequence[str] | None, *, plugins: str
+    parser: Parser, arguments: Sequence[str] | None, *, plugins: Sequence[str]
 ) -> tuple[list[str], argparse.Namespace]:
     """Set up console and OpenGL as the command line wants them; its words, and the options as `_parse` returns them.
 
     Args:
         parser: its options, --gl among them; it has no positional arguments.
         arguments: the command line; None for that of the process.
-        plugins: the option by which System plugins are loaded.
+        plugins: the options by which System plugins are loaded.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_console(verbose="--verbose" in words)
@@ -88,23 +88,24 @@ def read_command_line(
     return words, options
 
 
-def _parse(parser: Parser, words: Sequence[str], plugins: str) -> argparse.Namespace:
+def _parse(parser: Parser, words: Sequence[str], plugins: Sequence[str]) -> argparse.Namespace:
     """Parse the command line; unknown words are for System plugins, which get the whole command line.
 
     Args:
         parser: its options; it has no positional arguments.
         words: the command line.
-        plugins: the option by which System plugins are loaded. Without any, unknown options are logged as warnings.
+        plugins: the options by which System plugins are loaded. Without any, unknown options are logged as warnings.
 
     Returns:
-        The options; `rest` holds the words that are none, without unknown options and their values.
+        The options; `unknown` holds unknown options and their values, `rest` the words that are neither.
     """
     options: argparse.Namespace
     options, unknown = parser.parse_known_args(list(words))
     options.rest, others = _split(unknown)
-    if plugins == "gui_plugin" or ros_wanted(options):  # names and remappings, which roslaunch gives all nodes
+    if "server_plugin" not in plugins or ros_wanted(options):  # names and remappings, which roslaunch gives all nodes
         others = [word for word in others if ":=" not in word]
-    if others and not getattr(options, plugins):
+    options.unknown = others
+    if others and not any(getattr(options, name) for name in plugins):
         log.warning("%s; there is no System plugin to use them", parser.unknown(others))
     elif others:
         log.info("options for System plugins: %s", " ".join(others))

@@ -58,11 +58,12 @@ log = logging.getLogger("libgz.gazebo")
 STATUS_PERIOD = 0.2  # [s] of real time
 MOST_STEPS = 1000  # at a time; World.step_on ends earlier, but for worlds at rest
 # Options that Gazebo 1 to 11 did not have: with one of them, an SDF world runs as a worldfile does.
+CLASSIC = ("--verbose", "-g", "--gui-plugin", "--gui-client-plugin")  # without a world, they mean the empty one
 LEGACY = ("-d", "-f", "-l", "-n", "-t", "--abi", "--rate", "--render-thread", "--solver", "--wire-version")
 CLASSIC_HELP = (
     "An SDF world runs as with the gazebo command of Gazebo 1 to 11, with the options of gzserver and a page in the "
-    f"browser, unless one of {', '.join(LEGACY)} or -s with a number is given. Then and only then -s names "
-    "System plugins."
+    "browser, and with a gzclient where -g, --gui-client-plugin, the world's <gui> or gui.ini name plugins for it, "
+    f"unless one of {', '.join(LEGACY)} or -s with a number is given. Then and only then -s names System plugins."
 )
 
 
@@ -247,7 +248,7 @@ def _is_classic(words: Sequence[str]) -> bool:
     if ids or options & {*LEGACY, "-h", "--help"}:
         return False
     worlds = [path for word in words if word[:1] != "-" and (path := _world_file(word)) is not None]
-    return all(map(is_sdf, worlds)) if worlds else "--verbose" in options
+    return all(map(is_sdf, worlds)) if worlds else not options.isdisjoint(CLASSIC)
 
 
 def _world_file(name: str) -> Path | None:
@@ -267,9 +268,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if _is_classic(words):
-        from libgz.apps.gzserver import main as run_classic  # it loads all of classic
+        from libgz.apps.gzserver import main_of_gazebo  # it loads all of classic
 
-        return run_classic([*words, "--view"])
+        return main_of_gazebo(words)
     parser = make_parser()
     own = without_ros_words(words)
     names = [word for word in own if ":=" in word and MACRO_ARGUMENT.fullmatch(word) is None]

@@ -148,7 +148,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Exit codes: 0 done, also after SIGINT or SIGTERM; 130 or 143 after a second one, when a plugin kept it from ending;
     255 failed, or the server ended.
     """
-    words, options = read_command_line(make_parser(), arguments, plugins="gui_plugin")
+    words, options = read_command_line(make_parser(), arguments, plugins=("gui_plugin",))
     if options.rest:
         log.warning("%s has no effect: the server runs the world", " ".join(options.rest))
     try:

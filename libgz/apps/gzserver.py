@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import logging
 import os
 import re
@@ -56,9 +57,10 @@ WITHOUT_EFFECT = {
     "--lockstep": "physics and sensors always run in lockstep",
     "--record_resources": "models and meshes are not copied",
     "--minimal_comms": "topics without subscribers are never published",
-    "--gui-plugin": "the server runs no GUI plugins; use gzclient",
-    "--gui-client-plugin": "the server runs no GUI plugins; use gzclient",
+    "--gui-plugin": "the server runs no plugins of a client; use gazebo or gzclient",
+    "--gui-client-plugin": "the server runs no plugins of a client; use gazebo or gzclient",
 }
+OF_CLIENT = ("gui_plugin", "gui_client_plugin")
 VIDEO = re.compile(r"[^=/]+=.+")  # ID=FILE
 FLAGS = ("--lockstep", "--record_resources", "--minimal_comms")
 SHORT = {"--gui-plugin": "-g"}
@@ -114,9 +116,10 @@ def split_videos(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def warn_without_effect(options: argparse.Namespace) -> None:
-    """Warn of options that have no effect here."""
+    """Warn of options that have no effect here; with a client, those of its plugins have."""
     for option, why in WITHOUT_EFFECT.items():
-        if getattr(options, option.lstrip("-").replace("-", "_"), None):
+        name = option.lstrip("-").replace("-", "_")
+        if getattr(options, name, None) and not (options.with_client and name in OF_CLIENT):
             log.warning("%s has no effect: %s", option, why)
 
 
@@ -146,6 +149,7 @@ class Server:
             if get_master_uri().port == 0:
                 sys.stdout.write(f"GAZEBO_MASTER_URI={link.address.uri}\n")
                 sys.stdout.flush()
+            self._uri = link.address.uri
             open_log("server", link.address.port)
             if self.options.ignition:
                 start_ignition()
@@ -228,7 +232,7 @@ class Server:
             record_videos(core, self.options.videos) as recorders,
             record_mcap(core, self.options) as capture,
             SnapshotControl(core, self.options.rewind, self.options.watch_only) as snapshots,
-            view_process(self.options, core.server_id),
+            self._window(core, server),
         ):
             self._steps(core, control, server, snapshots, [*recorders, *([capture] if capture is not None else [])])
         # Not errors of the world, whose lock is not held: a plugin may wait for its threads here, which use the world.
@@ -237,6 +241,18 @@ class Server:
         if self._stopped:
             core.events["SigInt"]()
         problems.check()
+
+    def _window(self, core: World, server: WorldServer | None) -> contextlib.AbstractContextManager[object]:
+        """What shows the world: for `gazebo` a client if there are plugins for it, else the viewer if it is wanted."""
+        if self.options.with_client:
+            from libgz.apps.client_process import ClientProcess, client_words, wants_client
+
+            if wants_client(self.options, server.element if server is not None else None):
+                return ClientProcess(client_words(self.options), self._uri, self._client_ended)
+        return view_process(self.options, core.server_id)
+
+    def _client_ended(self) -> None:
+        self._stopped = True
 
     def _steps(
         self,
@@ -297,9 +313,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     After a SIGINT or SIGTERM before the world runs, and after a second one, 130 or 143.
     """
+    return _run(arguments)
+
+
+@as_command("gazebo", failed=FAILED)
+def main_of_gazebo(arguments: Sequence[str] | None = None) -> int:
+    """The command gazebo of Gazebo 1 to 11: the same with a page, or a client if there are plugins for it."""
+    return _run(arguments, with_client=True)
+
+
+def _run(arguments: Sequence[str] | None, *, with_client: bool = False) -> int:
     given, videos = split_videos(list(sys.argv[1:] if arguments is None else arguments))
-    words, options = read_command_line(make_parser(), given, plugins="server_plugin")
-    options.videos = videos
+    plugins = ("server_plugin", "gui_plugin") if with_client else ("server_plugin",)
+    words, options = read_command_line(make_parser(), given, plugins=plugins)
+    options.videos, options.with_client, options.view = videos, with_client, options.view or with_client
     warn_without_effect(options)
     try:
         with confined("gzserver", options):

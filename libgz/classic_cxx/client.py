@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from libgz.base.errors import GazeboError
 from libgz.classic import gui, msgs, transport
-from libgz.classic.gui.client import read_ini
+from libgz.classic.gui.named import read_ini
 
 __all__ = ["entity_id", "find_property", "pause", "set_property"]
 

@@ -231,6 +231,19 @@ def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
             server.terminate()
     assert client.returncode == 0, errors
     assert quitting.returncode == 0
+    monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
+    both = subprocess.run(
+        command("gazebo", str(world), "--view-port", "18080", "--iters", "60000", "--verbose"),
+        cwd=tmp_path,
+        env={**environment, "GAZEBO_MASTER_URI": os.environ["GAZEBO_MASTER_URI"], "QUIT": "1"},
+        text=True,
+        capture_output=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+    assert both.returncode == 0, both.stderr
+    assert "The client has ended; the server ends with it." in both.stdout
+    assert "spawn deleted" in both.stdout
     assert said.count("the ball is there") == 1
     assert {"spawn model stone", "spawn align x0", "spawn move stone10", "wait steps 3"} <= set(said)
     assert errors.count("gui::Events::ConnectAlignMode: only plugins signal this event here") == 1

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import configparser
 import logging
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 from libgz.base.closing import Closing
@@ -17,6 +14,7 @@ from libgz.classic import msgs
 from libgz.classic.commands import reload_response
 from libgz.classic.event import Connection
 from libgz.classic.gui import Events, MainWindow, set_main_window
+from libgz.classic.gui.named import gui_of, named_plugins
 from libgz.classic.gui.scene_link import SceneLink
 from libgz.classic.gui.window import Desktop
 from libgz.classic.loading import LoadedPlugin, new_plugin, reload_all
@@ -27,30 +25,12 @@ from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.transport import Subscriber, request
 from libgz.sdf.element import Element
 
-__all__ = ["Client", "ini_plugins", "read_ini"]
+__all__ = ["Client"]
 
 log = logging.getLogger("libgz.classic")
 
 SIZE = (800, 600)  # [px]
 NEAR, FAR = 0.1, 1000.0  # [m]
-
-
-def read_ini() -> configparser.ConfigParser:
-    """The file that GAZEBO_GUI_INI_FILE names, or ~/.gazebo/gui.ini; empty if it cannot be read, which is logged."""
-    path = Path(os.environ.get("GAZEBO_GUI_INI_FILE") or "~/.gazebo/gui.ini").expanduser()
-    parser = configparser.ConfigParser(interpolation=None, strict=False)
-    try:
-        parser.read(path, encoding="utf-8")
-    except (configparser.Error, UnicodeDecodeError) as error:
-        log.warning("%s cannot be read: %s", path, error)
-        return configparser.ConfigParser()
-    return parser
-
-
-def ini_plugins() -> list[str]:
-    """The plugins that gui.ini names: ``[overlay_plugins] filenames=a.so:b.so``."""
-    names = read_ini().get("overlay_plugins", "filenames", fallback="")
-    return [name.strip() for name in names.split(":") if name.strip()]
 
 
 class Client(Closing):
@@ -78,7 +58,7 @@ class Client(Closing):
             self.window.frame = self.frame
             set_main_window(self.window)
             self._aim(camera, pose)
-            for filename, name, element in self._named(filenames):
+            for filename, name, element in named_plugins(filenames, self.world.SDF()):
                 self._load(filename, name, element)
             self.world.server.serve_visuals().add()
             self._responses = self.link.node.Advertise(msgs.Response, "~/response")
@@ -90,13 +70,9 @@ class Client(Closing):
             self.close()
             raise
 
-    def _gui(self) -> Element | None:
-        element = self.world.SDF()
-        return next(element.named("gui"), None) if element is not None else None
-
     def _aim(self, camera: UserCamera, pose: GzPose | None) -> None:
         """Place the user camera."""
-        gui = self._gui()
+        gui = gui_of(self.world.SDF())
         element = next(gui.named("camera"), None) if gui is not None else None
         if pose is None and element is not None and element.HasElement("pose"):
             pose = element.Get(GzPose, "pose")
@@ -150,14 +126,6 @@ class Client(Closing):
             Events.lightUpdate(message)
 
     # Plugins -----------------------------------------------------------------------------------------------------
-
-    def _named(self, filenames: Sequence[str]) -> Iterator[tuple[str, str, Element]]:
-        """(filename, name, element) of all GUI plugins: gui.ini, command line, world."""
-        for filename in (*ini_plugins(), *filenames):
-            yield filename, filename, Element("plugin")
-        gui = self._gui()
-        for element in gui.named("plugin") if gui is not None else ():
-            yield element.Get(str, "filename"), element.Get(str, "name"), element
 
     def _load(self, filename: str, name: str, element: Element) -> None:
         where = element.where if element.line else ""

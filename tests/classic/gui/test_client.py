@@ -18,7 +18,7 @@ from libgz.apps.classic_command import read_command_line
 from libgz.apps.libgz import main
 from libgz.base.errors import NotFoundError
 from libgz.classic import gui, msgs
-from libgz.classic.gui.client import ini_plugins
+from libgz.classic.gui.named import ini_plugins
 from libgz.classic.gui.scene_link import only_looks
 from libgz.classic.gui.window import GUI, MainWindow
 from libgz.sdf.reader import SdfFile
@@ -275,7 +275,7 @@ def test_wrong_options(words, capsys):
 
 def test_words_that_roslaunch_gives_all_nodes_are_no_options(capsys):
     words = ["__name:=gazebo_gui", "__log:=/tmp/x.log", "--size", "64x48"]
-    _, options = read_command_line(gzclient.make_parser(), words, plugins="gui_plugin")
+    _, options = read_command_line(gzclient.make_parser(), words, plugins=("gui_plugin",))
     assert (options.rest, options.size) == ([], (64, 48))
     assert "unrecognized" not in capsys.readouterr().err
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import io
+import json
 import struct
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from PIL import Image
 
 from libgz.base.files import installed_worlds
 
-__all__ = ["SETTINGS", "TEXTURE_FORMATS", "chunk", "model_3ds", "sample", "with_library", "with_texture"]
+__all__ = ["SETTINGS", "TEXTURE_FORMATS", "chunk", "gltf", "model_3ds", "sample", "with_library", "with_texture"]
 
 TEXTURE_FORMATS = ("PNG", "JPEG", "PPM", "BMP", "TGA", "GIF", "DDS", "TIFF", "JPEG2000", "WEBP", "PCX", "ICO", "SGI")
 
@@ -344,3 +346,22 @@ def sample(kind: str, number: int = 0) -> bytes:
 def worlds(folder: Path, root: bytes) -> list[Path]:
     """The worlds of a folder and of its folders whose text contains a root's tag."""
     return sorted(path for path in folder.rglob("*.world") if root in path.read_bytes())
+
+
+def gltf(more=(), **changes):
+    """A triangle, one node; changes of its parts, and its buffers."""
+    numbers = struct.pack("<9f3I", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 2)
+    address = "data:application/octet-stream;base64," + base64.b64encode(numbers).decode()
+    contents = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": address, "byteLength": 48}, *more],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": 3, "type": "SCALAR"},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    }
+    return json.dumps({**contents, **changes})

@@ -122,16 +122,19 @@ def read_text(path: str | os.PathLike[str]) -> str:
         return file.read()
 
 
-def read_limited(path: Path) -> bytes:
-    """The bytes of a world or model file of at most 64 MiB.
+def read_limited(path: Path, most: int | None = None) -> bytes:
+    """The bytes of a file of at most so many, by default the 64 MiB of a world or model.
 
     Raises:
         OSError: the file cannot be read, or is larger.
     """
+    most = LARGEST_FILE if most is None else most
     with open_file(path) as file:
-        data = file.read(LARGEST_FILE + 1)  # not by the size that the system gives: /proc has files of 0 bytes
-    if len(data) > LARGEST_FILE:
-        raise OSError(errno.EFBIG, f"it is larger than {LARGEST_FILE >> 20} MiB", str(path))
+        # Not by the size alone that the system gives: /proc has files of 0 bytes.
+        size = os.fstat(file.fileno()).st_size
+        data = file.read(most + 1) if size <= most else b""
+    if max(size, len(data)) > most:
+        raise OSError(errno.EFBIG, f"it is larger than {most >> 20} MiB", str(path))
     return data
 
 

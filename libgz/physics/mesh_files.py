@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import json
 import logging
 import math
 import os
@@ -14,14 +15,14 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
 from libgz.base.extras import install
-from libgz.base.files import is_file, open_file, read_file, read_text
+from libgz.base.files import is_file, open_file, read_file, read_limited, read_text
 from libgz.physics.faces import Effort, cut_fans, cut_polygons, cut_strips
 from libgz.physics.image_files import quiet
 from libgz.physics.mesh_parts import MeshPart, NamedImage, Texture
@@ -43,6 +44,7 @@ Array = NDArray[np.float64]
 Found = TypeVar("Found")
 
 MOST_TRIANGLES = 20_000_000
+MOST_NUMBERS = 12 * MOST_TRIANGLES  # rows of all that a glTF file has: indices, positions, normals, coordinates
 # Triangles of an OBJ file, beside one for each so many bytes, for a face may have any number of corners.
 MOST_SMALL, TRIANGLE = 1_000_000, 8
 MOST_KEPT = 256 << 20  # bytes of meshes that were read
@@ -50,7 +52,7 @@ TEXT_START = 4096  # bytes of an STL file in which a text has its first vertex
 # Characters that are read because references of a COLLADA document lead to them, each time; and as many as the file's
 # own times so many. An element takes as long as so many characters.
 MOST_READ, TIMES_READ, ELEMENT = 2 << 30, 8, 500
-ARCHIVES = ("bz2", "gz", "tar", "zip")  # which trimesh reads, to any size
+ARCHIVES = ("3dxml", "3mf", "bz2", "gz", "tar", "zae", "zip")  # which trimesh reads, to any size
 LARGEST_FILE = 4 << 30  # bytes; 20 million triangles have less
 MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
 LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says
@@ -201,17 +203,61 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
         raise GazeboError(f"{what} {path} cannot be read: it is an archive")
 
     class Files(trimesh.resolvers.FilePathResolver):  # type: ignore[misc, unused-ignore]
+        left = LARGEST_FILE  # bytes, of all files together
+
         def get(self, name: str) -> bytes:
             """The bytes of a file that this one names, such as the numbers of a glTF file."""
-            return read_file(Path(self.parent) / name.strip())
+            data = read_limited(Path(self.parent) / name.strip(), self.left)
+            self.left -= len(data)
+            return data
 
     try:
         with open_file(path) as file, quiet():
+            if os.fstat(file.fileno()).st_size > LARGEST_FILE:
+                raise ValueError(f"it is larger than {LARGEST_FILE >> 20} MiB")
+            if kind in ("gltf", "glb"):
+                _check_gltf(file)
             loaded: Any = trimesh.load(file, file_type=kind, force="scene", resolver=Files(str(path)))
-            parts = loaded.dump()
+            _check_size(loaded)
+            parts = [part for part in loaded.dump() if len(getattr(part, "faces", ()))]
+        if any(part.faces.min() < 0 or part.faces.max() >= len(part.vertices) for part in parts):
+            raise ValueError("a triangle names a vertex that does not exist")
     except Exception as error:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
-        raise GazeboError(f"{what} {path} cannot be read: {error}") from None
-    return [part for part in parts if len(getattr(part, "faces", ()))]
+        reason = "there is not enough memory for it" if isinstance(error, MemoryError) else error
+        raise GazeboError(f"{what} {path} cannot be read: {reason}") from None
+    return parts
+
+
+def _check_gltf(file: BinaryIO) -> None:
+    """Check how many numbers a glTF file declares: those that it does not have are zeros.
+
+    Raises:
+        ValueError: more than the largest mesh has, or it is damaged.
+    """
+    head = file.read(20)
+    text = file.read(int.from_bytes(head[12:16], "little")) if head.startswith(b"glTF") else head + file.read()
+    file.seek(0)
+    declared = sum(max(int(accessor.get("count", 0)), 0) for accessor in json.loads(text).get("accessors", ()))
+    if declared > MOST_NUMBERS:
+        raise ValueError(f"it declares {declared} vertices and indices; {MOST_NUMBERS} are allowed")
+
+
+def _check_size(scene: Any) -> None:
+    """Check how much a scene of trimesh has with all its instances, each of which would be a copy.
+
+    Raises:
+        ValueError: it is too much.
+    """
+    nodes = triangles = vertices = 0
+    for name, placed in scene.graph.geometry_nodes.items():
+        shape, count = scene.geometry[name], len(placed)
+        nodes += count
+        triangles += count * len(getattr(shape, "faces", ()))
+        vertices += count * len(getattr(shape, "vertices", ()))
+    if nodes > MOST_NODES:
+        raise ValueError(f"it has more than {MOST_NODES} nodes and geometries")
+    if triangles > MOST_TRIANGLES or vertices > 3 * MOST_TRIANGLES:
+        raise ValueError(f"it has more than {MOST_TRIANGLES} triangles, or three vertices for each of so many")
 
 
 # STL -------------------------------------------------------------------------------------------------------------
@@ -568,7 +614,7 @@ class Collada:
         Raises:
             ValueError, OverflowError, IndexError: it is damaged.
         """
-        key = (read.__name__, *what)
+        key = (read, *what)
         if key not in self._found:
             try:
                 self._found[key] = read(*what)

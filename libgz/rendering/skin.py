@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError
-from libgz.base.files import read_file
-from libgz.physics.mesh_files import trimesh_parts
+from libgz.base.files import read_limited
+from libgz.physics.mesh_files import LARGEST_FILE, trimesh_parts
 from libgz.rendering import mesh
 from libgz.rendering.mesh import Material, Mesh
 
@@ -265,7 +265,7 @@ class _Reader3DS:
 
 def _read_3ds(path: Path) -> list[Mesh]:
     try:
-        reader = _Reader3DS(read_file(path))
+        reader = _Reader3DS(read_limited(path, LARGEST_FILE))
     except OSError as error:
         raise GazeboError(f"skin {path} cannot be read: {error.strerror}") from None
     try:

@@ -6,11 +6,12 @@ import struct
 
 import numpy as np
 import pytest
-from sample_files import sample
+from sample_files import gltf, sample
 
 from libgz.base.errors import GazeboError
 from libgz.physics import faces, mesh_files
 from libgz.physics.mesh_files import read_mesh
+from libgz.rendering.skin import read_skin
 
 NODE = '<node id="n">'
 FAN = "".join(f'<node id="n{i}">{f"""<instance_node url="#n{i + 1}"/>""" * 10}</node>' for i in range(8))
@@ -287,7 +288,7 @@ def test_all_groups_of_a_mesh_share_what_cutting_may_cost(file, monkeypatch, kin
     assert len(cut) == 2
 
 
-@pytest.mark.parametrize("name", ["a.zip", "a.tar.gz", "a.bz2"])
+@pytest.mark.parametrize("name", ["a.zip", "a.tar.gz", "a.bz2", "a.3mf", "a.zae"])
 def test_archives_are_no_meshes(file, name):
     pytest.importorskip("trimesh")
     with pytest.raises(GazeboError, match="it is an archive"):
@@ -324,3 +325,50 @@ def test_a_pipe_that_a_gltf_names_is_not_waited_for(tmp_path, file):
         assert os.read(writer, 10) == b"secret"
     finally:
         os.close(writer)
+
+
+@pytest.mark.parametrize("read", [read_mesh, read_skin])
+class TestGltf:
+    """The bounds of meshes hold for skins, too, and before the instances of a scene are copied."""
+
+    @pytest.fixture(autouse=True)
+    def needed(self):
+        pytest.importorskip("trimesh")
+
+    def test_a_triangle_is_read(self, file, read):
+        assert len(read(file("a.gltf", gltf()))) == 1
+
+    def test_instances_count_before_they_are_copied(self, file, read, monkeypatch):
+        path = file("a.gltf", gltf(nodes=[{"mesh": 0}] * 30, scenes=[{"nodes": list(range(30))}]))
+        assert len(read(path)) == 30
+        trimesh = pytest.importorskip("trimesh")
+        monkeypatch.setattr(trimesh.Scene, "dump", lambda *_: pytest.fail("they are copied"))
+        for bound in ("MOST_TRIANGLES", "MOST_NODES"):
+            other = file("b.gltf", path.read_bytes())
+            with monkeypatch.context() as less:
+                less.setattr(mesh_files, bound, 20)
+                with pytest.raises(GazeboError, match="it has more than 20 "):
+                    read(other)
+
+    def test_what_is_declared_counts(self, file, read):
+        zeros = {"componentType": 5126, "count": 2_000_000_000, "type": "VEC3"}
+        other = {"componentType": 5126, "count": -2_000_000_000, "type": "VEC3"}
+        text = gltf(accessors=[zeros, other])
+        whole = text.encode()
+        head = b"glTF" + struct.pack("<4I", 2, 20 + len(whole), len(whole), 0x4E4F534A)
+        for path in (file("a.gltf", text), file("a.glb", head + whole)):
+            with pytest.raises(GazeboError, match="it declares 2000000000 vertices and indices"):
+                read(path)
+
+    def test_its_files_count_together(self, file, tmp_path, read, monkeypatch):
+        (tmp_path / "a.bin").write_bytes(bytes(3 << 20))
+        monkeypatch.setattr(mesh_files, "LARGEST_FILE", 5 << 20)
+        more = {"uri": "a.bin", "byteLength": 3 << 20}
+        assert len(read(file("a.gltf", gltf([more])))) == 1
+        with pytest.raises(GazeboError, match="it is larger than 2 MiB"):
+            read(file("b.gltf", gltf([more, more])))
+
+    def test_a_triangle_names_no_vertex_that_does_not_exist(self, file, read):
+        wrong = {"bufferView": 0, "byteOffset": 12, "componentType": 5125, "count": 3, "type": "SCALAR"}
+        with pytest.raises(GazeboError, match="a triangle names a vertex that does not exist"):
+            read(file("a.gltf", gltf(accessors=[json.loads(gltf())["accessors"][0], wrong])))

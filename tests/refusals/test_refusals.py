@@ -21,13 +21,14 @@ from pathlib import Path
 import pytest
 from bone_files import two_bones
 from PIL import Image
-from sample_files import sample
+from sample_files import gltf, sample
 
 import libgz
 from libgz.base.errors import GazeboError
 from libgz.physics import mesh_files, skeletons
 from libgz.physics.image_files import open_image
 from libgz.physics.mesh_files import read_mesh
+from libgz.rendering.skin import read_skin
 from libgz.sdf import reader
 from libgz.sdf.paths import find_world
 from libgz.sdf.reader import SdfFile
@@ -231,6 +232,16 @@ def an_archive(folder, monkeypatch):
     read_mesh(folder / "a.zip")
 
 
+def bounded_gltf(bound, most=1):
+    def read(folder, monkeypatch):
+        pytest.importorskip("trimesh")
+        monkeypatch.setattr(mesh_files, bound, most)
+        (folder / "a.gltf").write_text(gltf(nodes=[{"mesh": 0}] * 2, scenes=[{"nodes": [0, 1]}]))
+        read_skin(folder / "a.gltf")
+
+    return read
+
+
 def too_many_bones(folder, monkeypatch):
     monkeypatch.setattr(skeletons, "MOST_KEYS", 1)
     (folder / "a.dae").write_text(two_bones())
@@ -280,6 +291,14 @@ MORE = {
     ),
     ("libgz/physics/mesh_files.py", "{} {} cannot be read: it is an archive"): an_archive,
     ("libgz/physics/mesh_files.py", "mesh {} is larger than {} MiB"): too_large_a_mesh,
+    ("libgz/physics/mesh_files.py", "it is larger than {} MiB"): bounded_gltf("LARGEST_FILE"),
+    ("libgz/physics/mesh_files.py", "it declares {} vertices and indices; {} are allowed"): bounded_gltf(
+        "MOST_NUMBERS"
+    ),
+    ("libgz/physics/mesh_files.py", "it has more than {} nodes and geometries"): bounded_gltf("MOST_NODES"),
+    ("libgz/physics/mesh_files.py", "it has more than {} triangles, or three vertices for each of so many"): (
+        bounded_gltf("MOST_TRIANGLES")
+    ),
     ("libgz/physics/mesh_files.py", "its scene has more than {} nodes and geometries"): too_many_nodes,
     ("libgz/physics/mesh_files.py", "mesh {} has more than {} triangles"): too_many_triangles,
     ("libgz/physics/skeletons.py", "its skeleton has too many nodes"): too_many_bones,

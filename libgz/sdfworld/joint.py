@@ -39,7 +39,6 @@ from libgz.sdfworld.mechanism import (
     HingeMechanism,
     Links,
     Mechanism,
-    ScrewMechanism,
     SliderMechanism,
     check_ratio,
     mechanism_class,
@@ -645,10 +644,10 @@ class SdfJoint:
         """Set a parameter by its classic key.
 
         fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
-        cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
-        gearbox_ratio, from which on the angles of a gearbox count anew; ratio of a gearbox, which leaves the angles,
-        and reference_angle1 of the child, reference_angle2 of the parent [rad], from which they
-        count.
+        cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m], which has
+        no effect on a screw that is attached, as in Gazebo; gearbox_ratio, from which on the angles of
+        a gearbox count anew; ratio of a gearbox, which leaves the angles, and reference_angle1 of the child,
+        reference_angle2 of the parent [rad], from which they count.
 
         Raises:
             ParameterError: there is no such key, this kind of joint has none, or the value is NaN.
@@ -670,9 +669,7 @@ class SdfJoint:
             self.set_param("fmax", number, index)
         elif key == "thread_pitch":
             check_ratio(self.name, key, number)
-            self.plan.pitch = number
-            if isinstance(self._mechanism, ScrewMechanism):
-                self._mechanism.thread.pitch = number
+            self.plan.pitch = number  # as in Gazebo 11.1, the thread that there is keeps its own
         elif key == "gearbox_ratio":
             check_ratio(self.name, key, number)
             self.plan.ratio = number

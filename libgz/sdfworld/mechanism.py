@@ -479,8 +479,8 @@ class ScrewMechanism(Mechanism):
         return self.joint.GetAxis()
 
     def motion(self, change: float, index: int, axis: GzVector) -> tuple[GzVector, GzVector]:
-        turn = change if index == 0 else -change * self.plan.pitch
-        return GzVectorMul(turn, axis), GzVectorMul(-turn / self.plan.pitch, axis)
+        turn = change if index == 0 else -change * self.thread.pitch
+        return GzVectorMul(turn, axis), GzVectorMul(-turn / self.thread.pitch, axis)
 
     def number(self, key: str, index: int) -> int | None:
         return _two_numbers(key, index, first_group=1)  # group 1 of ODE's piston is the sliding

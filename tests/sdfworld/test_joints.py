@@ -217,8 +217,12 @@ def test_a_screw_is_moved_along_its_thread(load):
     assert (screw.position(0), screw.position(1)) == pytest.approx((3.5, -1.75), abs=1e-3)
     screw.set_velocity(1.0, 1)
     assert screw.velocity(0) == pytest.approx(-2.0)
-    screw.set_param("thread_pitch", 4.0)
+    screw.set_param("thread_pitch", 4.0)  # as measured in Gazebo 11.1: the value is kept, and has no effect
     assert screw.get_param("thread_pitch") == 4.0
+    made.run(0.5)
+    assert screw.position(1) == pytest.approx(-screw.position(0) / 2.0, abs=1e-3)
+    screw.set_position(1.0)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((1.0, -0.5), abs=1e-3)
 
 
 def test_a_wheel_on_a_suspension(load):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import time
+from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +14,9 @@ from libgz.classic import log as logs, msgs
 from libgz.classic.log.file import log_folder
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
-from libgz.classic.transport import Node
+from libgz.classic.transport import Node, TopicManager
 from libgz.classic.transport.address import publicized_address
+from libgz.classic.transport.received import COUNT
 
 if TYPE_CHECKING:
     from libgz.classic.log import LogPlay, LogRecord
@@ -100,19 +102,24 @@ class PlaybackControl:
 
     def __init__(self, play: LogPlay) -> None:
         self._play = play
-        self._received: list[Any] = []
+        self._received: deque[Any] = deque(maxlen=COUNT)
         self._node = Node()
         self._node.Init(play.world.core.topic_space)
         self._subscriber = self._node.Subscribe("~/playback_control", self._received.append, kind="LogPlaybackControl")
 
     def update(self) -> None:
-        """Execute the received commands, between steps: within a step, models are added and removed only at its end."""
-        received, self._received[:] = list(self._received), []
-        for message in received:
+        """Execute the received commands, between steps: within a step, models are added and removed only at its end.
+
+        Each may take as long as the log: those for which there is no time wait.
+        """
+        allowance = TopicManager.Instance().allowance
+        allowance.begin()
+        while self._received and allowance.left:
             try:
-                self._execute(message)
+                self._execute(self._received.popleft())
             except GazeboError as error:
                 log.error("~/playback_control: %s", error)
+            allowance.spend()
 
     def _execute(self, message: Any) -> None:
         play = self._play

@@ -78,8 +78,9 @@ class LogWriter(Closing):
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self.path.open("w", encoding="utf-8")
-        except OSError as error:
-            raise WorldFileError(f"log {self.path} cannot be written: {error.strerror}") from None
+        except (OSError, ValueError) as error:  # clients name paths that are none
+            why = getattr(error, "strerror", None) or error
+            raise WorldFileError(f"log {str(self.path)!r} cannot be written: {why}") from None
         self._write(
             "<?xml version='1.0'?>\n<gazebo_log>\n<header>\n<log_version>1.0</log_version>\n"
             f"<gazebo_version>libgz {__version__}</gazebo_version>\n<rand_seed>{seed}</rand_seed>\n</header>\n"

@@ -2,6 +2,7 @@
 
 import base64
 import bz2
+import contextlib
 import json
 import re
 import zlib
@@ -20,10 +21,10 @@ from libgz.base import budget
 from libgz.base.errors import ParameterError, WorldFileError
 from libgz.base.geometry import GzPose, GzVector
 from libgz.classic import msgs
-from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, read_states
+from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, PlaybackControl, RecordControl, read_states
 from libgz.classic.sensors import get_sensor
 from libgz.classic.server import attach
-from libgz.classic.transport import Node
+from libgz.classic.transport import Node, TopicManager
 from libgz.sdf.state import SdfState
 
 BOX = model("box", link("link", inertial(2.0), collision()), pose="0 0 5 0.1 0.2 0.3")
@@ -393,8 +394,6 @@ def test_a_full_disk_ends_the_log_and_not_the_run(load, tmp_path, caplog):
 
 
 def test_topics_begin_and_end_a_log(load, tmp_path, monkeypatch):
-    from libgz.classic.log import RecordControl
-
     monkeypatch.setattr("libgz.classic.log.control.STATUS_PERIOD", 0.0)
     core = load(world(BOX))
     control = RecordControl(attach(core).world)
@@ -420,6 +419,49 @@ def test_topics_begin_and_end_a_log(load, tmp_path, monkeypatch):
     assert [s.iterations for s in log_of(tmp_path / "here" / "state.log")] == list(range(1, paused))
     subscriber.Unsubscribe()
     control.close()
+
+
+def test_a_path_that_is_none_does_not_end_the_control_of_logs(load, tmp_path, caplog):
+    core = load(world(BOX))
+    node = Node()
+    node.Init("default")
+    with contextlib.closing(RecordControl(attach(core).world)) as control:
+        publisher = node.Advertise(msgs.LogControl, "~/log/control")
+        for base in ("\0", "x" * 5000, "/proc/self/x"):
+            publisher.Publish(msgs.LogControl(start=True, base_path=base))
+            core.step(1)
+            assert control.record is None
+        assert caplog.text.count("cannot be written") == 3
+        publisher.Publish(msgs.LogControl(start=True, base_path=str(tmp_path)))
+        core.step(1)
+        assert control.record.running
+    publisher.Fini()
+
+
+class Turns:
+    """Time for two commands in each update."""
+
+    def begin(self):
+        self.left = 2
+
+    def spend(self):
+        self.left -= 1
+
+
+def test_commands_of_playback_wait_when_they_have_had_their_time(load, tmp_path, monkeypatch):
+    core = load(world(BOX))
+    with LogRecord(core, tmp_path / "state.log") as record:
+        core.step(100)
+    monkeypatch.setattr(TopicManager.Instance(), "allowance", Turns())
+    with LogPlay(record.path) as play, contextlib.closing(PlaybackControl(play)) as control:
+        times = []
+        monkeypatch.setattr(play, "Seek", times.append)
+        for _ in range(3):
+            control._received.append(msgs.LogPlaybackControl(seek=msgs.Time(sec=1)))
+        control.update()
+        assert times == [1.0, 1.0]
+        control.update()
+        assert times == [1.0, 1.0, 1.0]
 
 
 def tool(place, *words):

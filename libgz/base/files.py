@@ -179,7 +179,7 @@ def write_whole(target: Path, data: bytes) -> None:
         if target.exists() and not target.is_file():
             target.write_bytes(data)
         else:
-            _replace(target.resolve(), data)
+            _replace(Path(os.path.realpath(target)), data)  # Path.resolve raises RuntimeError for a link to itself
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(target)) from None
 

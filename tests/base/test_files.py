@@ -215,3 +215,11 @@ def test_a_name_that_no_file_can_have_is_an_error_of_files(tmp_path):
     for name in ("a\0b", "x" * 5000):
         with pytest.raises(OSError, match=r"null byte|File name too long"):
             files.open_file(tmp_path / name)
+
+
+def test_a_link_to_itself_is_replaced(tmp_path):
+    target = tmp_path / "loop"
+    target.symlink_to("loop")
+    write_whole(target, b"data")
+    assert target.read_bytes() == b"data"
+    assert not target.is_symlink()

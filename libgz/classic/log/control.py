@@ -65,7 +65,7 @@ class RecordControl:
                 log.info("recording to [%s]", self.record.path)
                 self._watch()
             except GazeboError as error:
-                log.error("~/log/control: %s", error)
+                TopicManager.Instance().received.refuse("~/log/control", str(error))
         if message.HasField("paused") and self.record is not None:
             self.record.paused = message.paused
         self._publish_status()
@@ -112,13 +112,14 @@ class PlaybackControl:
 
         Each may take as long as the log: those for which there is no time wait.
         """
-        allowance = TopicManager.Instance().allowance
+        manager = TopicManager.Instance()
+        allowance = manager.allowance
         allowance.begin()
         while self._received and allowance.left:
             try:
                 self._execute(self._received.popleft())
             except GazeboError as error:
-                log.error("~/playback_control: %s", error)
+                manager.received.refuse("~/playback_control", str(error))
             allowance.spend()
 
     def _execute(self, message: Any) -> None:

@@ -102,7 +102,9 @@ class TransporterPlugin(WorldPlugin):
 
     def OnActivation(self, message: Any) -> None:
         """Let the models of a pad leave in the next iteration."""
-        self.called.append(message.data.strip())
+        name = message.data.strip()
+        if name in self.pads and name not in self.called:  # all would stay as long as the world is paused
+            self.called.append(name)
 
     def OnUpdate(self) -> None:
         """Move the models that leave; one that arrives leaves again in the next iteration at the earliest."""

@@ -397,7 +397,11 @@ def test_a_transporter_moves_models_to_the_other_pad(run):
     ball.SetWorldPose(Pose3d(5, 0, 0, 0, 0, 0))
     core.run(0.01)
     assert ball.WorldPose().Pos().X() == pytest.approx(5)
-    kept = send("~/go", msgs.GzString(data="b"))
+    core.paused = True
+    kept = [send("~/go", msgs.GzString(data=name)) for name in (*"bb", "other")]
+    core.step(5)
+    assert core.facade.server.plugins.of_world["t"].plugin.called == ["b"]  # however many ask for it
+    core.paused = False
     core.run(0.01)
     assert tuple(ball.WorldPose().Pos()) == pytest.approx((0, 3, 0), abs=1e-9)
     assert kept

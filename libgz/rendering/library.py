@@ -104,12 +104,12 @@ class Table:
     def lists(self, places: NDArray[np.int64], levels: NDArray[np.int64]) -> NDArray[np.uint32]:
         """The lists of items by their places in the content, and by their levels of detail in `LEVELS`."""
         found = self._lists[levels, places]
-        for k in np.flatnonzero(found == 0).tolist():
-            place, level = int(places[k]), int(levels[k])
-            found[k] = self._lists[level, place] = self._find(place, level).list
-        fine = np.flatnonzero(levels > FINE).tolist()
-        if fine:
-            self._bound([(int(levels[k]), int(places[k])) for k in fine])
+        if not found.all():
+            for k in np.flatnonzero(found == 0).tolist():
+                place, level = int(places[k]), int(levels[k])
+                found[k] = self._lists[level, place] = self._find(place, level).list
+        if levels.max(initial=0) > FINE:
+            self._bound([(int(levels[k]), int(places[k])) for k in np.flatnonzero(levels > FINE).tolist()])
         return found
 
     def _bound(self, used: list[tuple[int, int]]) -> None:

@@ -53,7 +53,8 @@ class View:
     @property
     def tangents(self) -> tuple[float, float]:
         """Tangents of half the fields of view, horizontally and vertically."""
-        return self.width / (2.0 * self.focal), self.height / (2.0 * self.focal)
+        focal = self.focal
+        return self.width / (2.0 * focal), self.height / (2.0 * focal)
 
     def eye(self) -> NDArray[np.float64]:
         """From the world into GL's eye frame (x right, y up, z backward), shape (4, 4)."""
@@ -64,11 +65,11 @@ class View:
 
     def projection(self) -> NDArray[np.float64]:
         """From the eye frame into clip coordinates, shape (4, 4); y downwards, so that rows come out top first."""
-        near, far = self.near, self.far
+        near, far, focal = self.near, self.far, self.focal
         return np.array(
             (
-                (2.0 * self.focal / self.width, 0.0, 0.0, 0.0),
-                (0.0, -2.0 * self.focal / self.height, 0.0, 0.0),
+                (2.0 * focal / self.width, 0.0, 0.0, 0.0),
+                (0.0, -2.0 * focal / self.height, 0.0, 0.0),
                 (0.0, 0.0, -(far + near) / (far - near), -2.0 * far * near / (far - near)),
                 (0.0, 0.0, -1.0, 0.0),
             )

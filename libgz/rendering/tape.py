@@ -62,19 +62,15 @@ class Tape:
             self._get_error = self.address("glGetError")
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
-        found = self._function(name)
+        result, arguments = declared(name)
+        found = None
+        if result is None and not name.startswith(_AT_ONCE):
+            form = "".join(_LETTERS.get(kind, "p") for kind in arguments)
+            found = self._twin(name, form) if self._native is None else self.recorder(self.address(name), form)
+        if found is None:
+            return partial(self._call_now, name)
         setattr(self, name, found)
         return found
-
-    def _function(self, name: str) -> Callable[..., Any]:
-        result, arguments = declared(name)
-        now = partial(self._call_now, name)
-        if result is not None or name.startswith(_AT_ONCE):
-            return now
-        form = "".join(_LETTERS.get(kind, "p") for kind in arguments)
-        place = self.address(name) if self._native is not None else 0
-        recorded = self.recorder(place, form) if self._native is not None else self._twin(name, form)
-        return recorded or now
 
     def _call_now(self, name: str, *arguments: Any) -> Any:
         self.play().result()
@@ -87,42 +83,25 @@ class Tape:
             return None
         codes = "".join(_FORMATS[letter] for letter in form)
         head = struct.Struct(f"{_HEAD}{codes}{_WORD * (_MOST_ARGUMENTS - len(form))}x")
-        pack, add = head.pack, self._add
+        pack, add, kept = head.pack, self._calls.append, self._kept
         pointers = [place for place, letter in enumerate(form) if letter == "p"]
         if not pointers:
             return lambda *values: add(pack(function, player, *values))
-        keep = self._keep
 
         def record(*values: Any) -> None:
             given = list(values)
             for place in pointers:
-                given[place] = keep(values[place])
+                given[place] = _keep(values[place], kept)
             add(pack(function, player, *given))
 
         return record
 
-    def _add(self, call: Any) -> None:
-        self._calls.append(call)
-
-    def _keep(self, array: Any) -> int:
-        """Where the numbers of an array are, which is not freed before they were used."""
-        if array is None:
-            return 0
-        self._kept.append(array)
-        if not isinstance(array, np.ndarray):
-            return ctypes.addressof(array)
-        if array.flags.writeable and array.size:
-            return address(array)
-        if not array.flags.c_contiguous:
-            raise ValueError("an array for OpenGL is not contiguous")
-        return int(array.ctypes.data)
-
     def _twin(self, name: str, form: str) -> Callable[..., None]:
-        function = getattr(self._context.gl, name)
+        function, add, kept = getattr(self._context.gl, name), self._calls.append, self._kept
 
         def record(*values: Any) -> None:
-            given = [self._keep(one) if letter == "p" else one for one, letter in zip(values, form, strict=True)]
-            self._add(partial(function, *given))
+            given = [_keep(one, kept) if letter == "p" else one for one, letter in zip(values, form, strict=True)]
+            add(partial(function, *given))
 
         return record
 
@@ -132,8 +111,9 @@ class Tape:
         Raises (in the result):
             LibraryError: OpenGL reports an error.
         """
-        calls, kept = self._calls, self._kept
-        self._calls, self._kept = [], []
+        calls, kept = self._calls[:], self._kept[:]
+        self._calls.clear()
+        self._kept.clear()
         return self._context.submit(self._play, calls, kept)
 
     def _play(self, calls: list[Any], _kept: list[object]) -> None:
@@ -145,3 +125,17 @@ class Tape:
         code = self._native.gz_play(b"".join(calls), len(calls), self._get_error)
         if code:
             raise LibraryError(f"OpenGL reports error {code:#06x}")
+
+
+def _keep(array: Any, kept: list[object]) -> int:
+    """Where the numbers of an array are, which is added to those that are not freed before they were used."""
+    if array is None:
+        return 0
+    kept.append(array)
+    if not isinstance(array, np.ndarray):
+        return ctypes.addressof(array)
+    if array.flags.writeable and array.size:
+        return address(array)
+    if not array.flags.c_contiguous:
+        raise ValueError("an array for OpenGL is not contiguous")
+    return int(array.ctypes.data)

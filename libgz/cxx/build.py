@@ -36,7 +36,11 @@ MOST_ERRORS = 20
 SUFFIXES = (".cc", ".cpp", ".cxx", ".c++", ".C", ".c", ".o", ".a")  # of what a plugin is built of
 FALLBACK = FOLDER / "fallback"
 
-_ERROR = re.compile(r"(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? (?:fatal )?error: (?P<message>.*)")
+# Lines of sources, which a compiler shows, have any length: what is searched in them begins at a line, and ends.
+LONGEST_MESSAGE = 2000  # characters
+_ERROR = re.compile(
+    rf"^(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? (?:fatal )?error: (?P<message>.{{0,{LONGEST_MESSAGE}}})", re.MULTILINE
+)
 _EXPANSION = re.compile(r"^(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? note: in expansion of macro", re.MULTILINE)
 _MISSING = re.compile(r"([\w./+-]+): No such file or directory|'([\w./+-]+)' file not found")
 _MEMBER = re.compile(r"'?(?:class |struct )?(\w+)'? has no member named '(\w+)'|no member named '(\w+)' in '(\w+)'")

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 from c_programs import config
+from commands import run_libgz
 from cxx_plugins import needs_cxx, source, world_text
 
 import libgz
 from libgz.apps.libgz import main
 from libgz.cxx import FOLDER, headers
-from libgz.cxx.build import compiler, cxxflags
+from libgz.cxx.build import LONGEST_MESSAGE, compiler, cxxflags
 
 pytestmark = needs_cxx
 
@@ -203,3 +204,15 @@ def test_the_commands_of_the_howto(tmp_path, gazebo, way):
             client.wait(timeout=5.0)
     code, _, errors = server.stop()
     assert (code, errors.count("error")) == (0, 0), errors
+
+
+def test_lines_of_any_length_are_read_at_once(tmp_path):
+    """Compilers show lines of sources, and names in messages, as they are."""
+    fake, file = tmp_path / "compiler", tmp_path / "a.cc"
+    (tmp_path / "output").write_text(f"{file}:1:2: error: {400_000 * 'a'}\n{400_000 * 'b '}\n")
+    fake.write_text(f"#!/bin/sh\ncat {tmp_path}/output >&2\nexit 1\n")
+    fake.chmod(0o755)
+    file.write_text("int x;\n")
+    done = run_libgz("cxx", "check", file, env={**os.environ, "CXX": str(fake)}, timeout=60)
+    assert done.returncode == 1
+    assert done.stdout == f"{file}:1: {LONGEST_MESSAGE * 'a'}\n"

@@ -297,10 +297,10 @@ def test_a_sensor_of_a_plugins_own_class(place, said, caplog, monkeypatch):
             measured = []
             connection = sensor.ConnectUpdated(lambda: measured.append(round(sensor.world.SimTime().Double(), 3)))
             world.step(100)
-            # Not before IsActive says so; a call of UpdateImpl that fails is repeated in the next iteration.
-            assert measured == [0.046, 0.057, 0.066, 0.076, 0.086, 0.096]
+            # Not before IsActive says so; a call of UpdateImpl that fails is repeated after a period.
+            assert measured == [0.046, 0.066, 0.076, 0.086, 0.096]
             assert sensor.LastMeasurementTime().Double() == pytest.approx(0.096)
-            assert [message.data for message in heard] == [1, 3, 4, 5, 6, 7]
+            assert [message.data for message in heard] == [1, 3, 4, 5, 6]
             connection.Disconnect()
         sensor = world = connection = None
         gc.collect()

@@ -23,7 +23,7 @@ __all__ = ["OwnSensor", "being_made", "register"]
 
 log = logging.getLogger("libgz.classic")
 
-NUMBERS = 16  # of a state
+NUMBERS = 18  # of a state
 
 _made: list[OwnSensor] = []  # whose C++ object is being made, innermost last
 

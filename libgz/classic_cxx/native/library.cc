@@ -1067,6 +1067,7 @@ struct Sensor::Own
 {
   SensorCategory category;
   common::Time delay;                 // by which its last update came late
+  common::Time again;                 // when it is asked again after a call of UpdateImpl that measured nothing
   event::ConnectionPtr notification;  // of Python
 };
 #define LIBGZ_ASKED(Result, name) \
@@ -1158,6 +1159,15 @@ bool Sensor::NeedsUpdate()
   const common::Time late = this->own ? this->own->delay : common::Time::Zero;
   return now - this->lastMeasurementTime + late >= this->updatePeriod;
 }
+// How often Gazebo wakes to ask the sensors of a category: as often as the fastest one measures.
+static common::Time period_of(const SensorCategory category)
+{
+  double rate = 0.0;
+  for (const auto &sensor : SensorManager::Instance()->GetSensors())
+    if (sensor->Category() == category)
+      rate = std::max(rate, sensor->UpdateRate());
+  return rate > 0.0 ? 1.0 / rate : 0.0;
+}
 void Sensor::Update(const bool force)
 {
   LIBGZ_GIVEN(Update, << force)
@@ -1166,6 +1176,8 @@ void Sensor::Update(const bool force)
   const common::Time now = now_of(this, this->world, this->scene);
   if (!this->useStrictRate)
   {
+    if (!force && now < this->own->again)
+      return;
     const common::Time elapsed = now - this->lastUpdateTime + this->own->delay;
     if (!force && (now <= this->lastUpdateTime || elapsed < this->updatePeriod))
       return;
@@ -1173,7 +1185,10 @@ void Sensor::Update(const bool force)
     this->own->delay = late < this->updatePeriod ? late : common::Time::Zero;
   }
   if (!this->UpdateImpl(force))
+  {
+    this->own->again = now + period_of(this->own->category);
     return;
+  }
   if (!this->useStrictRate)
     this->lastUpdateTime = now;
   this->updated();
@@ -1231,7 +1246,7 @@ common::Time Sensor::LastMeasurementTime() const
 void Sensor::ResetLastUpdateTime()
 {
   LIBGZ_GIVEN(ResetLastUpdateTime, )
-  this->lastUpdateTime = this->lastMeasurementTime = this->own->delay = common::Time::Zero;
+  this->lastUpdateTime = this->lastMeasurementTime = this->own->delay = this->own->again = common::Time::Zero;
 }
 NoisePtr Sensor::Noise(const SensorNoiseType type) const
 {
@@ -1300,7 +1315,8 @@ void SensorFactory::RegisterSensor(const std::string &type, SensorFactoryFn fact
         add("noises", std::function<std::map<SensorNoiseType, NoisePtr>()>([s] { return s->noises; }));
         add("save", std::function<std::vector<double>()>([s] {
           std::vector<double> numbers = {double(s->active)};
-          for (const auto &time : {s->updatePeriod, s->lastUpdateTime, s->lastMeasurementTime, s->own->delay})
+          for (const auto &time :
+              {s->updatePeriod, s->lastUpdateTime, s->lastMeasurementTime, s->own->delay, s->own->again})
             numbers.insert(numbers.end(), {double(time.sec), double(time.nsec)});
           const auto &at = s->pose.Pos();
           const auto &turn = s->pose.Rot();
@@ -1310,12 +1326,13 @@ void SensorFactory::RegisterSensor(const std::string &type, SensorFactoryFn fact
         add("load", std::function<void(std::vector<double>)>([s](std::vector<double> n) {
           s->active = n.at(0) != 0.0;
           std::size_t i = 1;
-          for (auto *time : {&s->updatePeriod, &s->lastUpdateTime, &s->lastMeasurementTime, &s->own->delay})
+          for (auto *time :
+              {&s->updatePeriod, &s->lastUpdateTime, &s->lastMeasurementTime, &s->own->delay, &s->own->again})
           {
             *time = common::Time(whole(n.at(i)), whole(n.at(i + 1)));
             i += 2;
           }
-          s->pose.Set({n.at(9), n.at(10), n.at(11)}, {n.at(12), n.at(13), n.at(14), n.at(15)});
+          s->pose.Set({n.at(11), n.at(12), n.at(13)}, {n.at(14), n.at(15), n.at(16), n.at(17)});
         }));
         return methods.release();
       },

@@ -39,6 +39,7 @@ DELAY = 0.3  # [s] after the last change, until a text is checked
 PATIENCE = 60.0  # [s] for a check
 LONGEST = 16 << 20  # characters of a text that is checked
 LONGEST_HEADER = 1024  # bytes of a line
+MOST_HEADERS = 100  # lines before a message
 LONGEST_MESSAGE = 128 << 20  # bytes
 MOST_CHECKS = 4  # at a time
 MOST_SHOWN = 500  # diagnostics of a file
@@ -87,13 +88,17 @@ class _Input:
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
+        self._headers = 0  # since the last message
 
     def readline(self) -> bytes:
         """A line of a header.
 
         Raises:
-            ParameterError: it is too long.
+            ParameterError: it is too long, or one of too many.
         """
+        self._headers += 1
+        if self._headers > MOST_HEADERS:
+            raise ParameterError(f"the editor sends more than {MOST_HEADERS} lines of headers before a message")
         line = self._stream.readline(LONGEST_HEADER + 1)
         if len(line) > LONGEST_HEADER:
             raise ParameterError(f"the editor sends a header of more than {LONGEST_HEADER} bytes")
@@ -107,6 +112,7 @@ class _Input:
         """
         if size > LONGEST_MESSAGE:
             raise ParameterError(f"the editor sends a message of {size} bytes; {LONGEST_MESSAGE} are allowed")
+        self._headers = 0
         data = self._stream.read(size)
         if len(data) < size:
             raise ParameterError(f"the editor ended after {len(data)} of {size} bytes of a message")
@@ -224,7 +230,7 @@ def _shown(one: dict[str, Any], lines: list[str], path: str, codec: PositionCode
     """A diagnostic of `libgz check`, for an editor; one of an included file is at the include, with its place."""
     from lsprotocol import types
 
-    here = one["file"] in ("", path) or Path(one["file"]) == Path(path)
+    here = one["file"] in ("", path) or Path(one["file"]) == Path(path).absolute()
     number = max(int(one["line"] if here else one["included"]) - 1, 0)
     line = lines[number] if number < len(lines) else ""
     place = "" if here else f"{one['file']}:{one['line']}: "

@@ -163,6 +163,19 @@ def test_what_is_wrong_in_an_included_file_is_shown_at_the_include(tmp_path):
     assert related.location.range.start == types.Position(1, 0)
 
 
+def test_a_text_without_a_file_is_no_other_file():
+    async def diagnostics():
+        async with editor() as one:
+            document = types.TextDocumentItem("untitled:Untitled-1", "xml", 1, "<sdf version='1.6'>\n <world/></sdf>")
+            one.client.text_document_did_open(types.DidOpenTextDocumentParams(document))
+            return await one.diagnostics()
+
+    [error] = asyncio.run(diagnostics())
+    assert error.message.startswith("<world>: ")
+    assert error.range.start == types.Position(1, 1)
+    assert error.related_information is None
+
+
 def test_what_is_no_xml_is_an_error_of_its_line(tmp_path):
     found = asyncio.run(diagnostics_of(tmp_path / "my.world", "<gz:world xmlns:gz='x'>\n<model"))
     assert found
@@ -197,6 +210,7 @@ def test_the_server_ends_as_its_editor_says(tmp_path):
     [
         (b"Content-Length: 100\r\n\r\n{}", b"the editor ended after 2 of 100 bytes of a message"),
         (b"Content-Length: 40000000000\r\n\r\n{}", b"the editor sends a message of 40000000000 bytes; 134217728 are"),
+        (b"X: y\r\n" * 1000 + b"\r\n", b"the editor sends more than 100 lines of headers"),
         (b"Content-Length: " + b"9" * 5000 + b"\r\n\r\n", b"the editor sends a header of more than 1024 bytes"),
     ],
 )

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.base.errors import ParameterError
 from libgz.base.law import LeftToPython, Number, floor, largest, law, least, where, wrong
-from libgz.ros.packing import Codec
+from libgz.ros.packing import Codec, codec
 from libgz.ros.types import MessageType
 from libgz.simulation.recorder import Recorder, recorded_as
 
@@ -21,6 +21,8 @@ FRAME = struct.Struct("<I")
 LATEST = 2.0**31 - 1.0  # [s] of a stamp
 MOST_NUMBER = 2.0**32 - 1.0  # of a message
 OUTBOX_SIZE = 1 << 16  # [byte]
+
+Places: TypeAlias = dict[str, tuple[int, str, int]]
 
 
 class Outbox:
@@ -91,6 +93,12 @@ def _has(value: Any, path: str) -> bool:
     return value is not None
 
 
+def _below(places: Places, path: str) -> tuple[list[tuple[str, int]], list[tuple[int, str, int]]]:
+    """Of the numbers of a field, or of all fields in it: (name, how many) of each, and their places."""
+    found = {name: place for name, place in places.items() if name == path or name.startswith(f"{path}.")}
+    return [(name, count) for name, (_, _, count) in found.items()], [*found.values()]
+
+
 def _put(recorder: Recorder, message: PackedMessage, path: str, values: Iterable[Any]) -> None:
     slot, numbers = message.slot(path), tuple(values)
     if slot is NOTHING:
@@ -130,15 +138,15 @@ class PackedMessage:
         self.numbered = publication.stamped and publication.gatherer[0].version == 1
         self.memory: NDArray[np.uint8] = np.empty(0, np.uint8)
         self._codec: Codec | None = None
-        self._places: dict[str, tuple[int, str, int]] = {}
+        self._places: Places = {}
         self._slots: dict[str, _Slot] = {}
 
     def _pack(self) -> None:
         """Pack it with the present codec: that of a bridge is known when it is there, and another one's may differ."""
-        self._codec = codec = self.publication.codec
-        body = codec.pack(self._message)
+        self._codec = present = self.publication.codec
+        body = present.pack(self._message)
         self.memory = np.frombuffer(bytearray(FRAME.pack(len(body)) + body), np.uint8)
-        self._places, self._slots = codec.places(self._message), {}
+        self._places, self._slots = present.places(self._message), {}
 
     def slot(self, path: str) -> _Slot:
         """The numbers of a field, or of all fields in it.
@@ -149,7 +157,9 @@ class PackedMessage:
         if self._codec is not self.publication.codec:
             self._pack()
         if path not in self._slots:
-            fields = [place for name, place in self._places.items() if name == path or name.startswith(f"{path}.")]
+            found_names, fields = _below(self._places, path)
+            # A bridge may describe the type without some of ours, or in another order.
+            known_names, _ = _below(codec(self.publication.kind).places(self._message), path)
             found = [
                 (FRAME.size + at + i * struct.calcsize(letter), letter)
                 for at, letter, count in fields
@@ -157,7 +167,7 @@ class PackedMessage:
             ]
             ends = [at + struct.calcsize(letter) for at, letter in found]
             gaps = [after - end for end, (after, _) in zip(ends, found[1:], strict=False)]
-            if not fields or any(gaps):
+            if not fields or any(gaps) or found_names != known_names:
                 what = f"{self.publication.kind.name} has no numbers {path!r} that follow each other"
                 if self.publication.gatherer[0].version == 1 or not _has(self._message, path):
                     raise ParameterError(what)

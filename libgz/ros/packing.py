@@ -10,6 +10,7 @@ from operator import attrgetter
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, NotFoundError, ParameterError
 from libgz.ros.types import NUMBERS, TIMES, Field, MessageType, Stamp, message_type
@@ -20,7 +21,7 @@ CDR_HEADER = b"\0\1\0\0"  # little endian, plain CDR (XCDR1)
 U32 = struct.Struct("<I")
 MOST_NESTED = 16  # types in types
 MOST_ITEMS = 100_000  # texts, times and messages in the lists of one message: each takes microseconds to read
-MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, sequences not counted
+MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, a sequence counted as one item
 
 # Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
 Schema = Mapping[str, Sequence[tuple[Field, str | None]]]
@@ -54,8 +55,9 @@ class Codec:
         self.kind, self._cdr, self._schema = kind, cdr, schema or {}
         self._elements: dict[str, list[Step]] = {}
         self._widths: dict[str, int | None] = {}
-        self._values = 0
-        self._steps = self._plan(kind.name, 0)
+        self._measured: dict[str, tuple[int, int]] = {}
+        self._measure(kind.name, 0)
+        self._steps = self._plan(kind.name)
 
     def pack(self, message: Any) -> bytes:
         """The bytes of a message.
@@ -113,21 +115,38 @@ class Codec:
             known if known is not None else [(field, field.name) for field in message_type_of(self.kind, name).fields]
         )
 
-    def _plan(self, name: str, depth: int) -> list[Step]:
+    def _measure(self, name: str, depth: int) -> tuple[int, int]:
+        """How many values a type has wherever it occurs, and how many levels of types are in it.
+
+        Raises:
+            FormatError: they are too many, or there is nothing in it, so that a list of any length would take no bytes.
+        """
+        values, levels = self._measured.get(name, (0, 0))
+        if depth + levels > MOST_NESTED:
+            raise FormatError(f"{self.kind.name} has types in more than {MOST_NESTED} levels")
+        if name in self._measured:
+            return values, levels
+        for field, _ in self._fields(name):
+            plain = field.kind in NUMBERS or field.kind in TIMES or field.kind == "string"
+            inner, below = (1, -1) if plain else self._measure(field.kind, depth + 1)
+            values, levels = values + (field.size or 1) * inner, max(levels, below + 1)
+            if values > MOST_VALUES:
+                raise FormatError(f"{self.kind.name} has more than {MOST_VALUES} values")
+        if self._schema and not values:
+            raise FormatError(f"{name} has no fields")
+        self._measured[name] = values, levels
+        return values, levels
+
+    def _plan(self, name: str) -> list[Step]:
         """What packs a message of a type: runs of numbers together, and all else one by one."""
         steps: list[Step] = []
         run: _Run = []
-        self._collect(name, "", steps, run, depth)
+        self._collect(name, "", steps, run)
         self._close(run, steps)
         return steps
 
-    def _collect(self, name: str, prefix: str, steps: list[Step], run: _Run, depth: int) -> None:
-        if depth > MOST_NESTED:
-            raise FormatError(f"{self.kind.name} has types in more than {MOST_NESTED} levels")
+    def _collect(self, name: str, prefix: str, steps: list[Step], run: _Run) -> None:
         for field, attribute in self._fields(name):
-            self._values += field.size or 1
-            if self._values > MOST_VALUES:
-                raise FormatError(f"{self.kind.name} has more than {MOST_VALUES} values")
             path = None if attribute is None else prefix + attribute
             if field.kind in NUMBERS and (field.size is None or (field.size and path is not None)):
                 run.append((path, NUMBERS[field.kind], field.size))
@@ -136,18 +155,19 @@ class Codec:
                 run.append((path and f"{path}.secs", letter, None))
                 run.append((path and f"{path}.nsecs", "I" if self._cdr else letter, None))
             elif field.size is None and field.kind != "string" and path is not None:
-                self._collect(field.kind, f"{path}.", steps, run, depth + 1)
+                self._collect(field.kind, f"{path}.", steps, run)
             else:
                 self._close(run, steps)
-                steps.append(self._step(field, path, depth))
+                steps.append(self._step(field, path))
 
     def _close(self, run: _Run, steps: list[Step]) -> None:
         if run:
             steps.append(_run(list(run), self._cdr))
             run.clear()
 
-    def _step(self, field: Field, path: str | None, depth: int) -> Step:
-        get: Callable[[Any], Any] = attrgetter(path) if path is not None else lambda _: _absent(field)
+    def _step(self, field: Field, path: str | None) -> Step:
+        absent = self._absent(field)
+        get: Callable[[Any], Any] = attrgetter(path) if path is not None else lambda _: absent
         if field.kind in NUMBERS and field.size is not None:
             return _numbers(get, NUMBERS[field.kind], field.size, self._cdr)
         if field.kind == "string" and field.size is None:
@@ -157,14 +177,29 @@ class Codec:
         if field.kind in TIMES:
             letter = "i" if self._cdr or field.kind == "duration" else "I"
             time: _Run = [("secs", letter, None), ("nsecs", "I" if self._cdr else letter, None)]
-            return _several(get, [_run(time, self._cdr)], field.size or 0, self._cdr, None)
+            return _several(get, [_run(time, self._cdr)], field.size or 0, self._cdr, None, None)
         if field.kind not in self._elements:
-            self._elements[field.kind] = self._plan(field.kind, depth + 1)
+            self._elements[field.kind] = self._plan(field.kind)
         steps = self._elements[field.kind]
         if field.size is None:  # of a message that the type of ROS 1 does not have
-            absent = message_type(field.kind, self.kind.ros)
-            return lambda _, out: _all(steps, absent(), out)
-        return _several(get, steps, field.size, self._cdr, self._width(field.kind))
+            return lambda _, out: _all(steps, absent, out)
+        kind = message_type_of(self.kind, field.kind)
+        return _several(get, steps, field.size, self._cdr, self._width(field.kind), kind)
+
+    def _absent(self, field: Field) -> Any:
+        """A value for a field that the type of ROS 1 does not have."""
+        if field.kind in NUMBERS:
+            one: Any = 0
+        elif field.kind == "string":
+            one = ""
+        else:
+            one = Stamp() if field.kind in TIMES else message_type_of(self.kind, field.kind)()
+        return one if field.size is None else [one] * field.size
+
+    @property
+    def width(self) -> int | None:
+        """How many float64 numbers a message consists of; None if it has anything else."""
+        return self._width(self.kind.name)
 
     def _width(self, name: str) -> int | None:
         """How many float64 numbers a type consists of; None if it has anything else."""
@@ -174,6 +209,9 @@ class Codec:
 
     def _counted(self, name: str) -> int | None:
         total = 0
+        known = [field.name for field in message_type_of(self.kind, name).fields]
+        if [attribute for _, attribute in self._fields(name)] != known:  # a table has our fields, in our order
+            return None
         for field, _ in self._fields(name):
             if field.kind in NUMBERS:
                 more: int | None = 1 if field.kind == "float64" and field.size is None else None
@@ -191,13 +229,9 @@ class Codec:
     def _place(self, name: str, message: Any, path: str, at: int, found: dict[str, tuple[int, str, int]]) -> int:
         """Note the numbers of a message that begins at a place; where it ends."""
         for field, attribute in self._fields(name):
-            if attribute is not None:
-                value = getattr(message, attribute)
-            elif field.size is None and field.kind not in (*NUMBERS, *TIMES, "string"):
-                value = message_type(field.kind, self.kind.ros)()
-            else:
-                value = _absent(field)
-            at = self._place_value(field.kind, field.size, value, f"{path}{field.name}", at, found)
+            value = self._absent(field) if attribute is None else getattr(message, attribute)
+            known = {} if attribute is None else found
+            at = self._place_value(field.kind, field.size, value, f"{path}{field.name}", at, known)
         return at
 
     def _place_value(
@@ -337,11 +371,6 @@ def message_type_of(kind: MessageType, name: str) -> MessageType:
 def codec(kind: MessageType) -> Codec:
     """The codec of a type for ROS 1."""
     return Codec(kind)
-
-
-def _absent(field: Field) -> Any:
-    """A value for a field that the type of ROS 1 does not have."""
-    return "" if field.kind == "string" and field.size is None else [] if not field.size else [0] * field.size
 
 
 class _Output(bytearray):
@@ -495,8 +524,30 @@ def _texts(get: Callable[[Any], Any], size: int, cdr: bool) -> Step:
     return texts
 
 
-def _several(get: Callable[[Any], Any], steps: list[Step], size: int, cdr: bool, width: int | None) -> Step:
-    """Packs several values; `width` is the number of float64 numbers in each, if it has nothing else."""
+def _rows(values: NDArray[Any], kind: MessageType | None) -> list[Any]:
+    """The messages of a table's rows, whose type a ROS 2 describes otherwise than we do.
+
+    Raises:
+        ParameterError: it is no table of them.
+    """
+    own = codec(kind) if kind is not None else None
+    if own is None or values.ndim != 2 or own.width != values.shape[1]:
+        raise ParameterError(f"an array of shape {values.shape} is no table of these messages")
+    return [own.unpack(row.tobytes()) for row in np.asarray(values, "<f8")]
+
+
+def _several(
+    get: Callable[[Any], Any],
+    steps: list[Step],
+    size: int,
+    cdr: bool,
+    width: int | None,
+    kind: MessageType | None,
+) -> Step:
+    """Packs several values, messages of a type of ours if that is given.
+
+    `width` is the number of float64 numbers in each, if it has nothing else.
+    """
 
     def several(message: Any, out: _Output) -> None:
         values = get(message)
@@ -506,9 +557,9 @@ def _several(get: Callable[[Any], Any], steps: list[Step], size: int, cdr: bool,
             if cdr:
                 _align(out, 4)
             out += U32.pack(len(values))
+        if isinstance(values, np.ndarray) and (width is None or values.shape != (len(values), width)):
+            values = _rows(values, kind)
         if isinstance(values, np.ndarray):
-            if width is None or values.shape != (len(values), width):
-                raise ParameterError(f"an array of shape {values.shape} is no table of these messages")
             if cdr and len(values):
                 _align(out, 8)
             out += np.asarray(values, "<f8").tobytes()

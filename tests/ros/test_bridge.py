@@ -38,6 +38,7 @@ from libgz.ros.server import Ros2
 from libgz.ros.types import message_type, service_type
 from libgz.simulation import watchdog
 
+OURS = ("Point", "Pose", "Twist", "Wrench", "Vector3", "Quaternion", "Transform", "PoseStamped")  # in geometry_msgs
 BOX = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
 
 
@@ -368,6 +369,15 @@ def test_what_waits_for_a_bridge_that_is_gone_is_not_counted(start, graph, monke
         ({"": {"clock": "string"}}, "field 'clock' is a string; it must be a time"),
         ({"": {"clock": "builtin_interfaces/Time[2]"}}, r"is a time\[2\]; it must be a time"),
         ({"": {f"f{number}": "uint8" for number in range(70_000)}}, "does not say what the fields are"),
+        (
+            {
+                name: {f"f{number}": kind for number in range(9)}
+                for name, kind in pairwise(["", *(f"geometry_msgs/{one}" for one in OURS), "uint8"])
+            },
+            "more than 65536 values",
+        ),
+        ({"": {"f": "sequence<geometry_msgs/Pose>"}, "geometry_msgs/Pose": {}}, "geometry_msgs/Pose has no fields"),
+        ({"": {"f": "sequence<std_msgs/Empty>"}}, "std_msgs/Empty has no fields"),
     ],
 )
 def test_hostile_types_are_left_out(start, graph, caplog, table, why):
@@ -386,6 +396,46 @@ def test_types_without_the_numbers_of_ours_do_not_end_the_server(start, graph, c
     wait_for(lambda: graph.received["/clock"], server.core.Step)
     assert caplog.text.count("rosgraph_msgs/Clock has no numbers 'clock'") == 1
     assert server.call("/get_model_list", "gazebo_msgs/GetModelList").success
+
+
+def without(table, name):
+    return {key: {field: kind for field, kind in rows.items() if field != name} for key, rows in table.items()}
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda table: without(table, "orientation"),
+        lambda table: without(table, "z"),
+        lambda table: {key: {"f": "double", **rows} for key, rows in table.items()},
+        lambda table: {key: dict(reversed(rows.items())) for key, rows in table.items()},
+        lambda table: table | {"": table[""] | {"f": "std_msgs/Header[3]"}},
+        lambda table: table | {"": table[""] | {"f": "string[3]"}},
+        lambda table: table | {"": table[""] | {"f": "builtin_interfaces/Time[3]"}},
+    ],
+)
+def test_other_types_than_ours_do_not_end_the_server(start, graph, changed):
+    server = start((Path(__file__).parent / "robot2.world").read_text())
+    topics = {topic: graph.declared[topic] for topic in ("/clock", "/demo/model_states", "/bot/odom", "/tf")}
+    for row in topics.values():
+        package, _, name = row["type"].split("/")
+        table = changed(fields(f"{package}/{name}", "msg")[0])
+        graph.send(DECLARED, row["number"], json.dumps([table]).encode())
+        graph.send(LISTENED, row["number"], struct.pack("<I", 1))
+    wait_for(lambda: all(graph.received[topic] for topic in topics), server.core.Step)
+
+
+def test_numbers_that_a_bridge_has_in_another_order_are_found(start, graph):
+    server = start((Path(__file__).parent / "robot2.world").read_text())
+    kind = message_type("gazebo_msgs/ModelStates", 2)
+    table = {key: dict(reversed(rows.items())) for key, rows in fields(kind.name, "msg")[0].items()}
+    number = graph.number("/demo/model_states")
+    graph.send(DECLARED, number, json.dumps([table]).encode())
+    graph.send(LISTENED, number, struct.pack("<I", 1))
+    body = wait_for(lambda: graph.received["/demo/model_states"], server.core.Step)[0]
+    x, y, z = attach(server.core).world.ModelByName("wall").WorldPose().Pos()
+    place = cdr(kind, table).unpack(body).pose[1].position
+    assert (place.x, place.y, place.z) == pytest.approx((x, y, z))
 
 
 def test_floods_of_a_bridge_cost_no_memory(start, graph, caplog):

@@ -68,6 +68,29 @@ class _Declared(NamedTuple):
     changed: Callable[[Any], object]
 
 
+class _Values(dict[str, Any]):
+    """Values by their names.
+
+    Attributes:
+        size: about how many bytes all have, with their names.
+    """
+
+    size = 0
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self.size += self.growth(name, value)
+        super().__setitem__(name, value)
+
+    def __delitem__(self, name: str) -> None:
+        self.size += self.growth(name, None)
+        super().__delitem__(name)
+
+    def growth(self, name: str, value: Any) -> int:
+        """By how many bytes it grows with a value; None: without one of that name."""
+        before = self.get(name)
+        return sum(sign * (len(name) + _size(one)) for sign, one in ((1, value), (-1, before)) if one is not None)
+
+
 class NodeParameters:
     """The parameters of a node; all methods belong to the thread of the world.
 
@@ -85,7 +108,7 @@ class NodeParameters:
         self._named = message_type("rcl_interfaces/Parameter", 2)
         self._given = dict(_flat(node.given))
         self._declared: dict[str, _Declared] = {}
-        self._values: dict[str, Any] = {}  # of _value
+        self._values = _Values()  # of _value
         self._events = session.parameter_events  # advertised at once, for those who wait for it
         self._services: list[Service] = []
         if not session.served("~/list_parameters", node):
@@ -227,26 +250,26 @@ class NodeParameters:
     def _set(self, parameters: Sequence[Any]) -> Message:
         """Set parameters, all of them or none; without a value, those that were not declared are deleted."""
         result: Any = message_type("rcl_interfaces/SetParametersResult", 2)(successful=True)
-        wanted = {one.name: self._plain(one.value) for one in parameters}
+        wanted, known = {one.name: self._plain(one.value) for one in parameters}, self._values
         try:
             for name, value in wanted.items():
                 self._check(name, value)
-            after = {
-                name: value
-                for name, value in {**self._values, **wanted}.items()
-                if value.type != NOT_SET or name in self._declared
-            }
-            size = sum(len(name) + _size(value) for name, value in after.items())
-            if len(after) > MOST_PARAMETERS or size > MOST_SIZE:
+            gone = {name for name, value in wanted.items() if value.type == NOT_SET and name not in self._declared}
+            growth = sum(known.growth(name, None if name in gone else value) for name, value in wanted.items())
+            count = len(known) + sum((name not in gone) - (name in known) for name in wanted)
+            if count > MOST_PARAMETERS or known.size + growth > MOST_SIZE:
                 raise ParameterError(f"a node has at most {MOST_PARAMETERS} parameters with {MOST_SIZE} bytes")
         except GazeboError as error:
             result.successful, result.reason = False, str(error)
             return result  # type: ignore[no-any-return]
         rows: dict[str, list[Any]] = {"new_parameters": [], "changed_parameters": [], "deleted_parameters": []}
         for name, value in wanted.items():
-            sort = "deleted" if name not in after else "changed" if name in self._values else "new"
+            sort = "deleted" if name in gone else "changed" if name in known else "new"
             rows[f"{sort}_parameters"].append(self._named(name=name, value=value))
-        self._values = after
+            if name not in gone:
+                known[name] = value
+            elif name in known:
+                del known[name]
         for name in wanted:
             if name in self._declared:
                 self._declared[name].changed(self.value(name))

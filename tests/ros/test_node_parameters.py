@@ -217,6 +217,29 @@ def test_what_is_set_is_bounded(start_ros2, monkeypatch):
     assert node.get("p0") == [None]
 
 
+def test_the_sizes_of_all_parameters_are_not_summed_for_each(start_ros2, monkeypatch):
+    node = Node(start_ros2(), "/gazebo")
+    many = [parameter(f"p{number}", "x") for number in range(990)]
+    node.ask("set_parameters", "SetParameters", parameters=many)
+    measured, of_one = [], node_parameters._size
+    monkeypatch.setattr(node_parameters, "_size", lambda value: measured.append(value) or of_one(value))
+    results = node.ask("set_parameters", "SetParameters", parameters=many).results
+    assert all(one.successful for one in results)
+    assert len(measured) <= 5 * len(many)
+
+
+def test_what_was_deleted_leaves_room(start_ros2, monkeypatch):
+    monkeypatch.setattr(node_parameters, "MOST_SIZE", 5000)
+    node = Node(start_ros2(), "/gazebo")
+    without = PARAMETER(name="large", value=VALUE())
+    for _ in range(3):
+        assert node.set("large", "x" * 4000) == ""
+        assert "at most 1000 parameters with 5000 bytes" in node.set("other", "x" * 4000)
+        for _ in range(2):  # the second time there is nothing to delete
+            assert node.ask("set_parameters", "SetParameters", parameters=[without]).results[0].successful
+    assert node.get("large") == [None]
+
+
 def test_arrays_do_not_keep_requests_alive(start_ros2):
     server = start_ros2()
     array = PARAMETER(name="a", value=VALUE(type=8, double_array_value=[1.0, 2.0], string_value="x" * 1000))

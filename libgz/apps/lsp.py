@@ -37,7 +37,7 @@ log = logging.getLogger("libgz.lsp")
 SOURCE = "libgz"
 DELAY = 0.3  # [s] after the last change, until a text is checked
 PATIENCE = 60.0  # [s] for a check
-LONGEST = 16 << 20  # characters of a text that is checked
+LONGEST = 16 << 20  # characters of a text that is checked and completed
 LONGEST_HEADER = 1024  # bytes of a line
 MOST_HEADERS = 100  # lines before a message
 LONGEST_MESSAGE = 128 << 20  # bytes
@@ -168,7 +168,7 @@ class _Checks:
         await asyncio.sleep(DELAY)
         async with self._places:
             document = _opened(self._server, uri)
-            if document is None or len(document.source) > LONGEST:
+            if document is None:
                 return
             text, version = document.source, document.version
             found = await self._diagnostics(Path(document.path), text)
@@ -204,9 +204,10 @@ class _Checks:
 
 
 def _opened(server: LanguageServer, uri: str) -> TextDocument | None:
-    """What an editor shows of a file; None if it has not opened it: no files are read that it only names."""
+    """What an editor shows of a file; None if it is too long, or not opened: no files are read that it only names."""
     texts: Mapping[str, TextDocument] = server.workspace.text_documents
-    return texts.get(uri)
+    document = texts.get(uri)
+    return document if document is not None and len(document.source) <= LONGEST else None
 
 
 def _communicate(process: subprocess.Popen[bytes], text: bytes) -> tuple[bytes, bytes]:

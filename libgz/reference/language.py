@@ -6,6 +6,7 @@ Texts that are being typed are seldom well-formed, so they are scanned for tags 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -22,9 +23,13 @@ __all__ = ["Completion", "completions", "meaning"]
 _MARKUP = re.compile(
     r"<!--.*?(?:-->|$)|<!\[CDATA\[.*?(?:\]\]>|$)|<[?!][^>]*(?:>|$)|</?([\w:.-]*)([^<>]*)(>|(?=<)|$)", re.S
 )
-_VERSION = re.compile(r"<sdf[^>]*\sversion\s*=\s*[\"']([\d.]+)")
+_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.S)
+_SDF_TAG = re.compile(r"<sdf[^>]*")
+_VERSION = re.compile(r"\sversion\s*=\s*[\"']([\d.]+)")
 _ROOT = re.compile(r"<(?:(\w+):)?(\w+)")
 _WORD = re.compile(r"[\w:.@-]*$")
+_VALUE = re.compile(r"(?<![\w:.-])([\w:.-]+)\s*=\s*[\"'][^\"']*$")
+LONGEST_WORD = 100  # characters; no name has as many
 BOOLS = ("true", "false")
 # (element, attribute) of SDF -> the words that it may have.
 WORDS: dict[tuple[str, str], tuple[str, ...]] = {
@@ -101,13 +106,14 @@ def meaning(text: str, offset: int) -> str:
 
 
 def _is_sdf(text: str) -> bool:
-    root = next((match for match in _ROOT.finditer(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))), None)
+    root = _ROOT.search(_COMMENT.sub("", text))
     return root is not None and root[1] is None and root[2] in ("sdf", "gazebo")
 
 
 def _place(text: str, offset: int) -> _Place | None:
     """The place of an offset; None within comments and the like."""
     path: list[str] = []
+    opened: Counter[str] = Counter()  # in the path
     for match in _MARKUP.finditer(text, 0, offset):
         whole, name, rest, closed = match[0], match[1], match[2], match[3]
         if name is None:
@@ -119,17 +125,26 @@ def _place(text: str, offset: int) -> _Place | None:
                 return _Place(path, naming=True, word=name)
             if whole.startswith("</"):
                 return None
-            word = _WORD.search(rest)
+            word = _word(rest, len(rest))
             quotes = re.split(r"[\"']", rest)
-            value = re.search(r"([\w:.-]+)\s*=\s*[\"'][^\"']*$", rest) if len(quotes) % 2 == 0 else None
-            return _Place([*path, name], True, False, value[1] if value else "", word[0] if word else "")
+            value = _VALUE.search(rest) if len(quotes) % 2 == 0 else None
+            return _Place([*path, name], True, False, value[1] if value else "", word)
         if whole.startswith("</"):
-            if name in path:
-                del path[len(path) - 1 - path[::-1].index(name) :]
+            closing = opened[name] > 0
+            while closing:
+                last = path.pop()
+                opened[last] -= 1
+                closing = last != name
         elif not rest.endswith("/"):
             path.append(name)
-    word = _WORD.search(text, 0, offset)
-    return _Place(path, word=word[0] if word else "")
+            opened[name] += 1
+    return _Place(path, word=_word(text, offset))
+
+
+def _word(text: str, end: int) -> str:
+    """The word in front of an offset, or the end of one that is too long."""
+    found = _WORD.search(text, max(end - LONGEST_WORD, 0), end)
+    return found[0] if found else ""
 
 
 # Worldfiles -----------------------------------------------------------------------------------------------------------
@@ -184,7 +199,7 @@ def _words(row: Row) -> Iterable[Completion]:
 
 
 def _sdf(text: str, place: _Place) -> Iterable[Completion]:
-    found = _VERSION.search(text)
+    found = next(filter(None, (_VERSION.search(tag[0]) for tag in _SDF_TAG.finditer(text))), None)
     version = found[1] if found is not None and found[1] in VERSIONS else NEWEST
     about: Description | None = describe(version)["sdf"]
     if not place.path:

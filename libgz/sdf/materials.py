@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from libgz.base.errors import NotFoundError
-from libgz.base.files import installed_worlds, is_file, is_folder, read_text
+from libgz.base.files import installed_worlds, is_file, is_folder, read_limited
+from libgz.sdf.bounds import LARGEST
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
@@ -21,6 +22,8 @@ __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
 UNIT = "texture_unit"
+LONGEST = 4 << 20  # bytes of a script
+SMALLEST = 1e-9  # scale of an image
 REJECTIONS = {"greater": 0.0, "greater_equal": 1.0}  # what is kept, and by how much its bound is lower
 COLORS = ("ambient", "diffuse", "specular", "emissive")
 TEXTURES = ("", "../textures", "textures", "../materials/textures")  # of a script's images, relative to the script
@@ -56,15 +59,15 @@ def _known() -> Mapping[str, tuple[Material, str]]:
     found = {}
     with TABLE.open(encoding="utf-8", newline="") as table:
         for row in csv.DictReader(table, delimiter="\t"):
-            ambient, diffuse, specular, emissive = (_color(row[key].split()) for key in COLORS)
+            ambient, diffuse, specular, emissive = (_color(map(float, row[key].split())) for key in COLORS)
             diffuse = (*diffuse[:3], float(row["alpha"]))
             material = Material(ambient, diffuse, specular, emissive, float(row["shininess"]))
             found[row["name"]] = found[row["name"].replace("Grey", "Gray")] = (material, row["texture"])
     return found
 
 
-def _color(words: Iterable[str]) -> Color:
-    r, g, b, *a = map(float, words)
+def _color(numbers: Iterable[float]) -> Color:
+    r, g, b, *a = numbers
     return r, g, b, a[0] if a else 1.0
 
 
@@ -122,10 +125,10 @@ def _scripts(places: Iterable[Path]) -> Iterator[Path]:
 def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
     """All materials of a script; lines about anything but colours and textures are skipped."""
     try:
-        text = read_text(path)
+        text = read_limited(path, LONGEST).decode("utf-8", "replace")
     except OSError:
         return {}
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    text = re.sub(r"/\*.*?(?:\*/|\Z)", "", text, flags=re.DOTALL)
     folders = [path.parent / sub for sub in TEXTURES]
     folders += [place if is_folder(place) else place.parent for place in places]
     found: dict[str, Material] = {}
@@ -170,8 +173,8 @@ class _Unit:
             name = values[0].strip('"')
             candidates = [folder / name for folder in (*folders, *resource_directories())]
             self.file = next((file for file in candidates if is_file(file)), None)
-        numbers = [number for number in map(_number, values) if number is not None and math.isfinite(number)]
-        if key == "scale" and len(numbers) == 2 and all(numbers):
+        numbers = [number for number in map(_number, values) if number is not None]
+        if key == "scale" and len(numbers) == 2 and all(abs(number) >= SMALLEST for number in numbers):
             self.scale = numbers[0], numbers[1]
         elif key == "scroll" and len(numbers) == 2:
             self.scroll = numbers[0], numbers[1]
@@ -205,16 +208,19 @@ def _with(material: Material, words: list[str]) -> Material:
         return material._replace(alpha_rejection=min(max(numbers[1] - REJECTIONS[values[0]], 0.0), 254.0) / 255.0)
     if key == "alpha_op_ex" and "src_manual" in values and numbers[-1] is not None:
         return material._replace(diffuse=(*material.diffuse[:3], numbers[-1]))
-    if key not in COLORS or len(numbers) < 3 or None in numbers:
+    known = [number for number in numbers if number is not None]
+    if key not in COLORS or len(known) < max(len(numbers), 3):
         return material
-    if key == "specular" and len(numbers) > 3:
-        *color, shininess = values
-        return material._replace(specular=_color(color), shininess=float(shininess))
-    return material._replace(**{key: _color(values)})  # type: ignore[arg-type]
+    if key == "specular" and len(known) > 3:
+        *color, shininess = known
+        return material._replace(specular=_color(color), shininess=shininess)
+    return material._replace(**{key: _color(known)})  # type: ignore[arg-type]
 
 
 def _number(word: str) -> float | None:
+    """A number within the bounds of SDF files; None if it is none."""
     try:
-        return float(word)
+        number = float(word)
     except ValueError:
         return None
+    return None if math.isnan(number) else max(-LARGEST, min(LARGEST, number))

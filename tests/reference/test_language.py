@@ -13,6 +13,7 @@ LEGACY = """<?xml version="1.0"?>
   <param:Global><stepTime>0.02</stepTime></param:Global>
   <model:SimpleSolid><shape>box</shape><siz|
 </gz:world>"""
+MANY = 300_000
 SDF = """<sdf version="1.6"><world name="w"><model name="m"><link name="l">
 <inertial><ma|</inertial></link></model></world></sdf>"""
 
@@ -78,3 +79,19 @@ def test_no_text_is_too_wild():
         meaning(wild, offset)
     completions("<" * 200_000, 200_000)
     completions("<a " * 50_000 + '"', 150_001)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<sdf>" + "<sdf " * MANY,
+        "<sdf version='1.6'><world name='w'><!-- -->" + "a" * MANY + " ",
+        "<sdf version='1.6'><world " + "a" * MANY + " '",
+        "<sdf version='1.6'>" + "<a>" * MANY + "<b></b>" * MANY,
+        "<!-- -->" + "<!-- " * MANY,
+    ],
+)
+def test_the_time_grows_with_the_length_of_a_text(text):
+    meaning(text, len(text))
+    completions(text, len(text))
+    completions(text, 8)

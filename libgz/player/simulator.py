@@ -31,7 +31,7 @@ class Simulator:
 
     Attributes:
         server_id: of the server.
-        session: grows by one with each connection to a server: interfaces of earlier ones are closed.
+        session: grows by one whenever interfaces were closed, because another server, or a new model, has their names.
     """
 
     def __init__(self, server_id: int) -> None:
@@ -63,6 +63,10 @@ class Simulator:
             self._missed = True
         if self._sim is None:
             self._connect()
+        elif self._client is not None and (gone := [one for one in self._client.opened if one.replaced]):
+            for one in gone:
+                one.close()
+            self.session += 1
 
     def _present(self) -> bool:
         try:

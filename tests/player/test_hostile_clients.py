@@ -242,6 +242,22 @@ def test_the_simulation_comes_and_goes(wire, tmp_path, monkeypatch):
         assert client.request("position2d", struct.pack(">2B", 2, 1))[0] == NACK
 
 
+def test_a_model_that_is_deleted_and_inserted_again_is_driven(serve, server, interfaces, monkeypatch):
+    monkeypatch.setattr("libgz.player.simulator.CHECK_PERIOD", 0.0)
+    player = serve()
+    with Client2(player) as client:
+        client.mode(1)
+        client.subscribe("position2d")
+        interfaces["position"].destroy()
+        client.command("position2d", 1, struct.pack(">3dI", 0.25, 0.0, 0.0, 1))  # of a model that is gone
+        robot = new_interface("position")
+        robot.create(server, "one", "Tester", 7)
+        turns(player, 3)
+        client.command("position2d", 1, struct.pack(">3dI", 0.5, 0.0, 0.0, 1))
+        assert client.request("position2d", 1)[0] == ACK
+        assert robot.data.cmd_vel_pos[0] == 0.5
+
+
 def test_twenty_clients_get_every_sample(serve, interfaces):
     data, server = interfaces["position"].data, serve()
     clients = [(Client2 if number % 2 else Client1)(server) for number in range(20)]

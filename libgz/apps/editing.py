@@ -330,7 +330,8 @@ def pose_of(content: dict[str, Any]) -> GzPose:
         ParameterError: it has none.
     """
     values = content.get("pose")
-    numbers = [float(v) for v in values] if isinstance(values, list) and len(values) == 7 else []
+    good = isinstance(values, list) and len(values) == 7 and all(isinstance(v, int | float) for v in values)
+    numbers = [float(v) for v in values] if good and isinstance(values, list) else []
     if not numbers or not all(map(math.isfinite, numbers)) or not any(numbers[3:]):
         raise ParameterError("a pose is seven finite numbers: x, y, z [m] and a quaternion u, x, y, z")
     length = math.sqrt(sum(part * part for part in numbers[3:]))

@@ -39,7 +39,7 @@ MOST_PROBLEMS, LONGEST_PROBLEM = 200, 4000  # of one answer; characters of each
 # Requests that only read.
 READING = ("abilities", "catalogue", "portrait", "describe", "inventory", "contacts", "readings", "problems")
 KEYS = "~/keyboard/keypress"
-LONGEST_LABEL = 80  # characters of what was inserted, in the history
+LONGEST_LABEL = 80  # characters of what was inserted, in the history, and of a world's name, in that of a file
 
 
 class WorldControl:
@@ -179,7 +179,8 @@ class WorldControl:
             if world.Save(whole=True) != 0:
                 raise GazeboError("the world could not be saved; the server's log says why")
             return str(world.era.saved_text(world)[0] or "")
-        path = Path(content.get("file") or f"{world.name}_saved.world").absolute()
+        stem = re.sub(r"[^\w .-]+", "_", world.name)[:LONGEST_LABEL]  # names of worlds name no folders
+        path = Path(content.get("file") or f"{stem}_saved.world").absolute()
         self._classic().Save(str(path))
         return str(path)
 

@@ -4,6 +4,7 @@ import base64
 import json
 import logging
 from collections import deque
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -201,6 +202,28 @@ def test_rewinding_and_saving(ask, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("name", "file"),
+    [
+        ("../w", ".._w"),
+        ("{tmp_path}/out/w", None),
+        ("a/b", "a_b"),
+        ("w" * 300, "w" * 80),
+        ("my world-1.2", "my world-1.2"),
+    ],
+)
+def test_the_name_of_a_world_names_no_folder(tmp_path, monkeypatch, name, file):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path / "in")
+    text = f"<sdf version='1.6'><world name='{name.format(tmp_path=tmp_path)}'/></sdf>"
+    with libgz.World.from_string(text) as world:
+        written = Path(Asker(world)("write"))
+    assert [*tmp_path.glob("**/*.world")] == [written]
+    assert written.parent == tmp_path / "in"
+    assert file is None or written.name == f"{file}_saved.world"
+
+
+@pytest.mark.parametrize(
     ("verb", "argument", "content"),
     [
         ("fly", "-", {}),
@@ -211,6 +234,7 @@ def test_rewinding_and_saving(ask, tmp_path, monkeypatch):
         ("speed", "-1", {}),
         ("move", "-", {"name": "nobody", "pose": [0, 0, 0, 1, 0, 0, 0]}),
         ("move", "-", {"name": "ground_plane", "pose": [0, 0, float("inf"), 1, 0, 0, 0]}),
+        ("move", "-", {"name": "ground_plane", "pose": [[0], None, {}, 1, 0, 0, 0]}),
         ("delete", "-", {}),
         ("insert", "-", {"model": "Nothing2000"}),
         ("insert", "-", {"text": "<model:"}),

@@ -7,6 +7,7 @@ import contextlib
 import logging
 import os
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import Any, TypeVar
 
 from libgz.base.errors import ParameterError, ServerError
@@ -405,7 +406,10 @@ def on_free_server_id(start: Callable[[int], T]) -> T:
 
 
 def alive(pid: int) -> bool:
-    """Whether a process is alive; pid 0, a process of another pid namespace, counts as alive."""
+    """Whether a process is alive; pid 0, a process of another pid namespace, counts as alive.
+
+    One that has ended does not, though nobody has waited for it: the first process of a container may never do that.
+    """
     if pid == 0:
         return True
     try:
@@ -414,4 +418,7 @@ def alive(pid: int) -> bool:
         return False
     except PermissionError:
         return True
+    with contextlib.suppress(OSError, IndexError, ValueError):
+        fields = Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()
+        return not (fields[0] == b"Z" and int(fields[17]) <= 1)  # else a thread goes on after the first one's end
     return True

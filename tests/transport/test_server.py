@@ -1,5 +1,8 @@
 """Servers: the heads of their interfaces, wire versions, and servers without clients."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,7 +12,7 @@ import libgz
 from libgz.interfaces.position import Position
 from libgz.transport import ending
 from libgz.transport.semaphores import SemaphoreSet
-from libgz.transport.server import LocalServer, Server
+from libgz.transport.server import LocalServer, Server, alive
 
 
 def test_the_head_of_an_interface(server):
@@ -99,3 +102,14 @@ def test_native_code_can_remove_what_is_left_until_nothing_is(wire, monkeypatch)
     monkeypatch.setattr(ending, "forget", forget)
     server.stop()
     assert left == [False]
+
+
+def test_a_server_that_was_killed_holds_no_id_though_nobody_waits_for_it(wire):
+    code = f"from libgz.transport.semaphores import SemaphoreSet; SemaphoreSet.create({wire}).post()"
+    with subprocess.Popen([sys.executable, "-c", code]) as ended:
+        os.waitid(os.P_PID, ended.pid, os.WEXITED | os.WNOWAIT)  # nobody waits for it yet
+        assert SemaphoreSet.attach(wire).last_poster() == ended.pid
+        assert not alive(ended.pid)
+        server = Server(wire)
+        server.start()
+        server.stop()

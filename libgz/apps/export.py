@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import csv
-import itertools
 import os
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from libgz.apps.series import Series, read_log
+from libgz.apps.series import Series, read_logs
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
 from libgz.base.visible import one_line, visible
@@ -49,9 +49,8 @@ def run(options: argparse.Namespace) -> int:
             raise ParameterError(f"the folder {str(folder)!r} would be the log itself; name another one with -o")
         with understood("a scene"):
             targets = options.targets or _all_targets(log)
-        used: set[str] = set()
-        for target in targets:
-            series = read_log(log, target, [])
+        used: Counter[str] = Counter()
+        for target, series in zip(targets, read_logs(log, [(target, []) for target in targets]), strict=True):
             if not series.lines:
                 continue  # nothing but text
             path = folder / _file_name(target, used)
@@ -79,12 +78,13 @@ def _all_targets(log: LogReader) -> list[str]:
     return [*dict.fromkeys(found), *bodies]
 
 
-def _file_name(target: str, used: set[str]) -> str:
-    """The name of a target's file, whatever a log calls it; another one than those that were used."""
-    name = one_line(target.strip("~/").replace("::", ".").replace("/", "_"))
-    numbered = (f"{name}_{i}" for i in itertools.count(2))
-    found = next(one for one in itertools.chain([name], numbered) if one not in used)
-    used.add(found)
+def _file_name(target: str, used: Counter[str]) -> str:
+    """The name of a target's file, whatever a log calls it; none of those that were used, which are counted."""
+    name = found = one_line(target.strip("~/").replace("::", ".").replace("/", "_"))
+    while used[found]:
+        used[name] += 1
+        found = f"{name}_{used[name]}"
+    used[found] += 1
     return f"{found}.csv"
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import number_above_zero
-from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, observe, read_log
+from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, observe, read_logs
 from libgz.apps.target import add_server, connect, open_target
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import LibraryError, ParameterError, ServerGoneError
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         from libgz.recording.reader import LogReader  # needs the extra `log`
 
         with LogReader(log) as reader:
-            found = {target: read_log(reader, target, fields) for target, fields in wanted.items()}
+            found = dict(zip(wanted, read_logs(reader, list(wanted.items())), strict=True))
         for series in found.values():
             _cut(series, options.begin, options.end)
     if not any(series.times for series in found.values()):

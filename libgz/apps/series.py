@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.apps.target import element_values, find_field, unit_of, values_of
 from libgz.base.budget import Budget
-from libgz.base.errors import NotFoundError, ParameterError, nearest
+from libgz.base.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.base.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternToEuler, GzVector
 from libgz.classic.msgs.message import Message
 from libgz.interfaces.catalog import INTERFACES, new_interface
@@ -24,12 +24,15 @@ from libgz.transport.server import LocalServer
 if TYPE_CHECKING:  # needs the extra `log`
     from libgz.recording.reader import LogMessage, LogReader
 
-__all__ = ["InterfaceValues", "Series", "StateValues", "TopicValues", "Values", "is_target", "log_values", "read_log"]
+__all__ = ["InterfaceValues", "Series", "StateValues", "TopicValues", "Values", "is_target", "observe", "read_logs"]
 
 Row = dict[str, tuple[str, float]]  # label -> unit and number
+Places = dict[str, tuple[int, list[float]]]  # name -> row in the table of bodies, and a pose in that body's frame
 
 # Fields of a body's state: their unit.
 STATE = {"pos": "m", "rot": "rad", "vel": "m/s", "omega": "rad/s"}
+SCENE, TABLES = "/gz/scene", "/gz/tables"  # topics of logs
+_NO_PLACES: Places = {}
 _INDEX = re.compile(r"(\w+)((?:\[\d+\])*)")
 
 
@@ -59,17 +62,20 @@ class Values(Protocol):
 class Series:
     """Numbers over sim time.
 
+    Args:
+        budget: that holds them; None for one of its own.
+
     Attributes:
         times: [s].
         lines: label -> numbers, as many as times; None where there was none.
         units: by label.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, budget: Budget | None = None) -> None:
         self.times: list[float] = []
         self.lines: dict[str, list[float | None]] = {}
         self.units: dict[str, str] = {}
-        self._budget = Budget()
+        self._budget = budget if budget is not None else Budget()
 
     def add(self, time: float, row: Row) -> None:
         """Add the numbers of a moment [s].
@@ -133,6 +139,18 @@ def _flat(label: str, value: Any) -> Row:
     return found
 
 
+def _places(scene: dict[str, Any]) -> Places:
+    """What of a scene has a state."""
+    rows = {body["id"]: body["row"] for entity in scene["entities"] for body in entity["bodies"]}
+    found = {}
+    for entity in scene["entities"]:
+        if entity["body"]:
+            found[entity["id"]] = rows[entity["body"]], entity["pose"]
+        for body in entity["bodies"]:
+            found[f"{entity['id']}::{body['name']}"] = body["row"], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    return found
+
+
 class StateValues:
     """Pose and velocities of a model, a light or a body."""
 
@@ -141,22 +159,15 @@ class StateValues:
         self._row, self._offset = -1, GzPose()
         self._numbers: list[float] = []
 
-    def place(self, scene: dict[str, Any]) -> None:
+    def place(self, places: Places) -> None:
         """Find it in a scene.
 
         Raises:
             NotFoundError: it is not there.
         """
-        rows = {body["id"]: body["row"] for entity in scene["entities"] for body in entity["bodies"]}
-        names: dict[str, tuple[int, list[float]]] = {}
-        for entity in scene["entities"]:
-            if entity["body"]:
-                names[entity["id"]] = rows[entity["body"]], entity["pose"]
-            for body in entity["bodies"]:
-                names[f"{entity['id']}::{body['name']}"] = body["row"], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-        if self.name not in names:
-            raise NotFoundError(f"there is no body {self.name!r}{nearest(self.name, names)}")
-        self._row, pose = names[self.name]
+        if self.name not in places:
+            raise NotFoundError(f"there is no body {self.name!r}{nearest(self.name, places)}")
+        self._row, pose = places[self.name]
         self._offset = GzPose(GzVector(*pose[:3]), GzQuatern(*pose[3:]))
 
     def load_rows(self, bodies: Any) -> None:
@@ -237,75 +248,130 @@ def _is_list(value: Any) -> bool:
 # Logs ---------------------------------------------------------------------------------------------------------------
 
 
-def log_values(log: LogReader, target: str) -> tuple[Values, Iterator[float]]:
-    """A target in a log, and the sim times [s] at which it changed: the target is at each of them in turn.
+class _Listener(Protocol):
+    """What reads a target's messages in a log."""
+
+    def load(self, message: LogMessage) -> None:
+        """Show what a message says."""
+
+    def row(self, fields: list[str]) -> Row:
+        """The numbers of fields now."""
+
+
+class _LoggedState:
+    """The state of a body in a log, where it can come and go."""
+
+    def __init__(self, name: str) -> None:
+        self.values = StateValues(name)
+        self._there, self._missed_in = False, _NO_PLACES
+
+    def show(self, places: Places) -> None:
+        """A scene that holds from now on."""
+        self._there = self.values.name in places
+        if self._there:
+            self.values.place(places)
+        elif self._missed_in is _NO_PLACES:
+            self._missed_in = places
+
+    def load(self, bodies: Any) -> bool:
+        """New states, rows of the table of bodies; whether it has one."""
+        if self._there:
+            self.values.load_rows(bodies)
+            self._missed_in = _NO_PLACES
+        return self._there
+
+    def end(self) -> None:
+        """No more comes.
+
+        Raises:
+            NotFoundError: it was nowhere.
+        """
+        if self._missed_in is not _NO_PLACES and not self._there:
+            self.values.place(self._missed_in)
+
+
+def read_logs(log: LogReader, wanted: Sequence[tuple[str, list[str]]]) -> Iterator[Series]:
+    """All numbers of targets, each with its fields, in a log, in their order.
+
+    The log is read once for as many of them as a reader may hold, and up to the first that fails.
 
     Raises:
         NotFoundError: the log has no such target.
+        ParameterError: there is no such field, or the log is damaged.
+    """
+    begin, size = 0, len(wanted)
+    while begin < len(wanted):
+        part = wanted[begin : begin + size]
+        try:
+            with understood(part[0][0]):
+                found = _read(log, part)
+        except GazeboError:
+            if len(part) == 1:
+                raise
+            size = len(part) // 2
+            continue
+        yield from found
+        begin += len(part)
+
+
+def _read(log: LogReader, wanted: Sequence[tuple[str, list[str]]]) -> list[Series]:
+    """The numbers of targets, by one reading of the log; whatever is wrong with one of them is raised."""
+    budget = Budget()
+    found = [Series(budget) for _ in wanted]
+    states: list[tuple[_LoggedState, list[str], Series]] = []
+    others: dict[str, list[tuple[_Listener, list[str], Series]]] = {}
+    for (target, fields), series in zip(wanted, found, strict=True):
+        if target.startswith("state."):
+            states.append((_LoggedState(target.removeprefix("state.")), fields, series))
+        else:
+            topic, values = _listener(log, target, budget)
+            others.setdefault(topic, []).append((values, fields, series))
+    for message in log.messages(topics={*others, *((SCENE, TABLES) if states else ())}):
+        topic, time = message.channel.topic, message.sim_time * 1e-9
+        if states and topic == SCENE:
+            places = _places(read_json(message.data))
+            for state, _, _ in states:
+                state.show(places)
+        elif states and topic == TABLES:
+            bodies = read_tables(message.data).body_rows
+            for state, fields, series in states:
+                if state.load(bodies):
+                    series.add(time, state.values.row(fields))
+        for values, fields, series in others.get(topic, ()):
+            values.load(message)
+            series.add(time, values.row(fields))
+    for state, _, _ in states:
+        state.end()
+    return found
+
+
+def _listener(log: LogReader, target: str, budget: Budget) -> tuple[str, _Listener]:
+    """The topic of a target in a log that is no state, and what reads it.
+
+    Raises:
+        BudgetError: it needs more than a reader may hold.
+        NotFoundError: the log has no such target.
         ParameterError: the log is damaged.
     """
-    if target.startswith("state."):
-        values = StateValues(target.removeprefix("state."))
-        return values, _state_times(log, values)
     if not target or target[0] in "~/":
         name = f"/gazebo/{log.about.get('world', 'default')}{target[1:]}" if target[0] == "~" else target
         from libgz.recording.topics import type_of_topic  # legacy worlds have no topics
 
         about = log.topic(name).about
-        topic = TopicValues(target, type_of_topic(about.get("type", ""), about.get("declaration", "")))
-        return topic, _times(log, name, topic)
+        return name, TopicValues(target, type_of_topic(about.get("type", ""), about.get("declaration", "")))
     kind, dot, name = target.partition(".")
     if kind not in INTERFACES:
         raise NotFoundError(f"there is no interface type {kind!r}{nearest(kind, INTERFACES)}")
     interface = new_interface(kind)
     channel = log.topic(f"/{kind}/{name if dot else 'default'}")
+    budget.take(interface.size)
     interface.create(LocalServer(int(channel.about.get("version", 0x060))), name if dot else "default")
     if interface.size != int(channel.about.get("size", interface.size)):
         interface.destroy()
         interface = new_interface(kind)
         setattr(interface, "later", True)  # noqa: B010 - a gripper with the struct of November 2006
         interface.create(LocalServer(), name)
-    fields = InterfaceValues(interface)
-    return fields, _times(log, channel.topic, fields)
-
-
-def _times(log: LogReader, topic: str, values: InterfaceValues | TopicValues) -> Iterator[float]:
-    for message in log.messages(topics=(topic,)):
-        values.load(message)
-        yield message.sim_time * 1e-9
-
-
-def _state_times(log: LogReader, values: StateValues) -> Iterator[float]:
-    there = False
-    missing: NotFoundError | None = None
-    for message in log.messages(topics=("/gz/scene", "/gz/tables")):
-        if message.channel.topic == "/gz/scene":
-            try:
-                values.place(read_json(message.data))
-                there = True
-            except NotFoundError as error:  # it may still come, or have gone
-                there, missing = False, missing or error
-        elif there:
-            values.load_rows(read_tables(message.data).body_rows)
-            missing = None
-            yield message.sim_time * 1e-9
-    if missing is not None and not there:
-        raise missing
-
-
-def read_log(log: LogReader, target: str, fields: list[str]) -> Series:
-    """All numbers of a target in a log.
-
-    Raises:
-        NotFoundError: the log has no such target.
-        ParameterError: there is no such field, or the log is damaged.
-    """
-    series = Series()
-    with understood(target):
-        values, times = log_values(log, target)
-        for time in times:
-            series.add(time, values.row(fields))
-    return series
+    return channel.topic, InterfaceValues(interface)
 
 
 def observe(observer: Observer, values: StateValues) -> float:
@@ -314,7 +380,7 @@ def observe(observer: Observer, values: StateValues) -> float:
     Raises:
         NotFoundError: it is not there.
     """
-    values.place(observer.scene)
+    values.place(_places(observer.scene))
     state = observer.state()
     values.load_rows(state.bodies)
     return state.sim_time

@@ -13,6 +13,7 @@ import zlib
 from bisect import bisect_right
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
@@ -269,11 +270,17 @@ class LogReader(Closing):
         Raises:
             NotFoundError: there is none.
         """
+        if name not in self._topics:
+            raise NotFoundError(f"{self.path} has no {name}{nearest(name, self._topics)}")
+        return self._topics[name]
+
+    @cached_property
+    def _topics(self) -> dict[str, LogChannel]:
+        """The first channel of each topic."""
+        found: dict[str, LogChannel] = {}
         for channel in self.channels.values():
-            if channel.topic == name:
-                return channel
-        names = [channel.topic for channel in self.channels.values()]
-        raise NotFoundError(f"{self.path} has no {name}{nearest(name, names)}")
+            found.setdefault(channel.topic, channel)
+        return found
 
     def messages(
         self, kinds: Collection[str] = (), topics: Collection[str] = (), after: float | None = None

@@ -11,8 +11,11 @@ from log_kills import WORLD
 from PIL import Image
 
 import libgz
+from libgz.apps.series import read_logs
+from libgz.base.errors import NotFoundError
 from libgz.base.geometry import GzQuaternToEuler
 from libgz.recording.capture import Capture
+from libgz.recording.reader import LogReader
 from libgz.rendering.framing import overview
 
 SERVER_ID = 960_000 + os.getpid()
@@ -66,6 +69,50 @@ def test_export(run, tmp_path):
     missing = run_libgz("export", path, "power.robot2")
     assert missing.returncode == 1
     assert "did you mean '/power/robot1'" in missing.stderr
+
+
+TARGETS = [(name, []) for name in ("state.robot1", "sim.default", "position.robot1", "state.robot1::canonical")]
+
+
+def count_readings(monkeypatch):
+    read, messages = [], LogReader.messages
+
+    def count(*arguments, **more):
+        read.append(more)
+        return messages(*arguments, **more)
+
+    monkeypatch.setattr(LogReader, "messages", count)
+    return read
+
+
+def test_a_log_is_read_once_for_all_targets(run, monkeypatch):
+    read = count_readings(monkeypatch)
+    with LogReader(run[0]) as log:
+        together = list(read_logs(log, TARGETS))
+        assert len(read) == 1
+        alone = [series for one in TARGETS for series in read_logs(log, [one])]
+    assert [(one.times, one.lines, one.units) for one in together] == [(o.times, o.lines, o.units) for o in alone]
+    assert all(one.times for one in together)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"), [("power.nobody", "has no /power/nobody"), ("state.nobody", "no body 'nobody'")]
+)
+def test_targets_before_a_wrong_one_are_read(run, wrong, words):
+    with LogReader(run[0]) as log:
+        reading = read_logs(log, [*TARGETS, (wrong, []), TARGETS[0]])
+        assert all(next(reading).times for _ in TARGETS)
+        with pytest.raises(NotFoundError, match=words):
+            next(reading)
+
+
+def test_targets_that_do_not_fit_together_are_read_in_turn(run, monkeypatch):
+    read = count_readings(monkeypatch)
+    monkeypatch.setattr("libgz.base.budget.DECOMPRESSED", 1 << 20)
+    with LogReader(run[0]) as log:
+        found = list(read_logs(log, TARGETS * 60))
+    assert len(read) > 2
+    assert [one.times for one in found] == [one.times for one in found[: len(TARGETS)]] * 60
 
 
 def test_plot_of_a_log(run, tmp_path):

@@ -232,9 +232,10 @@ class Editing:
         names, where = content.get("names"), content.get("to", "center")
         if argument not in ("x", "y", "z") or where not in ("low", "center", "high"):
             raise ParameterError(f"align is {argument!r} to {where!r}; allowed are x, y and z, to low, center and high")
-        if not isinstance(names, list) or len(names) < 2:
+        different = dict.fromkeys(str(name) for name in names) if isinstance(names, list) else {}
+        if len(different) < 2:
             raise ParameterError("align needs the names of two or more models")
-        entities = [self._world.model(str(name)) for name in names]
+        entities = [self._world.model(name) for name in different]
 
         def at(entity: Entity) -> float:
             low, high = (getattr(corner, argument) for corner in _bounds(entity))

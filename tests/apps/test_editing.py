@@ -634,6 +634,15 @@ def test_a_hold_ends_without_its_page(ask, box, monkeypatch):
     assert ask.world.model(box).GetPose().pos.z < 3
 
 
+def test_a_model_is_aligned_once_however_often_it_is_named(ask, box, monkeypatch):
+    other, moved = "ground" if ask.world.sdf is None else "arm", []
+    monkeypatch.setattr(type(ask.world), "SetModelPose", lambda _world, entity, _pose: moved.append(entity.GetId()))
+    ask("align", "x", names=[other, *[box] * 100, other])
+    assert moved == [box]
+    with pytest.raises(GazeboError, match="two or more models"):
+        ask("align", "x", names=[box] * 2)
+
+
 def test_watchers_edit_nothing(ask):
     control = WorldControl(ask.world, watch_only=True)
     for verb in ("edit", "undo", "redo", "duplicate", "align", "hold", "insert", "delete"):

@@ -6,10 +6,9 @@ import argparse
 import json
 import sys
 
-from libgz.apps.console import Parser
+from libgz.apps.console import Parser, say
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError
-from libgz.base.visible import visible
 from libgz.reference.check import check
 
 __all__ = ["configure", "run"]
@@ -46,10 +45,10 @@ def run(options: argparse.Namespace) -> int:
     if options.strict:
         diagnostics = [error._replace(severity="error") for error in diagnostics]
     if options.json:
-        print(json.dumps([error._asdict() for error in diagnostics], indent=2))
+        say(json.dumps([error._asdict() for error in diagnostics], indent=2))
     else:
         for error in diagnostics:
-            print(visible(_line(error)))
+            say(_line(error))
     return int(any(error.severity == "error" for error in diagnostics))
 
 

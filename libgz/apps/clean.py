@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from libgz.apps.console import say
 from libgz.base.errors import ParameterError
 from libgz.base.visible import one_line
 from libgz.transport.stale_files import remove_stale
@@ -32,9 +33,9 @@ def run(options: argparse.Namespace) -> int:
     for item in remove_stale(options.server_id):
         removed.append(item.name)
         if not options.json:
-            print(one_line(f"removed {item.name}"))
+            say(one_line(f"removed {item.name}"))
     if options.json:
-        print(json.dumps(removed))
+        say(json.dumps(removed))
     elif not removed:
-        print("no stale files of dead servers")
+        say("no stale files of dead servers")
     return 0

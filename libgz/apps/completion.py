@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import shtab
 
 from libgz.apps.command_line import command_parsers
+from libgz.apps.console import say
 from libgz.models import MODELS
 from libgz.worldfile.search import ready_worlds
 
@@ -27,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the completion of all commands."""
-    print(script(options.shell))
+    say(script(options.shell))
     return 0
 
 

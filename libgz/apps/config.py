@@ -8,9 +8,8 @@ import shlex
 import sys
 from pathlib import Path
 
-from libgz.apps.console import wire_version
+from libgz.apps.console import say, wire_version
 from libgz.base.errors import ParameterError
-from libgz.base.visible import visible
 from libgz.clib import FOLDER
 from libgz.clib.install import install
 from libgz.clib.library import FOR_I386, library_folder
@@ -90,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
         words.append(f"-I{FOLDER}")
     if options.libs or both:
         words += [f"-L{library_folder(i386=options.m32)}", "-lgazebo", "-lm"]
-    print(shlex.join(words))
+    say(shlex.join(words))
     return 0
 
 
@@ -98,12 +97,12 @@ def _install(prefix: Path, version: int, *, i386: bool) -> int:
     """Install below a prefix, and print what is there and how pkg-config finds it."""
     written = install(prefix, version, *for_installation(), i386=i386)
     for path in written:
-        print(visible(str(path)))
+        say(path)
     (description,) = (path for path in written if path.suffix == ".pc")
     if str(description.parent) not in os.environ.get("PKG_CONFIG_PATH", "").split(os.pathsep):
         command = f"export PKG_CONFIG_PATH={shlex.quote(str(description.parent))}"
         text = f"before configure and pkg-config, where they do not look there: {command}"
-        print(visible(text), file=sys.stderr)
+        say(text, file=sys.stderr)
     return 0
 
 
@@ -114,11 +113,11 @@ def _install_classic(prefix: Path, *, remove: bool) -> int:
     chosen = prefix if prefix != Path() else default_prefix()
     if remove:
         removed = uninstall(chosen)
-        print(visible(f"{len(removed)} files removed from {chosen}" if removed else f"{chosen} has no installation"))
+        say(f"{len(removed)} files removed from {chosen}" if removed else f"{chosen} has no installation")
         return 0 if removed else 1
-    place, written = install(chosen, lambda line: print(visible(line), file=sys.stderr, flush=True))
-    print(visible(f"{place}: {len(written)} files; cmake's find_package(gazebo) finds them"))
+    place, written = install(chosen, lambda line: say(line, file=sys.stderr, flush=True))
+    say(f"{place}: {len(written)} files; cmake's find_package(gazebo) finds them")
     description = place / "lib" / "pkgconfig"
     if str(description) not in os.environ.get("PKG_CONFIG_PATH", "").split(os.pathsep):
-        print(visible(f"for pkg-config: export PKG_CONFIG_PATH={shlex.quote(str(description))}"), file=sys.stderr)
+        say(f"for pkg-config: export PKG_CONFIG_PATH={shlex.quote(str(description))}", file=sys.stderr)
     return 0

@@ -36,6 +36,7 @@ __all__ = [
     "number_from_zero",
     "port_number",
     "read_text",
+    "say",
     "set_up_messages",
     "whole_number",
     "wire_version",
@@ -206,6 +207,11 @@ def finite_number(name: str) -> Callable[[str], float]:
     return _number(name, float, math.isfinite, "a finite number")
 
 
+def say(*words: object, end: str = "\n", file: TextIO | None = None, flush: bool = False) -> None:
+    """Print, as all commands do; what files and peers have put into the words cannot command the terminal."""
+    print(visible(" ".join(map(str, words))), end=end, file=file, flush=flush)
+
+
 def read_text(path: str, what: str) -> str:
     """The text of a file.
 
@@ -263,14 +269,14 @@ def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., in
                 return NO_READER
             except MemoryError:
                 with contextlib.suppress(OSError):
-                    print(f"{name}: there is not enough memory", file=sys.stderr)
+                    say(f"{name}: there is not enough memory", file=sys.stderr)
                 return failed
             except OSError as error:
                 _discard_unwritten(sys.stdout)
                 with contextlib.suppress(OSError):
                     where = error.filename or ("its output" if error.errno in DISK_FULL else None)
                     text = f"{name}: {where}: {error.strerror}" if where else f"{name}: {error}"
-                    print(visible(text), file=sys.stderr)
+                    say(text, file=sys.stderr)
                 return failed
             finally:
                 _discard_unwritten(sys.stderr)  # for what nobody can read

@@ -7,10 +7,9 @@ import logging
 import sys
 from pathlib import Path
 
-from libgz.apps.console import writing
+from libgz.apps.console import say, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.files import write_whole
-from libgz.base.visible import visible
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
 from libgz.front import World
 from libgz.worldfile.file import WorldFile
@@ -58,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     with writing():
         _write(converted, output, options.report)
     for note in converted.notes:
-        print(visible(str(note)), file=sys.stderr)
+        say(note, file=sys.stderr)
     return 0
 
 

@@ -6,8 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from libgz.apps.console import say
 from libgz.base.errors import ParameterError
-from libgz.base.visible import visible
 from libgz.classic_cxx.recognition import is_classic
 from libgz.cxx.build import STANDARD, CompileError, build, check
 
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     if options.action == "check":
         errors = check(options.sources, standard=options.std, options=flags)
         if not errors:
-            print(visible(f"{', '.join(map(str, options.sources))}: no errors"))
+            say(f"{', '.join(map(str, options.sources))}: no errors")
         return _report(errors)
     output: Path = options.output or options.sources[0].with_suffix(".so")
     if output.suffix != ".so":
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         from libgz.cxx.plugin import load  # which loads all that worlds need
 
         names = ", ".join(name for name, _ in load(output).registered)
-        print(visible(f"{output}: {names}"))
+        say(f"{output}: {names}")
     return _report(errors)
 
 
@@ -79,7 +79,7 @@ def _classic(options: argparse.Namespace, flags: list[str]) -> int:
     if options.action == "check":
         errors = classic.check(options.sources, standard=standard, options=flags, progress=_progress)
         if not errors:
-            print(visible(f"{', '.join(map(str, options.sources))}: no errors"))
+            say(f"{', '.join(map(str, options.sources))}: no errors")
         return _report(errors)
     output: Path = options.output or classic.default_output(options.sources[0])
     libraries = _libraries(options)
@@ -96,7 +96,7 @@ def _classic(options: argparse.Namespace, flags: list[str]) -> int:
         from libgz.classic_cxx.plugin import load  # which loads all that worlds need
 
         (kind, _), *_ = load(output).registered
-        print(visible(f"{output}: a {kind}Plugin"))
+        say(f"{output}: a {kind}Plugin")
     return _report(errors)
 
 
@@ -109,10 +109,10 @@ def _libraries(options: argparse.Namespace) -> list[str]:
 
 
 def _progress(line: str) -> None:
-    print(visible(line), file=sys.stderr, flush=True)
+    say(line, file=sys.stderr, flush=True)
 
 
 def _report(errors: list[CompileError]) -> int:
     for error in errors:
-        print(visible(str(error)), file=sys.stdout)
+        say(error, file=sys.stdout)
     return 1 if errors else 0

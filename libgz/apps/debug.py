@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from libgz.apps import libgz
-from libgz.apps.console import Hints
+from libgz.apps.console import Hints, say
 
 __all__ = ["configure", "run"]
 
@@ -18,10 +18,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print commands or options, one a line; nothing for an unknown command, as Gazebo does."""
     if options.option is None:
-        print("\n".join(sorted((*libgz.COMMANDS, "help"))))
+        say("\n".join(sorted((*libgz.COMMANDS, "help"))))
         return 0
     commands = next(a for a in libgz.make_parser(options.option)._actions if isinstance(a, argparse._SubParsersAction))
     found = commands.choices.get(options.option)
     for name in found.option_names() if isinstance(found, Hints) else ():
-        print(name)
+        say(name)
     return 0

@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from libgz.apps.console import number_above_zero, number_from_zero
+from libgz.apps.console import number_above_zero, number_from_zero, say
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, ServerError
 from libgz.base.files import installed_worlds
@@ -72,12 +72,12 @@ def run(options: argparse.Namespace) -> int:
             with _viewer(server_id, options) if shown else contextlib.nullcontext():
                 _drive(server_id, world, options.seconds or (math.inf if shown else PLAIN), shown)
                 if shown:
-                    print("the page stays until Ctrl-C")
+                    say("the page stays until Ctrl-C")
                     while server.poll() is None:
                         time.sleep(PERIOD)
         except KeyboardInterrupt:
             stopped = True
-            print()
+            say()
         finally:
             server.terminate()
         code = server.wait(PATIENCE)
@@ -93,8 +93,8 @@ def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
         try:
             line = (viewer.stdout.readline() if viewer.stdout else "").strip()
-            print(line, flush=True)
-            print(f"the robot waits for the page, at most {PAGE_PATIENCE:g} s", flush=True)
+            say(line, flush=True)
+            say(f"the robot waits for the page, at most {PAGE_PATIENCE:g} s", flush=True)
             _wait_for_line(viewer, PAGE_PATIENCE)
             yield
         finally:
@@ -109,8 +109,8 @@ def _wait_for_line(process: subprocess.Popen[str], timeout: float) -> None:
 
 def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
     """Drive in a circle and print ten lines in all. Whoever drives by the page meanwhile takes over."""
-    print(f"server {server_id} runs {world}; this client drives robot1 at {SPEED} m/s, turning {TURN} rad/s\n")
-    print(HEADER)
+    say(f"server {server_id} runs {world}; this client drives robot1 at {SPEED} m/s, turning {TURN} rad/s\n")
+    say(HEADER)
     with Client(server_id, timeout=PATIENCE) as client:
         sim, robot = client.sim(), client.position("robot1")
         sonar, laser, power = client.sonar("robot1"), client.laser("laser1"), client.power("robot1")
@@ -126,7 +126,7 @@ def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
             if sim.sim_time < next_line:
                 continue
             if lines == LINES and seconds == math.inf:
-                print("it drives on until Ctrl-C; W A S D in the page take over", flush=True)
+                say("it drives on until Ctrl-C; W A S D in the page take over", flush=True)
                 next_line = math.inf
                 continue
             next_line += min(seconds, PLAIN) / LINES
@@ -134,10 +134,10 @@ def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
             nearest_sonar = f"{sonar.ranges.min():.3f}" if len(sonar.ranges) else NOT_YET
             nearest_beam = f"{laser.ranges.min():.3f}" if len(laser.ranges) else NOT_YET
             factor = f"{sim.sim_time / sim.real_time:.3f}" if sim.real_time > 0.0 else NOT_YET
-            print(
+            say(
                 f"{sim.sim_time:10.2f}{x:10.3f}{y:10.3f}{math.degrees(yaw):11.1f}{nearest_sonar:>15}"
                 f"{nearest_beam:>15}{power.level:13.4f}{factor:>18}",
                 flush=True,
             )
         robot.command()
-        print(f"\ndriven {distance:.2f} m by odometry; the robot has stopped")
+        say(f"\ndriven {distance:.2f} m by odometry; the robot has stopped")

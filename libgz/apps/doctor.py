@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from libgz._version import __version__
+from libgz.apps.console import say
 from libgz.base.errors import GazeboError
 from libgz.base.extras import install
 from libgz.ode.lib import ode
@@ -88,10 +89,10 @@ def run(options: argparse.Namespace) -> int:
     """Print all findings; return 1 if something that worlds need is missing."""
     findings = list(examine())
     if options.json:
-        print(json.dumps([dataclasses.asdict(finding) for finding in findings], indent=2))
+        say(json.dumps([dataclasses.asdict(finding) for finding in findings], indent=2))
     else:
         for finding in findings:
-            print(finding)
+            say(finding)
     return 0 if all(f.good for f in findings if f.needed) else 1
 
 

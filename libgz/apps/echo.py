@@ -11,11 +11,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from libgz.apps.console import say
 from libgz.apps.plot import pyplot, save_plot
 from libgz.apps.series import InterfaceValues, Series
 from libgz.apps.target import add_target, connect, element_values, find_field, open_target, values_of
 from libgz.base.errors import GazeboError, ParameterError, ServerGoneError
-from libgz.base.visible import one_line, visible
+from libgz.base.visible import one_line
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
 
@@ -91,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
         samples = _samples(client, interface, 1.0 / options.rate, count, options.seconds)
         if plotter is None:
             for _ in samples:
-                print(_line(interface, places, options), flush=True)
+                say(_line(interface, places, options), flush=True)
         elif not places:
             raise ParameterError("--plot needs a field: add one after the interface")
         else:
@@ -100,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
                 for now in samples:
                     series.add(now, values.row(options.fields))
             save_plot(plotter, {options.target: series}, Path(options.plot))
-            print(visible(f"{len(series.times)} samples plotted to {options.plot}; `libgz plot` has more"))
+            say(f"{len(series.times)} samples plotted to {options.plot}; `libgz plot` has more")
     return 0
 
 

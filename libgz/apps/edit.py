@@ -7,12 +7,11 @@ import errno
 import os
 from pathlib import Path
 
-from libgz.apps.console import port_number, writing
+from libgz.apps.console import port_number, say, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view_process import HOST, PORT
 from libgz.base.errors import ParameterError
 from libgz.base.files import exists, is_file, write_whole
-from libgz.base.visible import visible
 from libgz.reference.catalogue import NAMESPACE
 from libgz.sdf.recognition import is_sdf
 
@@ -97,7 +96,7 @@ def run(options: argparse.Namespace) -> int:
     if not exists(path):
         with writing():
             write_whole(path, empty_world(path, options.sdf).encode())
-        print(visible(f"{path} is new: an empty world"), flush=True)
+        say(f"{path} is new: an empty world", flush=True)
     elif not is_file(path):
         raise ParameterError(f"{str(path)!r} is no file")
     words = ["--pause", "--view", "--view-host", options.view_host, "--view-port", str(options.view_port)]

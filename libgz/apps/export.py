@@ -9,10 +9,11 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from libgz.apps.console import say
 from libgz.apps.series import Series, read_logs
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
-from libgz.base.visible import one_line, visible
+from libgz.base.visible import one_line
 from libgz.recording.capture import check_packages
 from libgz.recording.own_messages import read_json, understood
 
@@ -55,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
                 continue  # nothing but text
             path = folder / _file_name(target, used)
             _write(path, series)
-            print(visible(f"{path}: {len(series.times)} rows"))
+            say(f"{path}: {len(series.times)} rows")
     return 0
 
 

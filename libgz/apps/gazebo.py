@@ -22,6 +22,7 @@ from libgz.apps.console import (
     Parser,
     as_command,
     number_from_zero,
+    say,
     set_up_messages,
     whole_number,
     wire_version,
@@ -217,7 +218,7 @@ class Run:
                 self.print_status(world)
         if sys.stdout.isatty():
             self.print_status(world)
-            print()
+            say()
 
     def _most(self, done: int) -> int:
         """How many steps may follow each other, after a number of steps, without anything to do between them."""
@@ -333,7 +334,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
 
                 run.recorders += [new_recorder(world, request, shadows=options.shadows) for request in options.record]
             if options.server_id is None:
-                print(f"server id {server_id}", flush=True)
+                say(f"server id {server_id}", flush=True)
             with (
                 record_mcap(world, options) as run.capture,
                 SnapshotControl(world, options.rewind) as run.control,

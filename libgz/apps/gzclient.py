@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, open_log, read_command_line
-from libgz.apps.console import as_command, number_above_zero
+from libgz.apps.console import as_command, number_above_zero, say
 from libgz.apps.untrusted import add_untrusted_option, confined
 from libgz.apps.view import make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, LibraryError, ServerGoneError
-from libgz.base.visible import visible
 from libgz.classic.gui import get_main_window
 from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
@@ -129,7 +128,7 @@ class Run:
             return None
         stack.enter_context(viewer)
         viewer.frame()
-        print(f"open {viewer.url}", flush=True)
+        say(f"open {viewer.url}", flush=True)
         return viewer
 
     def _save_image(self, client: Client) -> int:
@@ -137,7 +136,7 @@ class Run:
         camera = client.window.camera
         write_image(Path(self.options.picture), camera.pixels)
         size = f"{camera.ImageWidth()} x {camera.ImageHeight()} px"
-        print(visible(f"{self.options.picture}: {size}, of {client.world.Name()!r}"))
+        say(f"{self.options.picture}: {size}, of {client.world.Name()!r}")
         return 0
 
 

@@ -6,6 +6,7 @@ import argparse
 import json
 from typing import Any
 
+from libgz.apps.console import say
 from libgz.apps.target import add_server, connect
 from libgz.base.errors import InterfaceError, ParameterError
 from libgz.base.visible import one_line
@@ -30,11 +31,11 @@ def run(options: argparse.Namespace) -> int:
     with connect(options) as client:
         rows = [_row(client, kind, name) for kind, name in client.interfaces()]
     if options.json:
-        print(json.dumps(rows))
+        say(json.dumps(rows))
         return 0
     width = max([len(row["interface"]) for row in rows], default=0) + 2
     for row in rows:
-        print(one_line(f"{row['interface']:{width}}{row['model'] or '-':16}{row['about']}"))
+        say(one_line(f"{row['interface']:{width}}{row['model'] or '-':16}{row['about']}"))
     return 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from libgz.apps.console import finite_number
+from libgz.apps.console import finite_number, say
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.visible import one_line
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         if options.info:
             for name, joint in joints.items():
                 if options.joint_name in (None, name):
-                    print(one_line(name), *(f"{angle:.6f}" for angle in joint.angle))
+                    say(one_line(name), *(f"{angle:.6f}" for angle in joint.angle))
             return 0
         if options.joint_name is None:
             raise ParameterError("no joint is given; use -j JOINT, or -i for all joints")

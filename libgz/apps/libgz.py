@@ -10,10 +10,9 @@ from collections.abc import Collection, Sequence
 from typing import NoReturn
 
 from libgz._version import __version__
-from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
+from libgz.apps.console import USAGE_ERROR, Parser, as_command, say, set_up_messages
 from libgz.apps.untrusted import confined
 from libgz.base.errors import GazeboError
-from libgz.base.visible import visible
 
 __all__ = ["main", "run_words"]
 
@@ -109,9 +108,9 @@ def _print_reference(prog: str, name: str) -> int:
     from libgz.apps.names import reference_of
 
     try:
-        print(reference_of(name), end="")
+        say(reference_of(name), end="")
     except GazeboError as error:
-        print(visible(f"{prog}: {error}"), file=sys.stderr)
+        say(f"{prog}: {error}", file=sys.stderr)
         return USAGE_ERROR
     return 0
 
@@ -134,7 +133,7 @@ def run_words(prog: str, words: list[str]) -> int:
         return _print_reference(prog, words[1])
     words = _help_words(words)
     if words and words[0] in WITHOUT and words[0] not in known:
-        print(f"{prog}: there is no {words[0]!r}: {WITHOUT[words[0]]}", file=sys.stderr)
+        say(f"{prog}: there is no {words[0]!r}: {WITHOUT[words[0]]}", file=sys.stderr)
         return USAGE_ERROR
     options = make_parser(words[0] if words else None, prog=prog).parse_args(words)
     set_up_messages(0, None)
@@ -147,7 +146,7 @@ def run_words(prog: str, words: list[str]) -> int:
         with confined(prog, options):
             return int(command.run(options))
     except GazeboError as error:
-        print(visible(f"{prog}: {error}"), file=sys.stderr)
+        say(f"{prog}: {error}", file=sys.stderr)
         return 1
     finally:
         if owned:

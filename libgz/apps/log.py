@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from libgz.apps.console import say
 from libgz.apps.server_link import add_world, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.budget import ELEMENT, Budget, BudgetError
@@ -143,15 +144,15 @@ def _print_info(reader: LogReader, as_json: bool) -> None:
             "encoding": encoding,
             "models": sorted(models),
         }
-        print(json.dumps(row))
+        say(json.dumps(row))
         return
-    print(f"Log Version:    {one_line(header.log_version)}")
-    print(f"Gazebo Version: {one_line(header.gazebo_version)}")
-    print(f"Random Seed:    {header.rand_seed}")
-    print(f"Start Time:     {first or 0.0:.6f} s")
-    print(f"End Time:       {last:.6f} s")
-    print(f"Duration:       {last - (first or 0.0):.6f} s")
-    print(f"Steps:          {count}")
-    print(f"Size:           {reader.path.stat().st_size / 2**20:.3f} MB")
-    print(f"Encoding:       {encoding}")
-    print(f"Models:         {one_line(', '.join(sorted(models))) or 'none'}")
+    say(f"Log Version:    {one_line(header.log_version)}")
+    say(f"Gazebo Version: {one_line(header.gazebo_version)}")
+    say(f"Random Seed:    {header.rand_seed}")
+    say(f"Start Time:     {first or 0.0:.6f} s")
+    say(f"End Time:       {last:.6f} s")
+    say(f"Duration:       {last - (first or 0.0):.6f} s")
+    say(f"Steps:          {count}")
+    say(f"Size:           {reader.path.stat().st_size / 2**20:.3f} MB")
+    say(f"Encoding:       {encoding}")
+    say(f"Models:         {one_line(', '.join(sorted(models))) or 'none'}")

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from libgz.apps.console import Parser, as_command, set_up_messages
+from libgz.apps.console import Parser, as_command, say, set_up_messages
 from libgz.base.errors import GazeboError
 from libgz.base.visible import one_line
 from libgz.ros.client import RosClient
@@ -33,15 +33,15 @@ class _Manager:
         found = self._call("list_controllers", "ListControllers").controller
         for one in found:
             kinds = dict.fromkeys(claim.hardware_interface for claim in one.claimed_resources)
-            print(one_line(f"'{one.name}' - '{'+'.join(kinds)}' ( {one.state} )"))
+            say(one_line(f"'{one.name}' - '{'+'.join(kinds)}' ( {one.state} )"))
         if not found:
-            print("No controllers are loaded in mechanism control")
+            say("No controllers are loaded in mechanism control")
         return True
 
     def list_types(self, _names: Sequence[str]) -> bool:
         """Print the types of controllers."""
         for name in self._call("list_controller_types", "ListControllerTypes").types:
-            print(one_line(name))
+            say(one_line(name))
         return True
 
     def load(self, names: Sequence[str]) -> bool:
@@ -74,14 +74,14 @@ class _Manager:
     def reload_libraries(self, _names: Sequence[str]) -> bool:
         """Unload all controllers."""
         good = bool(self._call("reload_controller_libraries", "ReloadControllerLibraries", force_kill=True).ok)
-        print("Successfully reloaded libraries" if good else "Failed to reload libraries")
+        say("Successfully reloaded libraries" if good else "Failed to reload libraries")
         return good
 
     def _each(self, service: str, kind: str, names: Sequence[str], done: str, failed: str) -> bool:
         good = True
         for name in names:
             ok = bool(self._call(service, kind, name=name).ok)
-            print((done if ok else failed).format(name))
+            say((done if ok else failed).format(name))
             good = good and ok
         return good
 
@@ -90,7 +90,7 @@ class _Manager:
         for name in names:
             wanted = {"start_controllers": [], "stop_controllers": [], field: [name]}
             ok = bool(self._call("switch_controller", "SwitchController", strictness=STRICT, **wanted).ok)
-            print((done if ok else failed).format(name))
+            say((done if ok else failed).format(name))
             good = good and ok
         return good
 

@@ -9,12 +9,11 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from libgz.apps.console import Parser, finite_number, read_text
+from libgz.apps.console import Parser, finite_number, read_text, say
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import NotFoundError, ParameterError
 from libgz.base.trust import trusted
-from libgz.base.visible import visible
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.transport import Node
@@ -84,16 +83,16 @@ def run(options: argparse.Namespace) -> int:
         if options.delete:
             ask(node, "entity_delete", options.model_name)
         elif options.info:
-            print(json.dumps(model.ToDict()) if options.json else model.DebugString(), end="\n" if options.json else "")
+            say(json.dumps(model.ToDict()) if options.json else model.DebugString(), end="\n" if options.json else "")
         elif moved:
             now = (*pose.pos, *pose.rot.Euler())
             target = Pose3d(*(new if new is not None else old for new, old in zip(place, now, strict=True)))
             publish(node, "~/model/modify", msgs.Model(name=options.model_name, pose=msgs.Convert(target)))
         elif options.json:
             numbers = (*pose.pos, *Quaterniond(pose.rot).Euler())
-            print(json.dumps(dict(zip(("x", "y", "z", "roll", "pitch", "yaw"), numbers, strict=True))))
+            say(json.dumps(dict(zip(("x", "y", "z", "roll", "pitch", "yaw"), numbers, strict=True))))
         else:
-            print(*(f"{value:.6f}" for value in (*pose.pos, *Quaterniond(pose.rot).Euler())))
+            say(*(f"{value:.6f}" for value in (*pose.pos, *Quaterniond(pose.rot).Euler())))
     return 0
 
 
@@ -110,7 +109,7 @@ def _whole_text(file: SdfFile) -> str:
     """The text of a file, of which a server reads no other files."""
     file.diagnostics.raise_errors()
     for warning in file.diagnostics.warnings:
-        print(visible(str(warning)), file=sys.stderr)
+        say(warning, file=sys.stderr)
     return f"<sdf version='{NEWEST}'>{''.join(upgraded(part).ToString() for part in file.root.children)}</sdf>"
 
 
@@ -124,7 +123,7 @@ def _untrusted_text(options: argparse.Namespace) -> str:
         file = SdfFile.load(path, arguments=options.arguments)
     for plugin in list(file.root.find("plugin")):
         name = plugin.Get(str, "filename")
-        print(visible(f"warning : {plugin.where}: plugin {name!r} is left out: files are untrusted"), file=sys.stderr)
+        say(f"warning : {plugin.where}: plugin {name!r} is left out: files are untrusted", file=sys.stderr)
         plugin.RemoveFromParent()
     return _whole_text(file)
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.console import writing
+from libgz.apps.console import say, writing
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries, entry
 from libgz.reference.pages import write_pages
 
@@ -37,18 +37,18 @@ def run(options: argparse.Namespace) -> int:
     if options.pages is not None:
         with writing():
             changed = write_pages(options.pages)
-        print("\n".join(map(str, changed)) or f"the pages in {options.pages} are current")
+        say("\n".join(map(str, changed)) or f"the pages in {options.pages} are current")
     elif options.name is not None:
         model = entry(options.name)
-        print(json.dumps(_as_json(model, whole=True), indent=2) if options.json else describe(model), end="")
-        print(end="\n" if options.json else "")
+        say(json.dumps(_as_json(model, whole=True), indent=2) if options.json else describe(model), end="")
+        say(end="\n" if options.json else "")
     elif options.json:
-        print(json.dumps([_as_json(model) for model in entries()], indent=2))
+        say(json.dumps([_as_json(model) for model in entries()], indent=2))
     else:
         found = list(entries())
         width = max(len(entry.name) for entry in found)
         for known in found:
-            print(f"{known.name:{width}}  {known.summary}")
+            say(f"{known.name:{width}}  {known.summary}")
     return 0
 
 

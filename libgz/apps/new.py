@@ -8,9 +8,8 @@ import re
 import sys
 from pathlib import Path
 
-from libgz.apps.console import writing
+from libgz.apps.console import say, writing
 from libgz.base.errors import ParameterError
-from libgz.base.visible import visible
 from libgz.models import MODELS
 
 __all__ = ["KINDS", "configure", "run", "write_starter"]
@@ -47,12 +46,12 @@ def run(options: argparse.Namespace) -> int:
     with writing():
         written = write_starter(kind, options.name, folder)
     for path in written:
-        print(visible(str(path)))
+        say(path)
     world = next(path.name for path in written if path.suffix == ".world")
     plugin = f"-s lib{_snake(options.name)}.so " if kind == "system" else ""
     command = f"gazebo {world}" if kind == LEGACY else f"gzserver --verbose {plugin}{world}"
     steps = f"run it:   cd {folder} && {command}\ntest it:  cd {folder} && pytest\nread on:  {folder / 'README.md'}"
-    print(visible(f"\n{steps}"))
+    say(f"\n{steps}")
     return 0
 
 

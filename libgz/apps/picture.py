@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from libgz.apps.console import Parser
+from libgz.apps.console import Parser, say
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.base.errors import LibraryError, NotFoundError, ParameterError, nearest
-from libgz.base.visible import visible
 from libgz.front import World
 from libgz.recording.images import FreeView, ImageSource, cameras_of
 from libgz.rendering.choice import CHOICES, prefer
@@ -62,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         if not image.size:
             raise LibraryError(f"camera {camera.label} has no image: rendering is disabled (--gl or LIBGZ_GL)")
         write_image(Path(options.output), image)
-        print(visible(f"{options.output}: {image.shape[1]} x {image.shape[0]} px, from {camera.label}"))
+        say(f"{options.output}: {image.shape[1]} x {image.shape[0]} px, from {camera.label}")
     return 0
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from libgz.apps.console import number_above_zero, number_from_zero, whole_number
+from libgz.apps.console import number_above_zero, number_from_zero, say, whole_number
 from libgz.apps.server_option import add_server_options
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view import make_viewer
@@ -107,10 +107,10 @@ def run(options: argparse.Namespace) -> int:
         topics = _topics(options.log, stack)
         player = stack.enter_context(Player(options.log, server_id, options.force, speed, topics))
         if options.server_id is None:
-            print(f"server id {server_id}", flush=True)
+            say(f"server id {server_id}", flush=True)
         if not player.reader.complete:
-            print(
-                visible(f"libgz: {options.log} has no end; it is played as far as it goes, {player.reader.end:g} s"),
+            say(
+                f"libgz: {options.log} has no end; it is played as far as it goes, {player.reader.end:g} s",
                 file=sys.stderr,
             )
         player.paused = options.pause
@@ -162,7 +162,7 @@ def _write_page(options: argparse.Namespace) -> int:
         write_whole(out, text.encode())
     except OSError as error:
         raise ParameterError(f"{options.html!r} cannot be written: {error.strerror}") from None
-    print(visible(f"{out}: {len(text) / 1e6:.1f} MB"))
+    say(f"{out}: {len(text) / 1e6:.1f} MB")
     return 0
 
 
@@ -227,7 +227,7 @@ def _control(options: argparse.Namespace) -> int:
         raise ServerError(f"server {options.server_id} plays no log")
     paused = ", paused" if status["paused"] else ""
     place = f"{status['time']:.3f} s of {status['end']:.3f} s, speed {status['speed']:g}"
-    print(visible(f"{status['path']}: {place}{paused}"))
+    say(f"{status['path']}: {place}{paused}")
     return 0
 
 
@@ -237,16 +237,16 @@ def _print_info(path: str) -> int:
     with LogReader(path) as reader:
         about = reader.about
         end = "" if reader.complete else ", without an end"
-        print(visible(f"{path}: {reader.end - reader.begin:.3f} s{end}"))
+        say(f"{path}: {reader.end - reader.begin:.3f} s{end}")
         if about:
             text = f"world {about.get('world')}, {about.get('era')}, recorded by libgz {about.get('libgz')}"
-            print(one_line(text))
+            say(one_line(text))
         counts: dict[str, int] = {}
         for message in reader.messages():
             counts[message.channel.topic] = counts.get(message.channel.topic, 0) + 1
         width = max((len(topic) for topic in counts), default=0) + 2
         for channel in reader.channels.values():
-            print(one_line(f"{channel.topic:{width}}{counts.get(channel.topic, 0):8d}  {channel.schema}"))
+            say(one_line(f"{channel.topic:{width}}{counts.get(channel.topic, 0):8d}  {channel.schema}"))
     return 0
 
 
@@ -263,7 +263,7 @@ class _Keys:
         if self._active:
             self._former = termios.tcgetattr(sys.stdin)
             tty.setcbreak(sys.stdin)
-            print(KEYS_HELP)
+            say(KEYS_HELP)
         return self
 
     def __exit__(
@@ -271,7 +271,7 @@ class _Keys:
     ) -> None:
         if self._active:
             termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._former)
-            print()
+            say()
 
     def _pressed(self) -> Iterator[str]:
         while select.select([sys.stdin], [], [], 0.0)[0]:

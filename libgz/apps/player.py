@@ -8,11 +8,10 @@ import logging
 import subprocess
 from collections.abc import Iterator
 
-from libgz.apps.console import whole_number
+from libgz.apps.console import say, whole_number
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ServerError
 from libgz.base.python import run_module
-from libgz.base.visible import visible
 from libgz.player.configuration import PORT, Configuration, read_configuration
 from libgz.player.messages import VERSIONS
 from libgz.player.server import LOOPBACK, PlayerServer
@@ -79,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
         simulator = Simulator(server_id)
         with PlayerServer(configuration, simulator, host=options.host, key=options.key, version=version) as server:
             for line in _summary(configuration, options.host, server_id):
-                print(visible(line), flush=True)
+                say(line, flush=True)
             with contextlib.suppress(KeyboardInterrupt):
                 server.run()
     return 0

@@ -9,13 +9,12 @@ import time
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.console import number_above_zero
+from libgz.apps.console import number_above_zero, say
 from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, observe, read_logs
 from libgz.apps.target import add_server, connect, open_target
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import LibraryError, ParameterError, ServerGoneError
 from libgz.base.extras import install
-from libgz.base.visible import visible
 from libgz.recording.capture import check_packages
 from libgz.transport.observer import Observer
 
@@ -68,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError("there is nothing to plot: no sample in this time")
     save_plot(plotter, found, Path(options.output))
     count = max(len(series.times) for series in found.values())
-    print(visible(f"{count} samples plotted to {options.output}"))
+    say(f"{count} samples plotted to {options.output}")
     return 0
 
 

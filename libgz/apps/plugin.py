@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from libgz.apps.console import say
 from libgz.base.errors import ServerError
 from libgz.transport.control import ask
 from libgz.transport.paths import CONTROL_SOCKET, server_directory
@@ -57,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         raise ServerError("there is no server with id 0 and none at GAZEBO_MASTER_URI; -s ID names another one")
     done = [answer.text for answer in answers if answer.result == "success"]
     if done:
-        print("reloaded " + "\nreloaded ".join("\n".join(done).splitlines()), flush=True)
+        say("reloaded " + "\nreloaded ".join("\n".join(done).splitlines()), flush=True)
     failed = [answer.text for answer in answers if answer.result == "error"]
     failed = failed or ([answer.text for answer in answers] if not done else [])
     if failed:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from libgz.apps.console import say
 from libgz.ros.environment import VARIABLE, default_environment
 from libgz.ros.install import default_prefix, install, uninstall
 from libgz.ros.install2 import PREFIX
@@ -41,14 +42,14 @@ def run(options: argparse.Namespace) -> int:
         folder: Path = options.folder or default_environment()
         own = make_environment(folder, options.distribution, options.python, print)
         if options.folder is None:
-            print("done; gzserver --ros2 finds it")
+            say("done; gzserver --ros2 finds it")
         else:
-            print(f"done; gzserver --ros2 finds it by:\nexport {VARIABLE}={own}")
+            say(f"done; gzserver --ros2 finds it by:\nexport {VARIABLE}={own}")
         return 0
     prefix: Path = options.prefix or default_prefix()
     if options.uninstall:
-        print(f"removed {uninstall(prefix)} files from {prefix}")
+        say(f"removed {uninstall(prefix)} files from {prefix}")
         return 0
-    print(f"installed {len(install(prefix))} files in {prefix}; in shells for ROS 1:\n. {prefix}/setup.sh")
-    print(f"in shells for ROS 2:\n. {prefix}/{PREFIX}/setup.sh")
+    say(f"installed {len(install(prefix))} files in {prefix}; in shells for ROS 1:\n. {prefix}/setup.sh")
+    say(f"in shells for ROS 2:\n. {prefix}/{PREFIX}/setup.sh")
     return 0

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from libgz.apps import upgrade
-from libgz.apps.console import Parser
+from libgz.apps.console import Parser, say
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, ParameterError, WorldFileError, nearest
-from libgz.base.visible import visible, visible_xml
+from libgz.base.visible import visible_xml
 from libgz.reference.check import check_sdf
 from libgz.reference.sdf_elements import sdf_block, sdf_blocks
 from libgz.reference.sdf_format import sdf_page, sdf_text
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.describe or options.doc:
         version = options.version or NEWEST
-        print(sdf_text(version) if options.describe else sdf_page(version), end="")
+        say(sdf_text(version) if options.describe else sdf_page(version), end="")
         return 0
     if options.elements is not None:
         return _elements(options.elements)
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         upgrade.run(
             argparse.Namespace(worldfile=options.convert, output=None, in_place=True, arguments=options.arguments)
         )
-        print("Success")
+        say("Success")
         return 0
     return _check(options) if options.check else _print(options.print, options.arguments)
 
@@ -83,19 +83,19 @@ def _elements(block: str) -> int:
     blocks = sdf_blocks()
     if block != "all" and block not in blocks:
         raise ParameterError(f"SDF has no block {block!r}{nearest(block, blocks)}")
-    print("\n".join(blocks) + "\n" if block == "all" else sdf_block(block), end="")
+    say("\n".join(blocks) + "\n" if block == "all" else sdf_block(block), end="")
     return 0
 
 
 def _check(options: argparse.Namespace) -> int:
     found = check_sdf(options.check, options.arguments)
     if options.json:
-        print(json.dumps([error._asdict() for error in found], indent=2))
+        say(json.dumps([error._asdict() for error in found], indent=2))
     else:
         _report(found)
     wrong = any(error.severity == "error" for error in found)
     if not wrong and not options.json:
-        print("Check complete")
+        say("Check complete")
     return int(wrong)
 
 
@@ -103,14 +103,14 @@ def _print(filename: str, arguments: Mapping[str, str]) -> int:
     try:
         file = SdfFile.load(filename, arguments=arguments)
     except WorldFileError as unreadable:
-        print(visible(f"error   : {unreadable}"), file=sys.stderr)
+        say(f"error   : {unreadable}", file=sys.stderr)
         return 1
     _report([*file.diagnostics.errors, *file.diagnostics.warnings])
-    print("<?xml version='1.0'?>")
-    print(visible_xml(file.root.ToString()), end="")
+    say("<?xml version='1.0'?>")
+    say(visible_xml(file.root.ToString()), end="")
     return 1 if file.diagnostics.errors else 0
 
 
 def _report(found: Iterable[Diagnostic]) -> None:
     for error in found:
-        print(visible(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}"), file=sys.stderr)
+        say(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}", file=sys.stderr)

@@ -259,7 +259,7 @@ class _Listener(Protocol):
 
 
 class _LoggedState:
-    """The state of a body in a log, where it can come and go."""
+    """The state of a body in a log, where it can begin and end."""
 
     def __init__(self, name: str) -> None:
         self.values = StateValues(name)

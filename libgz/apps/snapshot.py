@@ -6,13 +6,12 @@ import argparse
 import os
 from pathlib import Path
 
-from libgz.apps.console import number_from_zero
+from libgz.apps.console import number_from_zero, say
 from libgz.apps.target import add_server
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
 from libgz.base.files import open_file, write_whole
 from libgz.base.trust import trusted
-from libgz.base.visible import visible
 from libgz.transport.control import MOST, ask
 
 __all__ = ["configure", "run"]
@@ -52,14 +51,14 @@ def run(options: argparse.Namespace) -> int:
             write_whole(Path(options.file), state)
         except OSError as error:
             raise ParameterError(f"cannot write {options.file!r}: {error.strerror}") from None
-        print(visible(f"saved {len(state)} bytes to {options.file}"))
+        say(f"saved {len(state)} bytes to {options.file}")
         return 0
     if options.action == "restore":
         verb = "restore" if trusted() else "restore_untrusted"  # it is the server that loads plugins
         now = ask(options.server_id, verb, content=_read_state(options.file))
     else:
         now = ask(options.server_id, "rewind", repr(options.seconds))
-    print(f"sim time is {now.decode()} s")
+    say(f"sim time is {now.decode()} s")
     return 0
 
 

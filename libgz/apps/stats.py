@@ -7,6 +7,7 @@ import contextlib
 import json
 from typing import Any
 
+from libgz.apps.console import say
 from libgz.apps.server_link import add_duration, add_world, receive, world_node
 
 __all__ = ["configure", "run"]
@@ -30,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
         GazeboError: the server ended.
     """
     if options.plot:
-        print("# real-time factor (percent), simtime (sec), realtime (sec), paused (T or F)")
+        say("# real-time factor (percent), simtime (sec), realtime (sec), paused (T or F)")
     with world_node(options) as (node, link), contextlib.suppress(KeyboardInterrupt):
         printer = _Printer(options.plot, options.json)
         subscriber = node.Subscribe("~/world_stats", printer.on_statistics)
@@ -57,8 +58,8 @@ class _Printer:
         paused = "T" if message.paused else "F"
         if self._json:
             row = {"factor": factor, "sim_time": sim, "real_time": real, "paused": bool(message.paused)}
-            print(json.dumps(row), flush=True)
+            say(json.dumps(row), flush=True)
         elif self._plot:
-            print(f"{factor:4.2f}, {sim:16.6f}, {real:16.6f}, {paused}", flush=True)  # as of Gazebo's `gz stats -p`
+            say(f"{factor:4.2f}, {sim:16.6f}, {real:16.6f}, {paused}", flush=True)  # as of Gazebo's `gz stats -p`
         else:
-            print(f"Factor[{factor:.2f}] SimTime[{sim:.2f}] RealTime[{real:.2f}] Paused[{paused}]", flush=True)
+            say(f"Factor[{factor:.2f}] SimTime[{sim:.2f}] RealTime[{real:.2f}] Paused[{paused}]", flush=True)

@@ -9,10 +9,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.console import INTERRUPTED, TERMINATED, whole_number
+from libgz.apps.console import INTERRUPTED, TERMINATED, say, whole_number
 from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
-from libgz.base.visible import visible
 from libgz.sweep import driver
 from libgz.sweep.results import FORMATS, open_results, read_results
 from libgz.sweep.study import Study
@@ -61,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     digest = study.digest()
     driver.check(study, digest)
     if options.dry_run:
-        print(f"{len(study)} runs of {study.duration:g} s")
+        say(f"{len(study)} runs of {study.duration:g} s")
         return 0
     return _run(study, digest, options)
 
@@ -75,7 +74,7 @@ def _run(study: Study, digest: str, options: argparse.Namespace) -> int:
             progress = driver.sweep(study, digest, results, pool, line.show)
     except (KeyboardInterrupt, SystemExit) as error:  # Ctrl-C and SIGTERM
         line.end()
-        print(
+        say(
             f"libgz: {len(results.recorded)} of {len(study)} runs are recorded; the same command continues",
             file=sys.stderr,
         )
@@ -86,7 +85,7 @@ def _run(study: Study, digest: str, options: argparse.Namespace) -> int:
         raise GazeboError(f"{error}; {done}") from None
     line.end()
     failed = f", {progress.failed} of them failed" if progress.failed else ""
-    print(visible(f"{progress.done} runs in {folder}{failed}"))
+    say(f"{progress.done} runs in {folder}{failed}")
     return 1 if progress.failed else 0
 
 
@@ -141,11 +140,11 @@ def _report(options: argparse.Namespace) -> int:
     folder = folder.with_suffix(".results") if folder.suffix == ".toml" else folder
     about, rows = read_results(folder)
     if len(rows) < about.get("runs", 0):
-        print(f"{len(rows)} of {about['runs']} runs are recorded", file=sys.stderr)
+        say(f"{len(rows)} of {about['runs']} runs are recorded", file=sys.stderr)
     try:
         from libgz.sweep.report import plot_measures
     except ImportError as error:
         raise LibraryError(f"plots need the extra `plot`: {install('plot')} ({error})") from None
     for path in plot_measures(about, rows, Path(options.output) if options.output else folder):
-        print(visible(str(path)))
+        say(path)
     return 0

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from libgz.apps.console import read_text
+from libgz.apps.console import read_text, say
 from libgz.apps.server_link import PATIENCE, publish, receive
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.visible import one_line
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     with connect(timeout=PATIENCE) as link, contextlib.suppress(KeyboardInterrupt):
         if options.list:
             topics = TopicManager.Instance().TopicNames()
-            print(json.dumps(topics) if options.json else "\n".join(map(one_line, topics)))
+            say(json.dumps(topics) if options.json else "\n".join(map(one_line, topics)))
         elif options.request is not None:
             _request(options)
         else:
@@ -112,13 +112,13 @@ def _info(topic: str, as_json: bool) -> None:
         row = {"topic": topic, "type": info.msg_type}
         for title, ends in (("publishers", info.publisher), ("subscribers", info.subscriber)):
             row[title] = [{"host": end.host, "process": end.port} for end in ends]
-        print(json.dumps(row))
+        say(json.dumps(row))
         return
-    print(f"Type: {one_line(info.msg_type) or '(unknown)'}")
+    say(f"Type: {one_line(info.msg_type) or '(unknown)'}")
     for title, ends in (("Publishers", info.publisher), ("Subscribers", info.subscriber)):
-        print(f"\n{title}:")
+        say(f"\n{title}:")
         for end in ends:
-            print(f"\t{one_line(end.host)}, process {end.port}")
+            say(f"\t{one_line(end.host)}, process {end.port}")
 
 
 class _Echo:
@@ -128,7 +128,7 @@ class _Echo:
         self._as_json = as_json
 
     def add(self, message: Any) -> None:
-        print(json.dumps(message.ToDict()) if self._as_json else message.DebugString(), flush=True)
+        say(json.dumps(message.ToDict()) if self._as_json else message.DebugString(), flush=True)
 
     def report(self) -> None:
         pass
@@ -149,7 +149,7 @@ class _Rate:
         times = self._times
         if len(times) > 1 and times[-1] > times[0]:
             rate = (len(times) - 1) / (times[-1] - times[0])
-            print(json.dumps({"hz": rate}) if self._as_json else f"Hz: {rate:7.2f}", flush=True)
+            say(json.dumps({"hz": rate}) if self._as_json else f"Hz: {rate:7.2f}", flush=True)
         del times[:-1]  # the last message begins the next period
 
 
@@ -172,10 +172,10 @@ class _Bandwidth:
             mean = sum(sizes) / len(sizes)
             if self._as_json:
                 row = {"bytes_per_second": sum(sizes) / span, "mean": mean, "min": min(sizes), "max": max(sizes)}
-                print(json.dumps({**row, "messages": len(sizes)}), flush=True)
+                say(json.dumps({**row, "messages": len(sizes)}), flush=True)
                 del arrivals[:-1]
                 return
-            print(
+            say(
                 f"Total[{_bytes(sum(sizes) / span)}/s] Mean[{_bytes(mean)}] Min[{_bytes(min(sizes))}] "
                 f"Max[{_bytes(max(sizes))}] Messages[{len(sizes)}]",
                 flush=True,
@@ -254,9 +254,9 @@ def _request(options: argparse.Namespace) -> None:
         publish(node, "~/request", msgs.CreateRequest(options.request, options.msg or ""))
         return
     response = request(options.world_name, options.request, options.msg or "", patience)
-    print(response.DebugString(), end="")
+    say(response.DebugString(), end="")
     unpack: Callable[[bytes], Any] | None = None
     with contextlib.suppress(NotFoundError):
         unpack = msgs.message_type(response.type).FromString if response.serialized_data else None
     if unpack is not None:
-        print(f"\n{response.type}:\n{unpack(response.serialized_data).DebugString()}", end="")
+        say(f"\n{response.type}:\n{unpack(response.serialized_data).DebugString()}", end="")

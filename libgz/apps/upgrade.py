@@ -8,11 +8,11 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from libgz.apps.console import Parser, writing
+from libgz.apps.console import Parser, say, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostic, Remark, WorldFileError
 from libgz.base.files import read_limited, write_whole
-from libgz.base.visible import visible, visible_xml
+from libgz.base.visible import visible_xml
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.recognition import is_sdf
 from libgz.sdf.xml import ROBOT
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     if options.in_place and any(change.element == ROBOT for change in changes):
         raise WorldFileError(f"{options.worldfile} is a robot description; name the SDF file to write with -o")
     for change in changes:
-        print(visible(str(change)), file=sys.stderr)
+        say(change, file=sys.stderr)
     target = options.worldfile if options.in_place else options.output
     if target is None:
         with contextlib.suppress(UnicodeDecodeError):  # of another encoding
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
         with writing():
             write_whole(target, text)
     if not changes:
-        print(visible(f"{options.worldfile}: nothing to change"), file=sys.stderr)
+        say(f"{options.worldfile}: nothing to change", file=sys.stderr)
     return 0
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.console import number_above_zero, whole_number
+from libgz.apps.console import number_above_zero, say, whole_number
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.apps.view_process import add_view_options
 from libgz.apps.viewer_process import TOKEN
@@ -153,7 +153,7 @@ def _stopped(viewer: Any, options: argparse.Namespace) -> Callable[[], bool]:
         nonlocal opened
         if not opened and viewer.pages:
             opened = True
-            print("a page is open", flush=True)
+            say("a page is open", flush=True)
         return parent is not None and os.getppid() != parent
 
     return stopped
@@ -173,11 +173,11 @@ def run(options: argparse.Namespace) -> int:
         controls = ServerControls(server_id, frozenset() if options.watch_only else None)
         with make_viewer(observer, controls, options, rate=options.rate, skins=options.skins) as viewer:
             viewer.frame()
-            print(f"open {viewer.url}", flush=True)
+            say(f"open {viewer.url}", flush=True)
             if options.open:
                 open_page(viewer.url_for_once())
             try:
                 viewer.run(_stopped(viewer, options))
             except KeyboardInterrupt:
-                print()
+                say()
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from libgz.apps.console import say
 from libgz.base.errors import NotFoundError
 from libgz.base.files import is_file
 from libgz.worldfile.search import find_worldfile, ready_worlds, why_missing
@@ -30,15 +31,15 @@ def run(options: argparse.Namespace) -> int:
         path = find_worldfile(options.name)
         if not is_file(path):
             raise NotFoundError(f"there is no world {options.name!r}{why_missing(options.name)}")
-        print(json.dumps(str(path)) if options.json else path)
+        say(json.dumps(str(path)) if options.json else path)
         return 0
     worlds = ready_worlds()
     if options.json:
         rows = [{"name": world.name, "file": str(world.path), "summary": world.summary} for world in worlds]
-        print(json.dumps(rows, indent=2))
+        say(json.dumps(rows, indent=2))
         return 0
     width = max(len(world.name) for world in worlds)
     for world in worlds:
         first, stop, _ = world.summary.partition(". ")
-        print(f"{world.name:{width}}  {first}{stop.rstrip()}")
+        say(f"{world.name:{width}}  {first}{stop.rstrip()}")
     return 0

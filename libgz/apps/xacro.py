@@ -6,11 +6,11 @@ import argparse
 import sys
 from pathlib import Path
 
-from libgz.apps.console import Parser, writing
+from libgz.apps.console import Parser, say, writing
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import Diagnostics, WorldFileError
 from libgz.base.files import read_limited, write_whole
-from libgz.base.visible import visible, visible_xml
+from libgz.base.visible import visible_xml
 from libgz.sdf.xacro.expansion import expand
 from libgz.sdf.xml import document_text, parse_document
 
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     diagnostics.raise_errors()
     if not options.quiet:
         for warning in diagnostics.warnings:
-            print(visible(str(warning)), file=sys.stderr)
+            say(warning, file=sys.stderr)
     if options.output is None:
         sys.stdout.buffer.write(visible_xml(text.decode()).encode())
     else:

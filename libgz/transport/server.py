@@ -420,5 +420,5 @@ def alive(pid: int) -> bool:
         return True
     with contextlib.suppress(OSError, IndexError, ValueError):
         fields = Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()
-        return not (fields[0] == b"Z" and int(fields[17]) <= 1)  # else a thread goes on after the first one's end
+        return not (fields[0] == b"Z" and int(fields[17]) <= 1)  # else a thread runs on after the first one's end
     return True

@@ -46,6 +46,7 @@ class SocketLoop:
     def __init__(self, share: float | None = None) -> None:
         self._share, self._credit, self._counted = share, BURST, time.monotonic()
         self._costs: dict[int, float] = {}  # of handling what a descriptor has sent [s]; halved from time to time
+        self._unread: set[int] = set()  # descriptors of accepted connections of which nothing was handled
         self._forgotten = self._counted
         self._begun = 0.0  # when handling of what comes in has begun, in time of the thread [s]
         self._main = selectors.DefaultSelector()  # what is always handled: calls, sending, and all that comes in
@@ -138,8 +139,9 @@ class SocketLoop:
         if connection.open:
             accept(connection)
         if connection.open:
-            # Its turn comes with those of others, and not before: a client may connect again and again.
+            # Its first frame is handled at once, the rest after those of others: a client may connect again and again.
             self._costs[made.fileno()] = max(self._costs.values(), default=0.0)
+            self._unread.add(made.fileno())
             self.read_from(connection)
 
     def _make_room(self, new: Connection) -> None:
@@ -196,23 +198,36 @@ class SocketLoop:
         self._counted = now
 
     def _handle_inputs(self, _mask: int) -> None:
-        self._begun = last = time.thread_time()
+        self._begun = time.thread_time()
         ready = self._inputs.select(0)
-        # New connections first, then those that cost least: who sends without an end must not keep others waiting.
-        ready.sort(key=lambda entry: (entry[0].fileobj not in self._listeners, self._costs.get(entry[0].fd, 0.0)))
-        for key, mask in ready[:EVENTS]:
+        if listeners := [entry for entry in ready if entry[0].fileobj in self._listeners]:
+            self._handle_ready(listeners)
+            ready = [entry for entry in self._inputs.select(0) if entry[0].fileobj not in self._listeners]
+        # Who subscribes to answers, and then asks, must be sent the answer: what is on new connections may have come
+        # before the rest. Then those that cost least: who sends without an end must not keep others waiting.
+        new = [entry for entry in ready if entry[0].fd in self._unread]
+        others = [entry for entry in ready if entry[0].fd not in self._unread]
+        others.sort(key=lambda entry: self._costs.get(entry[0].fd, 0.0))
+        if not (listeners and self.exhausted()):
+            self._handle_ready(new + others[:EVENTS])
+        self._count(time.thread_time() - self._begun)
+        if self._credit <= 0.0 and self._share is not None:
+            self._reading = False
+            self._main.unregister(self._inputs.fileno())
+
+    def _handle_ready(self, ready: list[tuple[selectors.SelectorKey, int]]) -> None:
+        """Handle what has come in on some sockets, as long as there is time: the rest is ready the next time, too."""
+        last = time.thread_time()
+        for key, mask in ready:
             self._costs[key.fd] = self._costs.get(key.fd, 0.0)
+            self._unread.discard(key.fd)
             self._guarded(key.data, mask)
             now = time.thread_time()
             if key.fd in self._costs:  # else it was closed
                 self._costs[key.fd] += now - last
             last = now
             if self.exhausted():
-                break  # what is left is ready the next time, too
-        self._count(time.thread_time() - self._begun)
-        if self._credit <= 0.0 and self._share is not None:
-            self._reading = False
-            self._main.unregister(self._inputs.fileno())
+                break
 
     def exhausted(self) -> bool:
         """Whether what comes in has been handled for as long as it may be at once: the rest is handled next time."""
@@ -254,6 +269,7 @@ class SocketLoop:
         self.accepted.pop(connection, None)
         self._connections.discard(connection)
         self._costs.pop(connection.socket.fileno(), None)
+        self._unread.discard(connection.socket.fileno())
         with contextlib.suppress(KeyError, ValueError):
             self._inputs.unregister(connection.socket)
         self.write_to(connection, False)
@@ -481,8 +497,8 @@ class Connection:
             self.on_frame(content)
             if not self.open:
                 return 0
-            self.valid = True
-            if self._loop.exhausted():
+            new, self.valid = not self.valid and self in self._loop.accepted, True
+            if new or self._loop.exhausted():
                 left = self._frames.give_back(len(data))
                 break
         waiting, self.partial = self.partial, self._frames.waiting

@@ -518,6 +518,7 @@ def test_who_sends_without_an_end_keeps_nobody_waiting(socket_loop, monkeypatch)
 
 
 def test_who_connects_again_and_again_keeps_nobody_waiting(socket_loop, monkeypatch):
+    """Of each new connection one frame is handled, then what others have sent, then the rest."""
     handled, keys = [], [SelectorKey(1001, 1001, 1, lambda _: handled.append("quiet"))]
 
     def register(own, events, data):
@@ -531,9 +532,33 @@ def test_who_connects_again_and_again_keeps_nobody_waiting(socket_loop, monkeypa
     socket_loop._costs[1001] = 1.0
     own, other = socket.socketpair()
     with other:
-        other.sendall(frame(b"x"))
+        other.sendall(2 * frame(b"x"))
         socket_loop._greet(own, accept, 1 << 16)
         assert handled == []
         socket_loop._costs[1001] = 0.5
         socket_loop._handle_inputs(0)
-    assert handled == ["quiet", "new"]
+        assert handled == ["new", "quiet"]
+        socket_loop._handle_inputs(0)
+    assert handled == ["new", "quiet", "quiet", "new"]
+
+
+def test_what_came_on_a_new_connection_is_handled_before_what_was_sent_after_it(monkeypatch):
+    """A client that subscribes to answers, and then asks on a connection that it has, must be sent the answer."""
+    monkeypatch.setattr(loop.SocketLoop, "_run", lambda _: None)  # this thread is that of the loop
+    served, handled = SocketLoop(0.02), []
+
+    def accept(connection):
+        connection.on_frame = handled.append
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        served.listen(listener, accept, 1 << 16)
+        served._calls.popleft()()
+        with socket.create_connection(listener.getsockname()) as asking:
+            asking.sendall(frame(b"begin"))
+            served._handle_inputs(0)
+            with socket.create_connection(listener.getsockname()) as answers:
+                answers.sendall(frame(b"subscribe"))
+                asking.sendall(frame(b"ask"))
+                served._handle_inputs(0)
+    assert handled == [b"begin", b"subscribe", b"ask"]
+    served.close(0.0)

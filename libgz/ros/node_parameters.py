@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -208,7 +208,8 @@ class NodeParameters:
         return handle
 
     def _list_parameters(self, request: Any) -> dict[str, Any]:
-        names = [name for name in sorted(self._values) if _listed(name, request.prefixes, request.depth)]
+        wanted = frozenset(request.prefixes)
+        names = [name for name in sorted(self._values) if _listed(name, wanted, request.depth)]
         prefixes = sorted({name.rpartition(".")[0] for name in names} - {""})
         return {"result": message_type("rcl_interfaces/ListParametersResult", 2)(names=names, prefixes=prefixes)}
 
@@ -320,12 +321,15 @@ def _flat(given: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
             yield f"{prefix}{name}", value
 
 
-def _listed(name: str, prefixes: Sequence[str], depth: int) -> bool:
+def _listed(name: str, prefixes: Set[str], depth: int) -> bool:
     """Whether a name is below one of some prefixes, at most so many levels; 0: at any level."""
+    parts = name.split(".")
     if not prefixes:
-        return not depth or name.count(".") < depth
-    rests = (name[len(prefix) :] for prefix in prefixes if name.startswith(prefix))
-    return any(not rest or (rest[0] == "." and (not depth or rest.count(".") <= depth)) for rest in rests)
+        return not depth or len(parts) <= depth
+    return any(
+        ".".join(parts[:count]) in prefixes and (not depth or len(parts) - count <= depth)
+        for count in range(1, len(parts) + 1)
+    )
 
 
 def _size(value: Any) -> int:

@@ -228,6 +228,26 @@ def test_the_sizes_of_all_parameters_are_not_summed_for_each(start_ros2, monkeyp
     assert len(measured) <= 5 * len(many)
 
 
+class LookedUp(frozenset):
+    """Is not gone through for each name."""
+
+    def __iter__(self):
+        raise AssertionError
+
+
+@pytest.mark.parametrize(
+    ("name", "prefixes", "depth", "listed"),
+    [
+        ("a", [], 0, True), ("a", [], 1, True), ("a.b", [], 1, False), ("a.b", ["a"], 1, True), ("a", ["a"], 1, True),
+        ("a.b.c", ["a"], 1, False), ("a.b.c", ["a"], 0, True), ("a.b.c", ["a.b", "x"], 1, True),
+        ("ab", ["a"], 0, False),
+        ("a.b", ["a."], 0, False), (".a", [""], 0, True), ("a", [""], 0, False), ("a.b.c", ["a", "a.b.c"], 1, True),
+    ],
+)  # fmt: skip
+def test_names_below_prefixes_are_listed(name, prefixes, depth, listed):
+    assert node_parameters._listed(name, LookedUp(prefixes), depth) is listed
+
+
 def test_what_was_deleted_leaves_room(start_ros2, monkeypatch):
     monkeypatch.setattr(node_parameters, "MOST_SIZE", 5000)
     node = Node(start_ros2(), "/gazebo")

@@ -47,6 +47,7 @@ USAGE_ERROR = 2
 STRICT = 3  # exit code of a run that --strict has ended
 STRICT_HELP = "end with exit code 3 at the first error of a model or plugin, or warning about the world"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+LONGEST_TEXT = 64 << 20  # characters of a file that a command sends
 MACRO_ARGUMENT = re.compile(r"((?!_)[^\s:=/]+):=(.*)", re.DOTALL)  # ROS's own, such as __name:=gazebo, begin with _
 # The exit codes of shells.
 INTERRUPTED, NO_READER, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGPIPE, 128 + signal.SIGTERM
@@ -213,17 +214,21 @@ def say(*words: object, end: str = "\n", file: TextIO | None = None, flush: bool
 
 
 def read_text(path: str, what: str) -> str:
-    """The text of a file.
+    """The text of a file, which may be a pipe.
 
     Raises:
-        ParameterError: the file cannot be read as text; `what` is what the message calls its contents.
+        ParameterError: the file cannot be read as text, or is too long; `what` is what the message calls its contents.
     """
     try:
-        return Path(path).read_text()
+        with open(path, encoding="utf-8") as file:  # noqa: PTH123
+            text = file.read(LONGEST_TEXT + 1)
     except OSError as error:
         raise ParameterError(f"{what} cannot be read from {path!r}: {error.strerror}") from None
     except UnicodeDecodeError:
         raise ParameterError(f"{what} cannot be read from {path!r}: it is no text") from None
+    if len(text) > LONGEST_TEXT:
+        raise ParameterError(f"{what} cannot be read from {path!r}: it is larger than {LONGEST_TEXT >> 20} MiB")
+    return text
 
 
 @contextlib.contextmanager

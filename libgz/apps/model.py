@@ -22,7 +22,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.recognition import is_robot_text, is_sdf_text
 from libgz.sdf.upgrade import NEWEST, upgraded
 
-__all__ = ["configure", "run"]
+__all__ = ["configure", "run", "text_without_plugins"]
 
 # Option -> what it sets.
 AXES = {
@@ -114,13 +114,22 @@ def _whole_text(file: SdfFile) -> str:
 
 
 def _untrusted_text(options: argparse.Namespace) -> str:
-    """The text of a model of strangers without its plugins, nor those of what it includes: a server would load them."""
+    """The text of a model of strangers without plugins."""
     if options.spawn_string:
         file = SdfFile.from_string(options.spawn_string, "the SDF string")
     else:
         known = "://" in options.spawn_file
         path = find_model(options.spawn_file) if known else options.spawn_file
         file = SdfFile.load(path, arguments=options.arguments)
+    return text_without_plugins(file)
+
+
+def text_without_plugins(file: SdfFile) -> str:
+    """The text of a file without its plugins, nor those of what it includes: a server would load them.
+
+    Raises:
+        WorldFileError: the file has errors.
+    """
     for plugin in list(file.root.find("plugin")):
         name = plugin.Get(str, "filename")
         say(f"warning : {plugin.where}: plugin {name!r} is left out: files are untrusted", file=sys.stderr)

@@ -12,12 +12,17 @@ import threading
 from collections.abc import Sequence
 from pathlib import Path
 
-from libgz.apps.console import Parser, as_command, set_up_messages
+from libgz.apps.console import Parser, as_command, read_text, set_up_messages
+from libgz.apps.model import text_without_plugins
+from libgz.apps.untrusted import add_untrusted_option, confined
 from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.files import exists
+from libgz.base.trust import trusted
 from libgz.classic.math import Quaterniond
 from libgz.ros.client import RosClient
 from libgz.ros.names import read_names
 from libgz.ros.types import message_type
+from libgz.sdf.reader import SdfFile
 
 __all__ = ["main"]
 
@@ -65,6 +70,7 @@ def make_parser() -> Parser:
         help="set a joint",
     )
     add("-package_to_model", action="store_true", help="replace package:// by model:// in the text")
+    add_untrusted_option(parser)
     add("-b", dest="bond", action="store_true", help="delete the model when this program is interrupted")
     return parser
 
@@ -76,10 +82,9 @@ def _text(options: argparse.Namespace, client: RosClient) -> str:
         ParameterError: it cannot be read.
     """
     if options.file is not None:
-        try:
-            text = Path(options.file).read_text()
-        except OSError as error:
-            raise ParameterError(f"Error: file specified {options.file} does not exist: {error.strerror}") from None
+        if not exists(Path(options.file)):
+            raise ParameterError(f"Error: file specified {options.file} does not exist")
+        text = read_text(options.file, "Error: the model")
     elif options.param is not None:
         value = client.parameter(options.param)
         if not isinstance(value, str) or not value:
@@ -87,7 +92,8 @@ def _text(options: argparse.Namespace, client: RosClient) -> str:
         text = value
     else:
         text = sys.stdin.read() if options.stdin else INCLUDE.format(options.database)
-    return text.replace("package://", "model://") if options.package_to_model else text
+    text = text.replace("package://", "model://") if options.package_to_model else text
+    return text if trusted() else text_without_plugins(SdfFile.from_string(text, "the model"))
 
 
 def _wait_for(name: str, space: str, client: RosClient) -> None:
@@ -106,12 +112,13 @@ def _spawn(options: argparse.Namespace, client: RosClient) -> None:
     space, text = options.gazebo_namespace.rstrip("/"), _text(options, client)
     if options.wait is not None:
         _wait_for(options.wait, space, client)
+    kind = "urdf" if options.urdf and trusted() else "sdf"  # files of strangers become SDF
     pose = message_type("geometry_msgs/Pose")()
     pose.position.x, pose.position.y, pose.position.z = options.x, options.y, options.z
     turn = pose.orientation
     turn.w, turn.x, turn.y, turn.z = Quaterniond(options.R, options.P, options.Y)
     answer = client.call(
-        f"{space}/spawn_{'urdf' if options.urdf else 'sdf'}_model",
+        f"{space}/spawn_{kind}_model",
         "gazebo_msgs/SpawnModel",
         waiting=log.info,
         model_name=options.model,
@@ -145,8 +152,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     set_up_messages(1, None)
     options = make_parser().parse_args([word for word in words if ":=" not in word])
     try:
-        client = RosClient(read_names(words, name=f"spawn_model_{os.getpid()}"))
-        _spawn(options, client)
+        with confined("spawn_model", options):
+            client = RosClient(read_names(words, name=f"spawn_model_{os.getpid()}"))
+            _spawn(options, client)
     except (GazeboError, ValueError) as error:
         log.error("%s", error)
         return 1

@@ -12,7 +12,7 @@ import sys
 import threading
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from unittest.mock import MagicMock
+from unittest.mock import MagicMock, Mock
 
 import pytest
 from ros_peers import wait_for
@@ -21,7 +21,7 @@ from libgz.apps import gzclient
 from libgz.apps.gzserver import make_parser
 from libgz.apps.libgz import main
 from libgz.apps.ros_option import ros_wanted, without_ros_words
-from libgz.apps.spawn_model import main as spawn_model
+from libgz.apps.spawn_model import _spawn, main as spawn_model, make_parser as spawn_parser
 from libgz.base.errors import LibraryError, NotFoundError
 from libgz.ros.environment import find_python
 from libgz.ros.install import install, uninstall
@@ -337,6 +337,29 @@ def test_spawn_model_inserts_a_model(master, start, tmp_path, source):
     assert (round(pose.Pos().X(), 3), round(pose.Rot().Yaw(), 3)) == (1.5, 0.5)
 
 
+@pytest.mark.parametrize("kind", ["urdf", "sdf"])
+def test_spawn_model_sends_no_plugins_of_strangers(monkeypatch, tmp_path, kind):
+    """The server may trust its clients."""
+    plugin = "<plugin name='p' filename='libp.so'/>"
+    texts = {
+        "urdf": URDF.replace("</robot>", f"<gazebo>{plugin}</gazebo></robot>"),
+        "sdf": f"<sdf version='1.6'><model name='m'>{plugin}<link name='l'/></model></sdf>",
+    }
+    (tmp_path / "file").write_text(texts[kind])
+    monkeypatch.setenv("LIBGZ_UNTRUSTED", "1")
+    client = Mock()
+    _spawn(spawn_parser().parse_args([f"-{kind}", "-file", str(tmp_path / "file"), "-model", "m"]), client)
+    [call] = client.call.call_args_list
+    assert call.args[0] == "/gazebo/spawn_sdf_model"
+    assert "<link " in call.kwargs["model_xml"]
+    assert "libp.so" not in call.kwargs["model_xml"]
+
+
+def test_spawn_model_reads_no_endless_file(master, capsys):
+    assert spawn_model(["-urdf", "-file", "/dev/zero", "-model", "x"]) == 1
+    assert "is larger than 64 MiB" in capsys.readouterr().err
+
+
 def test_spawn_model_says_what_is_wrong(master, capsys):
     assert spawn_model(["-urdf", "-file", "/none.urdf", "-model", "x", "-gazebo_namespace", "/gazebo"]) == 1
     assert "/none.urdf does not exist" in capsys.readouterr().err
@@ -433,20 +456,39 @@ def test_launch_files_of_ros2_start_the_server_with_their_arguments(tmp_path, mo
     assert not (tmp_path / "p").exists()
 
 
-@pytest.mark.parametrize(("words", "space"), [([], "/fleet"), (["-robot_namespace", "mine"], "mine")])
-def test_spawn_entity_gives_plugins_the_namespace_of_its_node(words, space, tmp_path, monkeypatch):
+@pytest.fixture
+def spawner(tmp_path, monkeypatch):
+    """Makes a spawner of spawn_entity.py, without ROS 2."""
     install(tmp_path)
     ros = ("gazebo_msgs.msg", "gazebo_msgs.srv", "rclpy.executors", "rclpy.qos", "rclpy.utilities", "std_msgs.msg")
     for name in ("rclpy", *ros, "std_srvs.srv"):
         monkeypatch.setitem(sys.modules, name, MagicMock())
     found = runpy.run_path(str(tmp_path / "ros2" / "lib" / "gazebo_ros" / "spawn_entity.py"))
     (tmp_path / "r.urdf").write_text(URDF)
-    options = found["read_options"](["-file", str(tmp_path / "r.urdf"), "-entity", "r", *words])
-    spawner = found["Spawner"](MagicMock(**{"get_namespace.return_value": "/fleet"}), options)
-    spawner.call = MagicMock()
-    spawner.run()
-    request = spawner.call.call_args.kwargs
+
+    def make(*words):
+        options = found["read_options"](["-file", str(tmp_path / "r.urdf"), "-entity", "r", *words])
+        one = found["Spawner"](MagicMock(**{"get_namespace.return_value": "/fleet"}), options)
+        one.call = MagicMock()
+        return one
+
+    return make
+
+
+@pytest.mark.parametrize(("words", "space"), [([], "/fleet"), (["-robot_namespace", "mine"], "mine")])
+def test_spawn_entity_gives_plugins_the_namespace_of_its_node(spawner, words, space):
+    one = spawner(*words)
+    one.run()
+    request = one.call.call_args.kwargs
     assert (request["robot_namespace"], request["xml"]) == (space, URDF)
+
+
+def test_spawn_entity_sends_nothing_of_strangers(spawner, monkeypatch):
+    monkeypatch.setenv("LIBGZ_UNTRUSTED", "1")
+    one = spawner()
+    with pytest.raises(Exception, match="files are untrusted"):
+        one.run()
+    one.call.assert_not_called()
 
 
 def test_folders_that_packages_export_are_searched(tmp_path, monkeypatch):

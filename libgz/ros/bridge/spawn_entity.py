@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import os
 import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
@@ -94,6 +95,10 @@ class Spawner:
             root = ET.fromstring(text)
         except ET.ParseError as error:
             raise SpawnError(f"the text of the entity is no XML: {error}") from None
+        if os.environ.get("LIBGZ_UNTRUSTED"):  # the server may load its plugins
+            raise SpawnError(
+                "files are untrusted (the variable LIBGZ_UNTRUSTED); libgz model sends them without plugins"
+            )
         if not options.package_to_model:
             return text
         for mesh in root.iter("mesh"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import functools
+import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -23,6 +24,7 @@ TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
 UNIT = "texture_unit"
 LONGEST = 4 << 20  # bytes of a script
+MOST_IMAGES = 100  # of a material that are looked for; the first one that is found counts
 SMALLEST = 1e-9  # scale of an image
 REJECTIONS = {"greater": 0.0, "greater_equal": 1.0}  # what is kept, and by how much its bound is lower
 COLORS = ("ambient", "diffuse", "specular", "emissive")
@@ -47,7 +49,6 @@ class Material(NamedTuple):
     lit: bool = True
     texture_matrix: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     alpha_rejection: float = 0.0  # what of its image has no more alpha than that is left out, 0 to 1; 0 for nothing
-    has_image: bool = False  # of its own script: further ones of it, such as normal maps, do not count
 
 
 NEUTRAL = Material((0.3, 0.3, 0.3, 1.0), (0.7, 0.7, 0.7, 1.0))  # for unknown names
@@ -93,8 +94,8 @@ def _of_table(name: str) -> Material | None:
 
 def _of_scripts(name: str, uris: Iterable[str], beside: Path | None) -> Material | None:
     places = [place for uri in uris for place in _place(uri, beside)]
-    scripts = (_read_script(script, tuple(places)) for script in _scripts(places))
-    return next((found[name] for found in scripts if name in found), None)
+    scripts = ((script, _read_script(script)) for script in _scripts(places))
+    return next((found[name].material_with_image(script, places) for script, found in scripts if name in found), None)
 
 
 def own_texture(name: str) -> Path | None:
@@ -121,17 +122,45 @@ def _scripts(places: Iterable[Path]) -> Iterator[Path]:
 # Scripts ---------------------------------------------------------------------------------------------------------
 
 
+class _Defined:
+    """A material of a script, whose images have not been looked for."""
+
+    def __init__(self, parent: _Defined | None, basis: Material) -> None:
+        self._parent, self.material = parent, basis
+        self.units: list[_Unit] = []
+
+    def material_with_image(self, script: Path, places: Iterable[Path]) -> Material:
+        """The material with its first image that is there, or else that of its parents: others are such as normal maps.
+
+        Args:
+            script: its script.
+            places: folders, and files in folders, where its images are, too.
+        """
+        folders = [script.parent / sub for sub in TEXTURES]
+        folders += [place if is_folder(place) else place.parent for place in places]
+        folders += resource_directories()
+        for unit in itertools.islice(self._all_units(), MOST_IMAGES):
+            file = next((file for folder in folders if is_file(file := folder / unit.texture)), None)
+            if file is not None:
+                return self.material._replace(texture=file, texture_matrix=unit.matrix())
+        return self.material
+
+    def _all_units(self) -> Iterator[_Unit]:
+        one: _Defined | None = self
+        while one is not None:
+            yield from one.units
+            one = one._parent
+
+
 @functools.lru_cache(maxsize=64)
-def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
+def _read_script(path: Path) -> dict[str, _Defined]:
     """All materials of a script; lines about anything but colours and textures are skipped."""
     try:
         text = read_limited(path, LONGEST).decode("utf-8", "replace")
     except OSError:
         return {}
     text = re.sub(r"/\*.*?(?:\*/|\Z)", "", text, flags=re.DOTALL)
-    folders = [path.parent / sub for sub in TEXTURES]
-    folders += [place if is_folder(place) else place.parent for place in places]
-    found: dict[str, Material] = {}
+    found: dict[str, _Defined] = {}
     current, header = "", ""
     blocks: list[str] = []  # first words of the blocks around a line
     unit = _Unit()
@@ -140,22 +169,23 @@ def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
         if line == "{":
             if not blocks:
                 current, _, parent = (part.strip(' "') for part in header.partition(":"))
-                basis = found.get(parent, _known().get(parent.removeprefix(PREFIX), (Material(), ""))[0])
-                found[current] = basis._replace(has_image=False)
+                known = _known().get(parent.removeprefix(PREFIX), (Material(), ""))[0]
+                above = found.get(parent)
+                found[current] = _Defined(above, above.material if above is not None else known)
             blocks.append(header.split()[0] if header.split() else "")
             if blocks[-1] == UNIT:
                 unit = _Unit()
         elif line == "}":
-            if blocks and blocks.pop() == UNIT:
-                found[current] = unit.on(found[current])
+            if blocks and blocks.pop() == UNIT and unit.texture:
+                found[current].units.append(unit)
         elif words and not blocks:
             header = line.strip().removeprefix("material").strip() if words[0] == "material" else f"({words[0]})"
         elif words and blocks[-1] == UNIT:
-            unit.read(words, folders)
-            found[current] = _with(found[current], words)
+            unit.read(words)
+            found[current].material = _with(found[current].material, words)
         elif words:
             header = line.strip()
-            found[current] = _with(found[current], words)
+            found[current].material = _with(found[current].material, words)
     return found
 
 
@@ -163,16 +193,14 @@ class _Unit:
     """A `texture_unit` of a script: its image, and how the image is scaled, moved and turned, as in Ogre's manual."""
 
     def __init__(self) -> None:
-        self.file: Path | None = None
+        self.texture = ""
         self.scale, self.scroll, self.turn = (1.0, 1.0), (0.0, 0.0), 0.0
 
-    def read(self, words: list[str], folders: list[Path]) -> None:
+    def read(self, words: list[str]) -> None:
         """Take one line."""
         key, values = words[0], words[1:]
         if key == "texture" and values:
-            name = values[0].strip('"')
-            candidates = [folder / name for folder in (*folders, *resource_directories())]
-            self.file = next((file for file in candidates if is_file(file)), None)
+            self.texture = values[0].strip('"')
         numbers = [number for number in map(_number, values) if number is not None]
         if key == "scale" and len(numbers) == 2 and all(abs(number) >= SMALLEST for number in numbers):
             self.scale = numbers[0], numbers[1]
@@ -180,12 +208,6 @@ class _Unit:
             self.scroll = numbers[0], numbers[1]
         elif key == "rotate" and len(numbers) == 1:
             self.turn = math.radians(numbers[0])
-
-    def on(self, material: Material) -> Material:
-        """A material with the image of this unit, if it is the first one that was found."""
-        if self.file is None or material.has_image:
-            return material
-        return material._replace(texture=self.file, texture_matrix=self.matrix(), has_image=True)
 
     def matrix(self) -> tuple[float, ...]:
         """Of texture coordinates that grow upwards; Ogre's grow downwards."""

@@ -7,7 +7,7 @@ import os
 import pytest
 from PIL import Image
 
-from libgz.sdf.materials import LONGEST, find_material
+from libgz.sdf.materials import LONGEST, _read_script, find_material
 
 HEAD = "material a\n{\ndiffuse 0.5 0.5 0.5\n}\n"
 UNIT = "material a\n{{\ntechnique\n{{\npass\n{{\ntexture_unit\n{{\ntexture {}\n{}\n}}\n}}\n}}\n}}\n"
@@ -69,3 +69,21 @@ def test_textures_of_a_script_are_plain_files(read, tmp_path):
 def test_blocks_and_parents_without_an_end_are_read(read):
     found = read("material a : b\n{\ndiffuse 0 0 1\n}\nmaterial b : a\n{\n}\nmaterial c\n" + "{\n" * 100_000 + "}}" * 9)
     assert found.diffuse == (0.0, 0.0, 1.0, 1.0)
+
+
+def test_a_script_is_read_once_whatever_names_it(tmp_path):
+    (tmp_path / "a.material").write_text(HEAD)
+    before = _read_script.cache_info().misses
+    for number in range(20):
+        assert find_material("a", ["a.material", f"folder{number}"], tmp_path) is not None
+        (tmp_path / f"folder{number + 1}").mkdir()
+    assert _read_script.cache_info().misses == before + 1
+
+
+def test_a_material_has_the_image_of_its_parent_or_its_own(read, tmp_path):
+    for name in ("p.png", "own.png"):
+        Image.new("RGB", (1, 1)).save(tmp_path / name)
+    parent = UNIT.format("p.png", "scale 2 2").replace("material a", "material b")
+    assert read(parent + "material a : b\n{\n}\n").texture == tmp_path / "p.png"
+    own = UNIT.format("own.png", "").replace("material a", "material a : b")
+    assert read(parent + own).texture == tmp_path / "own.png"

@@ -33,6 +33,7 @@ __all__ = [
     "xml_text",
 ]
 
+PIECE = 1 << 16  # [bytes] read at once of a file that has more than its size says
 LARGEST_FILE = 64 * 1024 * 1024  # bytes of a world
 
 # Not those of xml.sax.saxutils, which imports urllib.request, ssl and email: a tenth of the start of a command.
@@ -130,9 +131,13 @@ def read_limited(path: Path, most: int | None = None) -> bytes:
     """
     most = LARGEST_FILE if most is None else most
     with open_file(path) as file:
-        # Not by the size alone that the system gives: /proc has files of 0 bytes.
+        # Not by the size alone that the system gives: /proc has files of 0 bytes. What is asked for is allocated first.
         size = os.fstat(file.fileno()).st_size
-        data = file.read(most + 1) if size <= most else b""
+        parts, left = [], most + 1 if size <= most else 0
+        while left > 0 and (part := file.read(min(left, max(size + 1, PIECE)))):
+            parts.append(part)
+            left -= len(part)
+    data = b"".join(parts)
     if max(size, len(data)) > most:
         raise OSError(errno.EFBIG, f"it is larger than {most >> 20} MiB", str(path))
     return data

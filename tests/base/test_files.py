@@ -13,7 +13,7 @@ import pytest
 from libgz import WorldFile
 from libgz.base import files
 from libgz.base.errors import LibraryError, WorldFileError
-from libgz.base.files import own_cache, write_whole
+from libgz.base.files import own_cache, read_limited, write_whole
 from libgz.classic_cxx import library as classic_cxx
 from libgz.sdf.reader import SdfFile
 
@@ -223,3 +223,17 @@ def test_a_link_to_itself_is_replaced(tmp_path):
     write_whole(target, b"data")
     assert target.read_bytes() == b"data"
     assert not target.is_symlink()
+
+
+def test_a_bound_takes_no_memory_of_its_own(tmp_path):
+    """A small file is read where there is no room for the largest that would be read."""
+    path = tmp_path / "small.3ds"
+    path.write_bytes(b"few bytes")
+    assert read_limited(path, 1 << 46) == b"few bytes"
+    assert read_limited(path, 9) == b"few bytes"
+    with pytest.raises(OSError, match="larger than 0 MiB"):
+        read_limited(path, 8)
+    status = read_limited(Path("/proc/self/cmdline"))  # whose size is 0
+    assert status.startswith(os.fsencode(sys.executable)[:1])
+    with pytest.raises(OSError, match="larger than 0 MiB"):
+        read_limited(Path("/proc/self/cmdline"), 3)

@@ -235,7 +235,8 @@ def _check_gltf(file: BinaryIO) -> None:
         ValueError: more than the largest mesh has, or it is damaged.
     """
     head = file.read(20)
-    text = file.read(int.from_bytes(head[12:16], "little")) if head.startswith(b"glTF") else head + file.read()
+    length = min(int.from_bytes(head[12:16], "little"), os.fstat(file.fileno()).st_size)
+    text = file.read(length) if head.startswith(b"glTF") else head + file.read()
     file.seek(0)
     declared = sum(max(int(accessor.get("count", 0)), 0) for accessor in json.loads(text).get("accessors", ()))
     if declared > MOST_NUMBERS:

@@ -71,14 +71,13 @@ def _fields(kind: Any) -> dict[int, tuple[bool, Any]]:
     found = {}
     for field in kind.fields:
         inner = field.message_type
-        counted = inner is not None or (field.is_repeated and field.type == field.TYPE_STRING)
-        found[field.number] = counted, inner if inner is not None and _fields_of(inner) else None
+        more = inner is not None and any(map(_is_counted, inner.fields))
+        found[field.number] = _is_counted(field), inner if more else None
     return {number: one for number, one in found.items() if any(one)}
 
 
-def _fields_of(kind: Any) -> bool:
-    """Whether messages of a type have something in them that is counted."""
-    return any(one.message_type is not None or (one.is_repeated and one.type == one.TYPE_STRING) for one in kind.fields)
+def _is_counted(field: Any) -> bool:
+    return field.message_type is not None or (field.is_repeated and field.type == field.TYPE_STRING)
 
 
 @functools.lru_cache(1000)

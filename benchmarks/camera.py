@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 
 SIZES = ((320, 240), (640, 480))
-ROBOTS, ROUNDS, FRAMES = 20, 9, 40
+ROBOTS, ROUNDS, FRAMES = 20, 15, 40
 EYE, AT = (-6.0, -5.0, 4.0), (3.0, 3.0, 0.0)
 
 AIMS = {

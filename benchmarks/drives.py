@@ -17,7 +17,7 @@ import libgz
 from libgz.classic.server import attach
 from libgz.sdfworld.mimic import Mimic
 
-MODELS, BLOCK, ROUNDS = 10, 1000, 9
+MODELS, BLOCK, ROUNDS = 10, 1000, 15
 INERTIA = "<inertial><mass>1</mass><inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia></inertial>"
 LIMIT = "<limit><lower>-1</lower><upper>1</upper><effort>30</effort><velocity>2</velocity></limit>"
 BALL = "<collision name='c'><geometry><sphere><radius>.1</radius></sphere></geometry></collision>"

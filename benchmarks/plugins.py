@@ -8,7 +8,7 @@ import time
 import libgz
 from libgz.classic.event import Events
 
-CALLBACKS, STEPS, ROUNDS = 1000, 200, 9
+CALLBACKS, STEPS, ROUNDS = 1000, 200, 15
 WORLD = """
 <sdf version='1.6'><world name='default'>
   <model name='box'><link name='link'>

@@ -19,7 +19,7 @@ import libgz
 
 __all__ = ["ROUNDS", "Run", "ServerRun", "Times", "interval", "of_calls", "spend", "take_turns", "text_of"]
 
-ROUNDS = 9  # of which medians are taken
+ROUNDS = 15  # of which medians are taken
 
 Run = Callable[[int], Spent]  # runs so many steps, and returns the time of each
 

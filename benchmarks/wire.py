@@ -26,7 +26,7 @@ from libgz.interfaces.position import Position
 from libgz.interfaces.sim import Sim
 from libgz.transport.server import Server
 
-ROUNDS = 9
+ROUNDS = 15
 WAKES = 500
 SERVER_ID = 900_000 + os.getpid()
 

@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
+from libgz.base.credit import Credit
+
 __all__ = [
     "USER_ERRORS",
     "ClosedError",
@@ -143,21 +145,21 @@ class _Allowance:
     A comparison costs 20 us, so that 10,000 wrong names among 10,000 others would take half an hour.
     """
 
-    SHARE, MOST = 0.1, 1.0  # [s]
-
     def __init__(self) -> None:
-        self._left, self._at = self.MOST, 0.0
+        self._credit, self._at = Credit(0.1, 1.0), 0.0
 
     def begin(self) -> bool:
         """Whether there is any left."""
-        now = time.process_time()
-        self._left, self._at = min(self.MOST, self._left + self.SHARE * max(now - self._at, 0.0)), now
-        return self._left > 0.0
+        self._credit.earn(self._passed())
+        return self._credit.left > 0.0
 
     def end(self) -> None:
         """Take what has passed since `begin`."""
-        now = time.process_time()
-        self._left, self._at = self._left - max(now - self._at, 0.0), now
+        self._credit.spend(self._passed())
+
+    def _passed(self) -> float:
+        before, self._at = self._at, time.process_time()
+        return self._at - before
 
 
 _allowance = _Allowance()

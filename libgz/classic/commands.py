@@ -144,7 +144,7 @@ class Commands:
                 self._report(topic, str(error))
             except Exception as error:  # noqa: BLE001 - the subscription must not end
                 self._report(topic, f"a message could not be handled: {error!r}", error)
-            manager.changes += max(0, len(agenda.deferred) - before)
+            manager.allowance.changes += max(0, len(agenda.deferred) - before)
 
         return on_message
 

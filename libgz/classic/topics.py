@@ -320,7 +320,7 @@ class WorldTopics:
                 manager.release(self)
         manager.PublishContacts()
         self._manager.ProcessNodes()
-        if self._manager.changes:  # those that messages asked for were deferred
+        if self._manager.allowance.changes:  # those that messages asked for were deferred
             self._world.core.after_step(self._manager.allowance.spend)
 
     def _publish_links(self) -> None:

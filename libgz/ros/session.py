@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sized
 from functools import partial
+from itertools import chain, repeat
 from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
 
@@ -16,8 +17,6 @@ import numpy as np
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, StateError
 from libgz.base.law import Number, constant
-from libgz.classic.transport.manager import CHANGES
-from libgz.classic.transport.received import Allowance
 from libgz.ros.bridged import BridgedNode, Channel
 from libgz.ros.names import NodeNames, frame_with_prefix
 from libgz.ros.node import Node, Publisher
@@ -26,6 +25,7 @@ from libgz.ros.packed import LATEST, MOST_NUMBER, Outbox, PackedMessage
 from libgz.ros.packing import Codec
 from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
 from libgz.simulation.event import AtEnd, Callback, unowned
+from libgz.transport.allowance import Allowance
 from libgz.transport.tally import Tally
 
 __all__ = [
@@ -258,7 +258,7 @@ class Session(Closing):
     Attributes:
         version: 1 or 2.
         gathered: whether native code has published something that was not sent yet.
-        allowance: the time for what nodes have sent.
+        allowance: what there is for that which nodes have sent.
         interrupts: called, in the wire's thread, when something has come that waits for the end of a step.
     """
 
@@ -469,27 +469,36 @@ class Session(Closing):
         """Whether something waits for the end of a step."""
         return bool(self.node.changed or self.waiting or self.requests or self.later)
 
-    def deliver(self, changes: Sized = ()) -> None:
-        """Deliver what came, as far as there is time for it; in the thread of the world.
+    def deliver(self, deferred: Sized = ()) -> None:
+        """Deliver what came, as far as may be, the rest after the next step; in the thread of the world.
 
         Args:
-            changes: what is deferred to the end of the step; with some of it, the rest waits for the next one.
+            deferred: the changes of the world that wait for the end of the step.
         """
         for _ in range(len(self.node.changed)):
             for publication in list(self.watchers.get(self.node.changed.popitem()[0], ())):
                 publication.changed()
+        before = len(deferred)
         self.allowance.begin()
-        for _ in range(len(self.waiting)):  # what comes meanwhile has its turn after the next step
-            if self.allowance.left and len(changes) < CHANGES:
-                self.waiting.popleft().deliver()
-                self.allowance.spend()
-        for _ in range(len(self.requests)):
-            if self.allowance.left and len(changes) < CHANGES:
-                service, body, answer = self.requests.popleft()
-                service.handle(body, answer)
-                self.allowance.spend()
+        messages, requests = (
+            repeat(self._deliver_next, len(self.waiting)),
+            repeat(self._handle_next, len(self.requests)),
+        )
+        for turn in chain(messages, requests):
+            if not self.allowance.left:
+                break
+            turn()
+            self.allowance.changes = max(0, len(deferred) - before)
+            self.allowance.spend()
         if self.later:
             self._answer_later()
+
+    def _deliver_next(self) -> None:
+        self.waiting.popleft().deliver()
+
+    def _handle_next(self) -> None:
+        service, body, answer = self.requests.popleft()
+        service.handle(body, answer)
 
     def _answer_later(self) -> None:
         now = time.monotonic()

@@ -160,10 +160,8 @@ class RosWorld(Stateless):
         if not paused and self._clock.listened and self._clock_is_due():
             self._send_clock()
         self._devices.step()
-        deferred = self._core.agenda.deferred
-        before = len(deferred)
-        self._session.deliver(deferred)
-        if len(deferred) > before:
+        self._session.deliver(self._core.agenda.deferred)
+        if self._session.allowance.changes:
             self._core.after_step(self._session.allowance.spend)
 
     def reset(self) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 
+from libgz.base.credit import Credit
+
 __all__ = ["Patience"]
 
 SHARE = 0.02  # of the time that the server works
@@ -19,7 +21,7 @@ class Patience:
     """
 
     def __init__(self) -> None:
-        self._left = MOST
+        self._credit = Credit(SHARE, MOST)
         self._updated, self._used = time.monotonic(), time.process_time()
 
     def left(self, now: float) -> float:
@@ -27,10 +29,10 @@ class Patience:
         passed = now - self._updated
         if passed >= UPDATE_PERIOD:
             used = time.process_time()
-            self._left = min(MOST, self._left + SHARE * max(used - self._used, LEAST_WORK * passed))
+            self._credit.earn(max(used - self._used, LEAST_WORK * passed))
             self._updated, self._used = now, used
-        return max(0.0, self._left)
+        return max(0.0, self._credit.left)
 
     def spend(self, seconds: float) -> None:
         """Account for a wait [s]."""
-        self._left -= seconds
+        self._credit.spend(seconds)

@@ -18,7 +18,6 @@ from descriptors import none_left
 from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for, within
 
 from libgz.base.errors import GazeboError
-from libgz.classic.transport import received
 from libgz.ros import loop as loop_module, node as node_module, xmlrpc as xmlrpc_module
 from libgz.ros.client import RosClient
 from libgz.ros.names import read_names
@@ -26,6 +25,7 @@ from libgz.ros.node import Publisher
 from libgz.ros.packing import codec
 from libgz.ros.server import Ros1
 from libgz.ros.types import message_type, service_type
+from libgz.transport import allowance
 from libgz.transport.peers import PeerCheck
 
 EMPTY = "<sdf version='1.6'><world name='default'/></sdf>"
@@ -135,8 +135,8 @@ def test_messages_that_come_faster_than_they_are_handled_do_not_hold_a_step(node
 
 def test_messages_and_requests_wait_when_they_have_had_their_time(node, monkeypatch):
     now, handled, kind = [0.0], [], service_type("std_srvs/SetBool")
-    monkeypatch.setattr(received, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    monkeypatch.setattr(node, "allowance", received.Allowance())
+    monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(node, "allowance", allowance.Allowance())
 
     def slow(message):
         handled.append(type(message).__name__)

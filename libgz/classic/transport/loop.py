@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from libgz.base.credit import Credit
 from libgz.base.errors import ParameterError
 from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
@@ -44,7 +45,8 @@ class SocketLoop:
     """
 
     def __init__(self, share: float | None = None) -> None:
-        self._share, self._credit, self._counted = share, BURST, time.monotonic()
+        self._credit = Credit(share, BURST, DEBT) if share is not None else None
+        self._counted = time.monotonic()
         self._costs: dict[int, float] = {}  # of handling what a descriptor has sent [s]; halved from time to time
         self._unread: set[int] = set()  # descriptors of accepted connections of which nothing was handled
         self._forgotten = self._counted
@@ -179,19 +181,20 @@ class SocketLoop:
 
     def _pause(self) -> float | None:
         """Return how long to wait for events [s], and read again once there is time for it."""
-        if self._reading or self._share is None:
+        if self._reading or self._credit is None:
             return None
         self._count(0.0)
-        if self._credit > 0.0:
+        if self._credit.left > 0.0:
             self._reading = True
             self._main.register(self._inputs.fileno(), selectors.EVENT_READ, self._handle_inputs)
             return 0.0
-        return 0.005 - self._credit / self._share
+        return 0.005 + self._credit.wait
 
     def _count(self, spent: float) -> None:
         now = time.monotonic()
-        if self._share is not None:
-            self._credit = max(min(BURST, self._credit + self._share * (now - self._counted)) - spent, -DEBT)
+        if self._credit is not None:
+            self._credit.earn(now - self._counted)
+            self._credit.spend(spent)
         if now > self._forgotten + FORGETTING:
             self._forgotten = now
             self._costs = {fd: cost / 2.0 for fd, cost in self._costs.items()}
@@ -211,7 +214,7 @@ class SocketLoop:
         if not (listeners and self.exhausted()):
             self._handle_ready(new + others[:EVENTS])
         self._count(time.thread_time() - self._begun)
-        if self._credit <= 0.0 and self._share is not None:
+        if self._credit is not None and self._credit.left <= 0.0:
             self._reading = False
             self._main.unregister(self._inputs.fileno())
 
@@ -231,7 +234,7 @@ class SocketLoop:
 
     def exhausted(self) -> bool:
         """Whether what comes in has been handled for as long as it may be at once: the rest is handled next time."""
-        return self._share is not None and time.thread_time() - self._begun > BURST
+        return self._credit is not None and time.thread_time() - self._begun > BURST
 
     def count_partial(self, change: int) -> None:
         """Count bytes of incomplete frames; above the limit the connection with the longest one is closed."""

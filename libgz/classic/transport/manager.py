@@ -14,15 +14,15 @@ from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.classic.names import takes_names
 from libgz.classic.transport.elements import check_elements
-from libgz.classic.transport.received import Allowance, Received
+from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
 from libgz.physics.lock import WorldLock
+from libgz.transport.allowance import Allowance
 
 __all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
 
 PATIENCE = 0.02  # [s] of waiting for another thread that delivers
 DELIVERY_PERIOD = 0.001  # [s] between deliveries of a DeliveryThread
-CHANGES = 16  # of worlds that messages of other processes lead to in an iteration; later ones wait for the next
 
 
 class Remote(Protocol):
@@ -68,8 +68,7 @@ class TopicManager:
     from other processes follow, as far as a server has time for them.
 
     Attributes:
-        allowance: the time that a server has for messages of other processes.
-        changes: deferred changes of worlds that such messages have led to in this iteration.
+        allowance: what a server has for messages of other processes.
     """
 
     _instance: ClassVar[TopicManager | None] = None
@@ -79,7 +78,6 @@ class TopicManager:
         self.queue: deque[Callable[[], None]] = deque()
         self.incoming: deque[Callable[[], None]] = deque()  # what other processes have sent
         self.allowance = Allowance()
-        self.changes = 0
         self.delivering = threading.RLock()  # held while callbacks run
         self.received = Received()
         self.locks: set[WorldLock] = set()  # of the worlds that are to deliver messages of other processes at once
@@ -135,10 +133,10 @@ class TopicManager:
 
     def _deliver_incoming(self) -> None:
         """Deliver messages of other processes: all to a client, to a server as long as they may take."""
-        bounded, self.changes = not self.trusting, 0
+        bounded = not self.trusting
         self.allowance.begin()
         for _ in range(len(self.incoming)):
-            if bounded and (not self.allowance.left or self.changes >= CHANGES):
+            if bounded and not self.allowance.left:
                 break
             try:
                 deliver = self.incoming.popleft()

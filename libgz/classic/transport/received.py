@@ -1,19 +1,16 @@
-"""Received: the messages of other processes that wait for delivery, and what they may take of space and time."""
+"""Received: the messages of other processes that wait for delivery, and what they may take of space."""
 
 from __future__ import annotations
 
 import threading
-import time
 
 from libgz.classic.transport.topic import Incoming, Topic, log
 from libgz.transport.tally import Tally
 
-__all__ = ["Allowance", "Received"]
+__all__ = ["Received"]
 
 COUNT = 1000  # messages that may wait on a topic; then the oldest are dropped
 BYTES = 64 << 20  # of all that wait; then the oldest of the topic with the most are dropped
-BURST = 0.1  # [s] that may be spent at once
-DEBT = 0.5  # [s] that are counted of what took longer: who inserts a large world may command it soon after
 
 
 class Received:
@@ -91,27 +88,3 @@ class Received:
         self._sizes[topic] = self._sizes.get(topic, 0) + size
         if not topic.incoming:
             self.size -= self._sizes.pop(topic)
-
-
-class Allowance:
-    """As much time as has passed otherwise: the steps of worlds get half of it, however many messages come.
-
-    Attributes:
-        left: Whether there is any.
-    """
-
-    def __init__(self) -> None:
-        self._credit, self._since, self.left = BURST, time.monotonic(), True
-
-    def begin(self) -> None:
-        """What has passed since the last call was not spent."""
-        self._add(1.0)
-
-    def spend(self) -> None:
-        """What has passed since the last call was spent."""
-        self._add(-1.0)
-
-    def _add(self, factor: float) -> None:
-        now = time.monotonic()
-        self._credit = max(min(BURST, self._credit + factor * (now - self._since)), -DEBT)
-        self._since, self.left = now, self._credit > 0.0

@@ -21,6 +21,7 @@ from libgz.classic.transport.master import Master, _Client
 from libgz.classic.transport.node import Node
 from libgz.classic.transport.received import Received
 from libgz.classic.transport.topic import Incoming, Topic, sequence
+from libgz.transport import allowance
 
 MIB = 1 << 20
 BOX = """<model name='box'><link name='link'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry>
@@ -230,7 +231,7 @@ def test_messages_to_handlers_of_a_world_have_fewer_elements(caplog):
         for name in ("model/modify", "box/link/wrench"):
             topic = manager.topics[f"/gazebo/{world.topic_space}/{name}"]
             manager.receive(topic, Incoming(next(sequence), "gazebo.msgs.Model", LISTS_OF + b"\x42\x00" * 10_001, None))
-        manager.ProcessNodes()
+        until(lambda: manager.ProcessNodes() or not manager.waits)
     assert caplog.text.count("a received message was dropped: it has more than 10000 ") == 2
 
 
@@ -257,8 +258,8 @@ def test_messages_of_other_processes_wait_when_they_have_had_their_time_and_thos
     delivered, monkeypatch
 ):
     (topic, publisher, got), manager, now = delivered, TopicManager.Instance(), [0.0]
-    monkeypatch.setattr(received, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    monkeypatch.setattr(manager, "allowance", received.Allowance())
+    monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(manager, "allowance", allowance.Allowance())
     slow = Node()
     slow.Init("bounds")
     kept = slow.Subscribe("~/few", lambda message: now.__setitem__(0, now[0] + 0.04 * (message.data != "own")))
@@ -280,22 +281,22 @@ def test_messages_of_other_processes_wait_when_they_have_had_their_time_and_thos
 
 def test_what_takes_long_is_counted_up_to_a_bound(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr(received, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    allowance = received.Allowance()
+    monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    one = allowance.Allowance()
     now[0] = 100.0
-    allowance.spend()
-    assert not allowance.left
-    now[0] += received.DEBT + 0.01
-    allowance.begin()
-    assert allowance.left
+    one.spend()
+    assert not one.left
+    now[0] += allowance.DEBT + 0.01
+    one.begin()
+    assert one.left
 
 
 def test_few_changes_of_a_world_are_made_for_messages_in_a_step(monkeypatch):
     with libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{BOX}</world></sdf>") as world:
         world.attach_era()
         manager, resets = TopicManager.Instance(), []
-        allowance = SimpleNamespace(begin=lambda: None, spend=lambda: None, left=True)
-        monkeypatch.setattr(manager, "allowance", allowance)
+        monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: 0.0))  # only changes are counted
+        monkeypatch.setattr(manager, "allowance", allowance.Allowance())
         monkeypatch.setattr(world.era, "reset", lambda _world: resets.append(1))
         data = message_type("WorldControl")(reset=message_type("WorldReset")(all=True)).SerializeToString()
         for _ in range(40):
@@ -312,8 +313,7 @@ def test_the_time_of_deferred_changes_counts(monkeypatch):
     with libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{BOX}</world></sdf>") as world:
         world.attach_era()
         manager, calls = TopicManager.Instance(), []
-        allowance = SimpleNamespace(begin=lambda: None, spend=lambda: calls.append("spend"), left=True)
-        monkeypatch.setattr(manager, "allowance", allowance)
+        monkeypatch.setattr(manager.allowance, "spend", lambda: calls.append("spend"))
         monkeypatch.setattr(world.era, "reset", lambda _world: calls.append("reset"))
         data = message_type("WorldControl")(reset=message_type("WorldReset")(all=True)).SerializeToString()
         topic = manager.topics[f"/gazebo/{world.topic_space}/world_control"]

@@ -36,6 +36,7 @@ class FakeGraph:
 
     Attributes:
         python: what runs as the user's Python.
+        about: what bridges say of themselves.
         declared: names -> declarations of the present bridge.
         taken: those of topics that are subscribed to.
         received: names -> bytes of messages.
@@ -45,6 +46,7 @@ class FakeGraph:
 
     def __init__(self, folder):
         self.refused, self.links, self.silent = set(), 0, False
+        self.about = {"distribution": "test", "middleware": "none"}
         self.declared, self.taken, self.received, self.answers = {}, {}, defaultdict(list), {}
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(folder / "graph"))
@@ -72,7 +74,7 @@ class FakeGraph:
             self.declared.clear()
             self.taken.clear()
             if not self.silent:
-                self.send(HELLO, 0, json.dumps({"distribution": "test", "middleware": "none"}).encode())
+                self.send(HELLO, 0, json.dumps(self.about).encode())
             self.links += 1
             try:
                 while True:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from libgz.base.errors import GazeboError, LibraryError
+from libgz.base.visible import one_line
 from libgz.ros.loop import SEND_AT_ONCE, Connection, Frame, Loop, kept
 from libgz.ros.names import NodeNames
 from libgz.ros.packing import LARGE, Buffer, Codec, FormatError, read_schema
@@ -33,6 +34,7 @@ REST = HEAD.size - 4
 MOST_FRAME = (1 << 24) + 64  # bytes: that of a request with a model's text
 MOST_WAITING, MOST_BYTES = 1000, 1 << 23  # messages of one topic, or answers of one service, that wait for the bridge
 MOST_TOGETHER = 1 << 26  # bytes of all that wait
+MOST_ENDED = 10_000  # declarations that wait for the bridge though they have ended
 MOST_TEXT = 1 << 20  # bytes of what the bridge says about itself and about types
 LONGEST_REASON = 1000  # bytes of why it leaves something out
 START_PATIENCE = 60.0  # [s]
@@ -134,7 +136,8 @@ class BridgedNode:
         except BaseException:  # such as a signal
             self.close()
             raise
-        log.info("ROS 2: %s over %s", self.about.get("distribution") or "rclpy", self.about.get("middleware"))
+        names = (one_line(self.about.get(key, ""))[:LONGEST_REASON] for key in ("distribution", "middleware"))
+        log.info("ROS 2: %s over %s", *(name or "rclpy" for name in names))
         self._keeper.start()
 
     def _wait(self) -> bool:
@@ -350,8 +353,12 @@ class BridgedNode:
     def _post(self, sort: int, number: int, body: bytes) -> None:
         """Send something small, from any thread."""
         link = self._link
-        if link is not None:
-            link.queue.append((HEAD.pack(REST + len(body), sort, number) + body,))
+        if link is None or link.closed:
+            return
+        link.queue.append((HEAD.pack(REST + len(body), sort, number) + body,))
+        if len(link.queue) > len(self._channels) + MOST_ENDED:
+            self._loop.call(link.close, "it takes no declarations")
+        else:
             self._loop.call(link.flush)
 
     def _drop(self, channel: Channel) -> None:

@@ -25,6 +25,7 @@ READ_SIZE = 1 << 18
 SEND_AT_ONCE = 1 << 18  # bytes of frames in one call, unless the first one has more
 MOST_PARTS = 64  # in one call
 GATHERING = 0.01  # [s] for which messages of a hurried world wait for others
+LONGEST_TEXT = 1000  # characters of what peers call themselves or have sent, in the log
 LONGEST_SEND = 0.1  # [s] that one thread waits until another has sent, which never waits for a socket
 MOST_CONNECTIONS = 1024
 MOST_INCOMPLETE = 1 << 27  # bytes of messages that have not come whole, of all connections together
@@ -157,7 +158,7 @@ class Loop:
     def warn(self, cause: Hashable, text: str, *values: object) -> None:
         """Log what peers do again and again at growing counts only."""
         if self.tally.due(cause):
-            shown = (one_line(value) if isinstance(value, str) else value for value in values)
+            shown = (value if isinstance(value, int) else one_line(str(value)[:LONGEST_TEXT]) for value in values)
             log.warning(f"{text}%s", *shown, self.tally.times(cause))
 
     def remove(self, one: Connection | Listener) -> None:

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from operator import attrgetter
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ CDR_HEADER = b"\0\1\0\0"  # little endian, plain CDR (XCDR1)
 U32 = struct.Struct("<I")
 MOST_NESTED = 16  # types in types
 MOST_ITEMS = 100_000  # texts, times and messages in the lists of one message: each takes microseconds to read
+MOST_READ = 1 << 20  # messages in one message, numbers and texts of theirs, and lists, each of numbers counted as one
 MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, a sequence counted as one item
 
 # Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
@@ -56,6 +57,7 @@ class Codec:
         self._elements: dict[str, list[Step]] = {}
         self._widths: dict[str, int | None] = {}
         self._measured: dict[str, tuple[int, int]] = {}
+        self._blanks: dict[str, _Blank] = {}
         self._measure(kind.name, 0)
         self._steps = self._plan(kind.name)
 
@@ -264,12 +266,25 @@ class Codec:
     # Unpacking ---------------------------------------------------------------------------------------------------
 
     def _read(self, name: str, reader: _Reader) -> Any:
-        message = message_type_of(self.kind, name)()
-        for field, attribute in self._fields(name):
+        blank = self._blanks.get(name) or self._blank(name)
+        reader.take(blank.cost)
+        message = blank.kind.blank()
+        for field, attribute in blank.fields:
             value = self._value(field, reader)
             if attribute is not None:
                 setattr(message, attribute, value)
+        for attribute, make in blank.absent:
+            setattr(message, attribute, make())
         return message
+
+    def _blank(self, name: str) -> _Blank:
+        """How a message of a type is read."""
+        kind, fields = message_type_of(self.kind, name), self._fields(name)
+        given = {attribute for _, attribute in fields}
+        absent = [(attribute, make) for attribute, make in kind.makers if attribute not in given]
+        cost = 1 + (codec(kind)._measured[name][0] if absent else 0)
+        found = self._blanks[name] = _Blank(kind, fields, absent, cost)
+        return found
 
     def _value(self, field: Field, reader: _Reader) -> Any:
         if field.size is None:
@@ -371,6 +386,22 @@ def message_type_of(kind: MessageType, name: str) -> MessageType:
 def codec(kind: MessageType) -> Codec:
     """The codec of a type for ROS 1."""
     return Codec(kind)
+
+
+class _Blank(NamedTuple):
+    """How messages of a type are read.
+
+    Attributes:
+        kind: the type.
+        fields: those that the data have.
+        absent: the others, and what makes their values.
+        cost: what one counts among what is read of a message, beside the fields that the data have.
+    """
+
+    kind: MessageType
+    fields: Sequence[tuple[Field, str | None]]
+    absent: list[tuple[str, Callable[[], Any]]]
+    cost: int
 
 
 class _Output(bytearray):
@@ -582,6 +613,7 @@ class _Reader:
         self._data, self._cdr = data, cdr
         self._at = len(CDR_HEADER) if cdr else 0
         self._items = 0  # of lists so far
+        self._taken = 0  # of all that was read
         if cdr and data[:4] != CDR_HEADER:
             raise FormatError(f"the data do not begin as plain little-endian CDR: {data[:4].hex()}")
 
@@ -589,12 +621,23 @@ class _Reader:
         if self._cdr:
             self._at += -(self._at - len(CDR_HEADER)) % size
 
-    def expect(self, size: int) -> None:
-        """Check that this many bytes are left.
+    def take(self, count: int) -> None:
+        """Count what is read.
 
         Raises:
-            FormatError: they are not.
+            FormatError: it is too much, which would take the time of many steps.
         """
+        self._taken += count
+        if self._taken > MOST_READ:
+            raise FormatError(f"it has more than {MOST_READ} values")
+
+    def expect(self, size: int) -> None:
+        """Check that this many bytes are left for one more value.
+
+        Raises:
+            FormatError: they are not, or the message has too many values.
+        """
+        self.take(1)
         if size > len(self._data) - self._at:
             raise FormatError(f"the data end after {len(self._data)} bytes; {size} more are needed at {self._at}")
 
@@ -611,11 +654,11 @@ class _Reader:
 
     def number(self, letter: str) -> Any:
         """One number."""
-        size = struct.calcsize(f"<{letter}")
-        self._align(size)
-        self.expect(size)
-        (value,) = struct.unpack_from(f"<{letter}", self._data, self._at)
-        self._at += size
+        layout = _few(letter, 1)
+        self._align(layout.size)
+        self.expect(layout.size)
+        (value,) = layout.unpack_from(self._data, self._at)
+        self._at += layout.size
         return value
 
     def count(self) -> int:
@@ -624,7 +667,7 @@ class _Reader:
 
     def numbers(self, letter: str, count: int) -> Any:
         """Several numbers as an array."""
-        kind = np.dtype(letter).newbyteorder("<")
+        kind = _kind(letter)
         if count:
             self._align(kind.itemsize)
         self.expect(count * kind.itemsize)

@@ -157,6 +157,10 @@ class MessageType:
         """A new message."""
         return self._class(**values)
 
+    def blank(self) -> Any:
+        """A message whose fields are still to be set."""
+        return self._class.__new__(self._class)
+
     @cached_property
     def _class(self) -> type[Message]:
         names: dict[str, Any] = {"__slots__": tuple(field.name for field in self.fields), "kind": self}

@@ -334,6 +334,34 @@ def test_large_messages_of_a_hurried_world_are_not_left_out(start, graph, caplog
     assert "too slow" not in caplog.text
 
 
+def test_declarations_that_a_bridge_does_not_take_are_bounded(start, graph, caplog, monkeypatch):
+    monkeypatch.setattr(bridged, "MOST_ENDED", 100)
+    server = start()
+    graph.number("/pause_physics")
+    node, kind = server.ros.node, service_type("std_srvs/Empty", 2)
+    link = node._link
+    server.ros.node.process.send_signal(signal.SIGSTOP)
+
+    def come_and_go():
+        node.withdraw(node.serve(f"/{'x' * 100_000}", kind, lambda _body, _answer: True))
+
+    wait_for(lambda: link.closed, come_and_go)
+    assert len(link.queue) <= len(node._channels) + 102
+    assert "it takes no declarations" in caplog.text
+    wait_for(lambda: graph.links == 2 and "/pause_physics" in graph.declared)
+
+
+def test_what_a_bridge_says_is_one_short_line(start, graph, caplog):
+    caplog.set_level(logging.INFO)
+    graph.about = {"distribution": "one\ntwo\x1b[2J", "middleware": "m" * 100_000}
+    server = start()
+    table = {"": {"f": "no\x1b" * 100_000}}
+    graph.send(DECLARED, graph.number("/clock"), json.dumps([table]).encode())
+    wait_for(lambda: "is left out" in caplog.text)
+    assert server.core
+    assert all(len(one) < 2500 and "\n" not in one and "\x1b" not in one for one in caplog.messages)
+
+
 def test_an_end_of_a_channel_is_not_counted_among_what_waits(start, graph):
     server = start()
     graph.number("/pause_physics")

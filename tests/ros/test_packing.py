@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from libgz.base.errors import ParameterError
 from libgz.ros.packed import PackedMessage
-from libgz.ros.packing import MOST_ITEMS, Codec, FormatError, codec, read_schema
+from libgz.ros.packing import CDR_HEADER, MOST_ITEMS, MOST_READ, Codec, FormatError, codec, read_schema
 from libgz.ros.session import set_stamp
 from libgz.ros.types import NUMBERS, TIMES, MessageType, Stamp, message_type, service_type, type_names
 from libgz.simulation.recorder import Recorder
@@ -182,6 +182,37 @@ def test_damaged_bytes_are_refused():
     for field in ({"x": "wstring"}, {"x y": "int8"}, {"x": "sequence<sequence<int8>>"}):
         with pytest.raises(FormatError, match="not supported"):
             read_schema({"a/B": field})
+
+
+@pytest.mark.parametrize(
+    ("inner", "count", "size"),
+    [
+        ({"geometry_msgs/Transform": {f"f{number}": "uint8" for number in range(100)}}, MOST_READ // 100, 100),
+        ({"geometry_msgs/Transform": {f"f{number}": "sequence<uint8>" for number in range(99)}}, MOST_READ // 198, 396),
+        (
+            {
+                "geometry_msgs/Transform": {f"f{number}": "nav_msgs/Odometry" for number in range(99)},
+                "nav_msgs/Odometry": {"f": "uint8"},
+            },
+            MOST_READ // 99 // 80,
+            99,
+        ),
+    ],
+    ids=["numbers", "lists of numbers", "messages of fields that are not there"],
+)
+def test_values_of_messages_as_a_bridge_describes_them_are_bounded_together(inner, count, size):
+    kind = message_type("tf2_msgs/TFMessage", 2)
+    schema = {kind.name: {"transforms": "sequence<geometry_msgs/TransformStamped>"}}
+    schema["geometry_msgs/TransformStamped"] = {"transform": "geometry_msgs/Transform"}
+    own = Codec(kind, cdr=True, schema=read_schema(schema | inner, kind))
+
+    def unpacked(items):
+        return own.unpack(CDR_HEADER + struct.pack("<I", items) + bytes(items * size)).transforms
+
+    read = unpacked(3)
+    assert (len(read), read[2].child_frame_id, read[2].header.stamp.secs) == (3, "", 0)
+    with pytest.raises(FormatError, match=f"more than {MOST_READ} values"):  # it would take the time of many steps
+        unpacked(count)
 
 
 def test_bytes_after_a_message_matter_in_ros1_only():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import gzip
 import hashlib
 import io
 import json
@@ -32,6 +34,7 @@ JPEG, PNG, GLB, RAW = "image/jpeg", "image/png", "model/gltf-binary", "applicati
 FLOAT, UINT = 5126, 5125  # glTF's numbers of types
 ARRAY, ELEMENTS = 34962, 34963  # and of buffers
 PLAIN = (0.8, 0.8, 0.8, 1.0)
+BEST, FASTEST, LARGE = 6, 1, 1 << 20  # levels of compression, and from how many bytes on the second one is taken
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,11 @@ class Asset:
     body: bytes
     kind: str
 
+    @functools.cached_property
+    def packed(self) -> bytes:
+        """The bytes, compressed: the same for all pages."""
+        return gzip.compress(self.body, BEST if len(self.body) < LARGE else FASTEST)
+
 
 class Assets:
     """Finds what the scenes of a source name. Files are converted when a page first asks for them.
@@ -59,7 +67,7 @@ class Assets:
         self._addresses: dict[str, str] = {}  # of files
         self._stamps: dict[str, tuple[int, int]] = {}
         self._makers: dict[str, Callable[[], Asset]] = {}
-        self._made: dict[str, Asset] = {}
+        self._made: dict[str, Asset | None] = {}  # None: its file cannot be read
         self._lock = threading.Lock()
 
     def clear(self) -> None:
@@ -121,14 +129,14 @@ class Assets:
     def get(self, name: str) -> Asset | None:
         """An asset by its address; None if there is none, or its file cannot be read. Safe in every thread."""
         with self._lock:
-            made, make = self._made.get(name), self._makers.get(name)
-        if made is not None or make is None:
-            return made
+            make = self._makers.get(name)
+            if make is None or name in self._made:
+                return self._made.get(name)
+        made = None
         try:
             made = make()
         except (GazeboError, OSError, ValueError) as error:
             log.warning("%s; it is not shown", error)
-            return None
         with self._lock:
             if name in self._makers:
                 self._made[name] = made

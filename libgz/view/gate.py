@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import gzip
 import hashlib
 import ipaddress
 import re
@@ -82,8 +81,11 @@ class Gate:
         found = re.search(r'<script type="importmap">(.*?)</script>', page, re.DOTALL)
         self._import_map = script_source(found[1] if found else "")
         self._page = Asset(page.encode(), KINDS[".html"])
-        self._files = {self._base + name: path for name, path in files.items() if name != "index.html"}
-        self._packed: dict[str, bytes] = {}
+        self._files = {
+            self._base + name: Asset(path.read_bytes(), KINDS[path.suffix])
+            for name, path in files.items()
+            if name != "index.html"
+        }
 
     def refusal(self, request: web.BaseRequest) -> web.Response | None:
         """Why a request is refused; None if it is not. Sockets of pages of other addresses are."""
@@ -154,8 +156,7 @@ class Gate:
             headers = {"Content-Security-Policy": policy(f"'self' {self._import_map}", "'self'", sources)}
             return self._send(request, self._page, {"Cache-Control": "no-store", **headers})
         if path in self._files:
-            file = self._files[path]
-            return self._send(request, Asset(file.read_bytes(), KINDS[file.suffix]), {"Cache-Control": FOREVER}, path)
+            return self._send(request, self._files[path], {"Cache-Control": FOREVER})
         if path.startswith("/assets/"):
             asset = self._assets.get(path[1:])
             if asset is not None:
@@ -171,14 +172,12 @@ class Gate:
         """Whether an answer may take so long that no other one should wait for it."""
         return self.local_path(request).startswith(PORTRAITS)
 
-    def _send(self, request: web.BaseRequest, asset: Asset, headers: dict[str, str], keep_as: str = "") -> web.Response:
+    def _send(self, request: web.BaseRequest, asset: Asset, headers: dict[str, str]) -> web.Response:
         body, headers = asset.body, {**SAFE_HEADERS, **headers, "Content-Type": asset.kind}
         pays = len(body) > WORTH_PACKING and not asset.kind.startswith(("image/jpeg", "image/png"))
         if pays and "gzip" in request.headers.get("Accept-Encoding", ""):
             headers["Content-Encoding"] = "gzip"
-            body = self._packed.get(keep_as) or gzip.compress(body, 6 if keep_as else 1)
-            if keep_as:
-                self._packed[keep_as] = body
+            body = asset.packed
         return web.Response(body=body, headers=headers)
 
 

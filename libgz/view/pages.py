@@ -19,7 +19,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError
 from libgz.view.gate import Gate
-from libgz.view.protocol import LARGEST_MESSAGE, LARGEST_OF_WATCHERS, read_message
+from libgz.view.protocol import LARGEST_MESSAGE, LARGEST_OF_WATCHERS, MOST_OF_WATCHERS, MOST_VALUES, read_message
 
 __all__ = ["Page", "Pages"]
 
@@ -40,7 +40,8 @@ FASTEST_WATCHERS = 300.0  # of all pages without the token together
 FASTEST_CONNECTIONS, BURST_OF_CONNECTIONS = 40.0, 100.0  # that are accepted per second, and at once
 BACKLOG = 256  # connections that wait for that
 AT_ONCE = 1 << 13  # [byte] that are read of a page without the token before others have their turn: frames may be empty
-PATIENCE = 10.0  # [s] for a page to read a message
+PATIENCE = 10.0  # [s] for a page to read a message, or a piece of a file
+PIECE = 1 << 16  # [byte] of a file that are sent at once: what is not read is held for each connection
 KEPT = 15.0  # [s] that a connection without a page stays open
 SILENCE = 20.0  # [s] for a connection to send its first request
 BEAT = 20.0  # [s] between two pings
@@ -264,14 +265,15 @@ class Pages(Closing):
             response = await self._loop.run_in_executor(self._readers, self.gate.answer, request)
             if spare:
                 response.force_close()
-            return response
+            return await _sent(request, response)
         if self._drawing >= MOST_DRAWING:
             return _busy("too many portraits are asked for")
         self._drawing += 1
         try:
-            return await self._loop.run_in_executor(self._drawers, self.gate.answer, request)
+            response = await self._loop.run_in_executor(self._drawers, self.gate.answer, request)
         finally:
             self._drawing -= 1
+        return await _sent(request, response)
 
     async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
         """Serve the socket of a page until it ends."""
@@ -279,6 +281,7 @@ class Pages(Closing):
             return web.Response(status=404, text="there is nothing here")
         may_control = self.gate.may_control(request)
         largest = LARGEST_MESSAGE if may_control else LARGEST_OF_WATCHERS
+        most_values = MOST_VALUES if may_control else MOST_OF_WATCHERS
         # Pings are answered below: they count as messages, and so do pongs.
         channel = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False, autoping=False)
         await channel.prepare(request)
@@ -296,7 +299,7 @@ class Pages(Closing):
                     with contextlib.suppress(ConnectionError):
                         await channel.pong(raw.data)
                 text = raw.data if raw.type == WSMsgType.TEXT else ""  # else bytes, or an error
-                message = read_message(text)
+                message = read_message(text, most_values)
                 if message is not None:
                     page.pending += 1
                     self._on_message(page, message)
@@ -346,6 +349,28 @@ class Pages(Closing):
 def _put_all(pages: list[Page], key: str, message: bytes | str) -> None:
     for page in pages:
         page.put(key, message)
+
+
+async def _sent(request: web.BaseRequest, answer: web.Response) -> web.StreamResponse:
+    """Send an answer in pieces; a client that does not read it is disconnected, and holds no copy of it."""
+    response = web.StreamResponse(status=answer.status, headers=answer.headers)
+    body = answer.body if isinstance(answer.body, bytes) else b""
+    response.content_length = len(body)
+    if answer.keep_alive is False:
+        response.force_close()
+    pieces = range(0, len(body), PIECE) if request.method != "HEAD" else ()
+    transport = request.transport
+    try:
+        await response.prepare(request)
+        for start in pieces:
+            async with asyncio.timeout(PATIENCE):
+                await response.write(memoryview(body)[start : start + PIECE])
+        async with asyncio.timeout(PATIENCE):
+            await response.write_eof()
+    except TimeoutError:
+        if transport is not None:
+            transport.abort()
+    return response
 
 
 def _busy(text: str) -> web.Response:

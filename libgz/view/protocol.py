@@ -37,6 +37,8 @@ __all__ = [
     "CHANNELS",
     "LARGEST_MESSAGE",
     "LARGEST_OF_WATCHERS",
+    "MOST_OF_WATCHERS",
+    "MOST_VALUES",
     "VERBS",
     "image_message",
     "read_message",
@@ -49,6 +51,7 @@ CHANNELS = ("images", "ranges", "contacts", "fields", "console", "overlays")
 MOST_NAMES, LONGEST_NAME = 500, 300  # that a page can want of a channel
 LARGEST_MESSAGE = 36 << 20  # [byte] of a page that may control: a mesh that is dropped into it
 LARGEST_OF_WATCHERS = 1 << 20  # [byte]
+MOST_VALUES, MOST_OF_WATCHERS = 100_000, 4000  # of a message; without the token: those of the names it can want
 LARGEST_NUMBER = 1e9  # of a message: metres, seconds
 DEEPEST = 8
 # What a page can ask of the server. Code, topics and files by name are not among it, whatever the server would answer.
@@ -107,8 +110,14 @@ def scene_message(scene: dict[str, Any], assets: dict[str, str]) -> bytes:
     return struct.pack("<I", SCENE) + zlib.compress(text.encode(), 1)
 
 
-def read_message(raw: str) -> dict[str, Any] | None:
-    """A message of a page; None for one that no page of ours sends."""
+def read_message(raw: str, most: int = MOST_VALUES) -> dict[str, Any] | None:
+    """A message of a page; None for one that no page of ours sends.
+
+    Args:
+        most: values that it may have. One that has more is not parsed: it would take much memory, and others wait.
+    """
+    if raw.count(",") + raw.count("[") + raw.count("{") > most:
+        return None
     try:
         message = json.loads(raw, parse_constant=_refuse)
     except (ValueError, RecursionError):

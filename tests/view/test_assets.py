@@ -103,6 +103,17 @@ def test_a_file_that_cannot_be_read_is_missing(tmp_path, content, caplog):
         assert not address or "not shown" in caplog.text
 
 
+def test_a_file_that_cannot_be_read_is_reported_once_however_often_pages_ask_for_it(tmp_path, caplog):
+    file = tmp_path / "a.png"
+    file.write_bytes(b"no image")
+    text = f"<model:GroundPlane><textureFile>{file}</textureFile></model:GroundPlane>"
+    with libgz.World.from_string(LEGACY.format(text)) as world:
+        assets = Assets(source := LocalSource(world))
+        address = assets.of_scene(source.scene)[str(file)]
+        assert [assets.get(address) for _ in range(5)] == [None] * 5
+    assert caplog.text.count("not shown") == 1
+
+
 def test_a_file_that_is_missing_hides_nothing_else(caplog):
     text = """<model:Terrain><id>hills</id><terrainFile>none.gzb</terrainFile></model:Terrain>
     <model:Pioneer2AT><id>robot1</id></model:Pioneer2AT>"""

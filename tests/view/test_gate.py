@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import dataclasses
+import gzip
 import io
 import json
 import logging
@@ -27,6 +28,7 @@ from libgz.apps.view import open_page
 from libgz.base.errors import GazeboError, NotFoundError
 from libgz.transport.observer import ObservedState
 from libgz.view import pages, portraits
+from libgz.view.assets import Asset
 from libgz.view.protocol import read_message
 from libgz.view.viewer import Viewer
 
@@ -315,6 +317,21 @@ def test_the_viewer_survives_what_pages_send(viewer, message):
     assert viewer.failures == 0
 
 
+def test_a_message_of_very_many_values_is_dropped_before_it_is_parsed(viewer, monkeypatch):
+    """A MiB of them takes most of a second, and all pages wait for it."""
+    many = json.dumps({"want": "images", "names": [[]] * pages.MOST_OF_WATCHERS})
+    assert read_message(many) is not None
+    assert read_message(many, pages.MOST_OF_WATCHERS) is None
+    assert read_message(json.dumps({"ask": [1] * (pages.MOST_VALUES + 1)})) is None
+    with Socket(viewer.watch_url) as page, Socket(viewer.url) as trusted:
+        for one in (page, trusted):
+            one.ask("describe")
+            one.send(many)
+            one.ask("describe")
+        wanted = {one.may_control: one.wants for one in viewer._pages}
+        assert wanted == {False: {}, True: {"images": []}}
+
+
 def test_a_message_that_is_too_large_ends_the_page_alone(viewer, caplog):
     caplog.set_level(logging.ERROR, pages.QUIET.name)
     with Socket(viewer.url) as page, Socket(viewer.url) as other:
@@ -392,6 +409,41 @@ def test_a_page_that_does_not_read_is_closed_and_holds_little(monkeypatch, contr
                 assert max(waiting) < 4 << 20  # states are dropped, not kept
                 assert time.monotonic() < end
         assert seen > 1
+
+
+@pytest.mark.parametrize("encoding", ["identity", "gzip"])
+def test_clients_that_do_not_read_a_file_are_closed_and_hold_no_copy_of_it(viewer, monkeypatch, encoding):
+    monkeypatch.setattr(pages, "PATIENCE", 1.0)
+    body = np.random.default_rng(1).bytes(16 << 20)
+    asset = Asset(body, "application/octet-stream")
+    viewer.assets._keep("mesh", "assets/mesh.bin", lambda: asset)
+    status, headers, found = get(viewer, "/assets/mesh.bin", Accept_Encoding=encoding)
+    assert status == 200
+    assert (gzip.decompress(found) if encoding == "gzip" else found) == body
+    assert int(headers["Content-Length"]) == len(found)
+    port = int(re.search(r":(\d+)/", viewer.watch_url)[1])
+    request = f"GET /assets/mesh.bin HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nAccept-Encoding: {encoding}\r\n\r\n"
+    with contextlib.ExitStack() as kept:
+        held = []
+        for _ in range(5):
+            one = kept.enter_context(socket.socket())
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            one.connect(("127.0.0.1", port))
+            one.sendall(request.encode())
+            assert one.recv(1) == b"H"
+            held += [c.transport.get_write_buffer_size() for c in list(viewer._pages._connections) if c.transport]
+        assert max(held) < 1 << 20
+        wait_for(lambda: not viewer._pages._connections)
+
+
+def test_a_file_is_packed_once(viewer, monkeypatch):
+    packed = []
+    monkeypatch.setattr("gzip.compress", lambda body, _level: packed.append(1) or body)
+    asset = Asset(bytes(4096), "application/octet-stream")
+    viewer.assets._keep("mesh", "assets/mesh.bin", lambda: asset)
+    for _ in range(3):
+        assert get(viewer, "/assets/mesh.bin", Accept_Encoding="gzip")[1]["Content-Encoding"] == "gzip"
+    assert packed == [1]
 
 
 def test_one_page_controls_at_a_time_and_hands_over(viewer, controls):

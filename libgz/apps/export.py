@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import os
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from libgz.apps.console import say
 from libgz.apps.series import Series, read_logs
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ParameterError
+from libgz.base.files import new_file
 from libgz.base.visible import one_line
 from libgz.recording.capture import check_packages
 from libgz.recording.own_messages import read_json, understood
@@ -89,16 +89,11 @@ def _file_name(target: str, used: Counter[str]) -> str:
     return f"{found}.csv"
 
 
-def _new_file(name: str, flags: int) -> int:
-    """Open a file for writing, but not what a link names, and no pipe that nobody reads."""
-    return os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
-
-
 def _write(path: Path, series: Series) -> None:
     labels = [f"{label} [{series.units[label]}]" if series.units[label] else label for label in series.lines]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with open(path, "w", newline="", encoding="utf-8", opener=_new_file) as file:
+        with open(path, "w", newline="", encoding="utf-8", opener=new_file) as file:
             table = csv.writer(file)
             table.writerow(["sim time [s]", *labels])
             for i, time in enumerate(series.times):

@@ -21,6 +21,7 @@ __all__ = [
     "installed_worlds",
     "is_file",
     "is_folder",
+    "new_file",
     "open_file",
     "own_cache",
     "read_file",
@@ -187,6 +188,11 @@ def write_whole(target: Path, data: bytes) -> None:
             _replace(Path(os.path.realpath(target)), data)  # Path.resolve raises RuntimeError for a link to itself
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(target)) from None
+
+
+def new_file(name: str, flags: int) -> int:
+    """For `open`, the opener of a file to be written, but not what a link names, and no pipe that nobody reads."""
+    return os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
 
 
 def write_backup(target: Path, data: bytes) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from libgz.base.errors import GazeboError, ParameterError
+from libgz.base.files import new_file
 
 __all__ = ["plot_measures"]
 
@@ -52,11 +54,14 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
     varied = sorted(chosen or varied[:1], key=lambda name: (not _numeric(good, name), -counts[name]))
     for measure in about["measures"]:
         path = folder / f"{_UNSAFE.sub('-', measure)}.png"
-        with rc_context({"text.parse_math": False}):  # names of the study are text, not formulas
+        # Names of the study are text, not formulas; letters that the font does not have are no news, and may be many.
+        with rc_context({"text.parse_math": False}), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Glyph ")
             figure = _figure(good, measure, varied, len(rows) - len(good))
             try:
                 folder.mkdir(parents=True, exist_ok=True)
-                figure.savefig(path, dpi=120)
+                with open(path, "wb", opener=new_file) as file:
+                    figure.savefig(file, dpi=120, format="png")
             except OSError as error:
                 raise GazeboError(f"cannot write {path}: {error.strerror}") from None
         yield path
@@ -76,7 +81,7 @@ def _figure(rows: Sequence[Row], measure: str, varied: Sequence[str], failed: in
     for axes, (title, some) in zip(_row(figure, len(panels)), panels, strict=True):
         _plot(axes, some, measure, varied)
         axes.set_title(title)
-    figure.suptitle(f"{measure}: {len(rows)} runs" + (f", {failed} more failed" if failed else ""))
+    figure.suptitle(f"{measure[:LONGEST]}: {len(rows)} runs" + (f", {failed} more failed" if failed else ""))
     return figure
 
 
@@ -111,7 +116,7 @@ def _plot(axes: Any, rows: Sequence[Row], measure: str, varied: Sequence[str]) -
     if not varied:
         values = [row[measure] for row in rows if math.isfinite(row[measure])]
         axes.hist(values, bins=min(max(math.isqrt(len(values)), 5), MOST_BINS))
-        axes.set(xlabel=measure, ylabel="runs")
+        axes.set(xlabel=measure[:LONGEST], ylabel="runs")
         return
     along, *others = varied
     label = along
@@ -126,7 +131,7 @@ def _plot(axes: Any, rows: Sequence[Row], measure: str, varied: Sequence[str]) -
         groups.setdefault(_key(row[by]) if by is not None else None, []).append(row)
     for value, group in sorted(groups.items(), key=_order):
         _line(axes, group, along, measure, None if by is None else f"{by} = {value}"[:LONGEST])
-    axes.set(xlabel=label, ylabel=measure)
+    axes.set(xlabel=label[:LONGEST], ylabel=measure[:LONGEST])
     if by is not None:
         axes.legend()
 

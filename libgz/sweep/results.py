@@ -10,7 +10,7 @@ import json
 import math
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, TextIO
 
@@ -19,7 +19,7 @@ from libgz.base.errors import GazeboError, LibraryError, ParameterError
 from libgz.base.extras import install
 from libgz.base.files import exists, is_file, open_file, read_limited, write_whole
 from libgz.sweep.pages import read_pages
-from libgz.sweep.study import MOST_RUNS, Study
+from libgz.sweep.study import MOST_MEASURES, MOST_RUNS, Study
 
 __all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
 
@@ -32,7 +32,8 @@ TOO_LONG = f"a line has more than {LONGEST_LINE} characters"
 WHOLE = ("run", "seed", "attempts")
 TEXTS = ("controller", "state", "message", "host", "libgz", "python")
 COMPRESSION = "SNAPPY"  # of parts; it makes nothing more than some 20 times smaller
-NUMBER = 8  # bytes
+NUMBER, VALUE = 8, 32  # bytes, of a number in a file, and of a value that is held
+LONGEST_FOOTER = 16 << 20  # bytes, of a part
 ENTRY, PAGE = 16, 1000  # bytes, of an entry of a dictionary beside its letters, and of what a page takes to be read
 
 
@@ -61,7 +62,7 @@ class Results:
     format: str
 
     def __init__(self, folder: Path, study: Study, digest: str) -> None:
-        self.folder, self.columns = folder, columns_of(study)
+        self.folder, self.columns, self.runs = folder, columns_of(study), len(study)
         self.recorded: set[int] = set()
         self.failed = 0  # of them
         try:
@@ -108,7 +109,7 @@ class Results:
         raise NotImplementedError
 
     def _note(self, row: Mapping[str, Any]) -> None:
-        self.recorded.add(int(row["run"]))
+        self.recorded.add(row["run"])
         self.failed += row["state"] != "ok"
 
     def _write(self, row: dict[str, Any]) -> None:
@@ -128,7 +129,7 @@ class CsvResults(Results):
         path = self.folder / TABLE
         if path.is_file():
             _cut(path)
-            for row in _csv_rows(path):
+            for row in _once(path, _csv_rows(path, ["run", "state"]), self.runs, self.recorded):
                 self._note(row)
         self._file = path.open("ab", buffering=0)
         if not path.stat().st_size:
@@ -156,20 +157,23 @@ class ParquetResults(Results):
 
     def _open(self, study: Study) -> None:
         self._types = _parquet_types(study)
-        budget = Budget()
         for part in sorted(self.folder.glob("part-*.parquet")):
-            for row in _part_rows(part, budget, ["run", "state"]):
+            for row in _once(part, _part_rows(part, Budget(), ["run", "state"]), self.runs, self.recorded):
                 self._note(row)
         self._waiting: list[dict[str, Any]] = []
         path = self.folder / JOURNAL
         if path.is_file():
             _cut(path)
-            for row in _journal_rows(path):
-                if row["run"] not in self.recorded:  # else the process ended between part and journal
-                    self._waiting.append(row)
-                    self._note(row)
+            for row in _once(path, self._left(path), self.runs, self.recorded):
+                self._waiting.append(row)
+                self._note(row)
         self._file = path.open("ab", buffering=0)
         self._since = time.monotonic()
+
+    def _left(self, path: Path) -> Iterator[dict[str, Any]]:
+        """The rows of a journal that are in no part; others are if the process ended between part and journal."""
+        parts = frozenset(self.recorded)
+        return (row for row in _journal_rows(path, self.columns) if row["run"] not in parts)
 
     def _write(self, row: dict[str, Any]) -> None:
         self._file.write((json.dumps(row) + "\n").encode())
@@ -250,16 +254,16 @@ def _text(value: Any) -> str:
 
 
 def _check_links(folder: Path) -> None:
-    """Check that results are written to a folder's own files: one of somebody else may have links to a user's files.
+    """Check that results are a folder's own files: one of somebody else may have links to a user's files.
 
     Raises:
         GazeboError: one is a link, or a pipe or device, which would be waited for.
     """
     for path in (folder / ABOUT, folder / LOCK, folder / TABLE, folder / JOURNAL, *folder.glob("part-*.parquet")):
         if path.is_symlink():
-            raise GazeboError(f"{path} is a symbolic link, which results are not written to; name another folder")
+            raise GazeboError(f"{path} is a symbolic link, which results cannot be; name another folder")
         if exists(path) and not is_file(path):
-            raise GazeboError(f"{path} is no file, and results are not written to it; name another folder")
+            raise GazeboError(f"{path} is no file, which results must be; name another folder")
 
 
 def _cut(path: Path) -> None:
@@ -314,6 +318,8 @@ def _about(folder: Path) -> dict[str, Any]:
                 raise TypeError(f"{name} is {known[name]!r}")
         if not 0 <= known["runs"] <= MOST_RUNS:
             raise ValueError(f"it has {known['runs']} runs")
+        if len(known["measures"]) > MOST_MEASURES:
+            raise ValueError(f"it has more than {MOST_MEASURES} measures")
         if not all(isinstance(name, str) for key in ("parameters", "random", "measures") for name in known[key]):
             raise TypeError("a name is no text")
         if known["format"] not in FORMATS:
@@ -321,22 +327,57 @@ def _about(folder: Path) -> dict[str, Any]:
     return known
 
 
-def _csv_rows(path: Path) -> Iterator[dict[str, Any]]:
+def _once(path: Path, rows: Iterable[dict[str, Any]], runs: int, known: Container[int]) -> Iterator[dict[str, Any]]:
+    """The rows of a file; `known` has the runs of those before.
+
+    Raises:
+        ParameterError: one is of no run of the study, or of one that is known.
+    """
+    for row in rows:
+        with _damage_named(path):
+            if not 0 <= row["run"] < runs:
+                raise ValueError(f"the study has no run {row['run']}")
+            if row["run"] in known:
+                raise ValueError(f"it has run {row['run']} again")
+        yield row
+
+
+def _csv_rows(path: Path, names: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """The rows of a table, with the columns of these names that it has, whatever else it has."""
     with _damage_named(path), path.open(newline="") as file:
-        for row in csv.DictReader(_lines(file)):
-            yield {**row, "run": int(row["run"]), "state": row["state"], "python": row["python"]}
+        left = LONGEST_LINE  # of a row, which may have line breaks in quotes
+
+        def lines() -> Iterator[str]:
+            nonlocal left
+            for line in _lines(file):
+                left -= len(line)
+                if left <= 0:
+                    raise ValueError(TOO_LONG)
+                yield line
+
+        table = csv.reader(lines())
+        head = {name: place for place, name in enumerate(next(table, ()))}
+        places = [(name, head[name]) for name in names if name in head]
+        whole = head["python"] if head else 0  # the last column
+        for row in table:
+            left = LONGEST_LINE
+            if len(row) > whole and row[whole]:
+                found = {name: row[place] for name, place in places}
+                yield {**found, "run": int(row[head["run"]]), "state": row[head["state"]]}
 
 
-def _part_rows(path: Path, budget: Budget, columns: list[str] | None = None) -> list[dict[str, Any]]:
-    """The rows of a part. The budget is of texts: the file may have one that is long, for all rows."""
+def _part_rows(path: Path, budget: Budget, columns: Sequence[str]) -> list[dict[str, Any]]:
+    """The rows of a part. The budget is of all that is held: of a file, a long text or a number may be for all rows."""
     with _damage_named(path), open_file(path) as file:
+        _check_footer(file)
         about = _parquet().read_metadata(file)
         names = _check_part(about)
         _check_pages(about, file)
         part = _parquet().ParquetFile(file, read_dictionary=names)
         if not all(map(_is_kind, part.schema_arrow.types)):
             raise ValueError("it has columns of types that parts do not have")
-        table = part.read(columns=columns)
+        table = part.read(columns=list(columns))
+        budget.take(VALUE * table.num_rows * table.num_columns)
         for column in table.columns:
             for chunk in column.chunks:
                 budget.take(_size_of_texts(chunk))
@@ -344,6 +385,19 @@ def _part_rows(path: Path, budget: Budget, columns: list[str] | None = None) -> 
         if not all(isinstance(row["run"], int) and isinstance(row["state"], str) for row in rows):
             raise ValueError("runs without numbers")
     return rows
+
+
+def _check_footer(file: BinaryIO) -> None:
+    """Check how long the metadata of a part are: in memory they are many times as large.
+
+    Raises:
+        ValueError: no sweep wrote them.
+    """
+    end = file.seek(0, os.SEEK_END)
+    file.seek(max(end - 8, 0))  # their length, and four letters
+    if int.from_bytes(file.read(4), "little") > LONGEST_FOOTER:
+        raise ValueError("its metadata are too long")
+    file.seek(0)
 
 
 def _check_part(about: Any) -> list[str]:
@@ -407,12 +461,19 @@ def _size_of_texts(values: Any) -> int:
     return int(compute.sum(compute.take(compute.binary_length(values.dictionary), values.indices)).as_py() or 0)
 
 
-def _journal_rows(path: Path) -> Iterator[dict[str, Any]]:
+def _journal_rows(path: Path, names: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """The rows of a journal, with the columns of these names that it has, whatever else it has."""
     with _damage_named(path), path.open() as file:
         for line in _lines(file):
             if line.endswith("\n"):  # else its process ended while it was written
                 row = json.loads(line)
-                yield {**row, "run": int(row["run"]), "state": row["state"]}
+                found = {name: _held(row[name]) for name in names if name in row}
+                yield {**found, "run": int(row["run"]), "state": _held(row["state"])}
+
+
+def _held(value: Any) -> Any:
+    """A value of a journal, as parts have it: lists and tables are texts."""
+    return value if value is None or isinstance(value, bool | int | float | str) else _text(value)
 
 
 def open_results(folder: Path, study: Study, digest: str, wanted: str | None) -> Results:
@@ -438,38 +499,56 @@ def open_results(folder: Path, study: Study, digest: str, wanted: str | None) ->
     return ParquetResults(folder, study, digest)
 
 
+def _files(folder: Path, format: str, names: Sequence[str]) -> Iterator[tuple[Path, Iterable[dict[str, Any]]]]:
+    """The files of results, and the rows of each with columns of these names; all are held, within a budget."""
+    budget = Budget()
+    if format == "csv":
+        if (path := folder / TABLE).is_file():
+            yield path, _counted(path, _csv_rows(path, names), budget)
+        return
+    runs: set[int] = set()
+    for path in sorted(folder.glob("part-*.parquet")):
+        rows = _part_rows(path, budget, names)
+        runs.update(row["run"] for row in rows)
+        yield path, rows
+    if (path := folder / JOURNAL).is_file():
+        left = (row for row in _journal_rows(path, names) if row["run"] not in runs)
+        yield path, _counted(path, left, budget)
+
+
+def _counted(path: Path, rows: Iterable[dict[str, Any]], budget: Budget) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        with _damage_named(path):
+            budget.take(sum(VALUE + (len(value) if isinstance(value, str) else 0) for value in row.values()))
+        yield row
+
+
 def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """What the folder says of its study, and all rows in order of their runs; numbers as numbers.
+    """What the folder says of its study, and of each run its number, state, parameters, controller and measures.
+
+    Rows are in order of their runs; numbers are numbers.
 
     Raises:
-        ParameterError: there are no results, or a file of them is damaged.
+        ParameterError: there are no results, a file of them is damaged, or they are too many.
         LibraryError: pyarrow is not installed.
+        GazeboError: there are links in place of its files.
     """
     about = folder / ABOUT
     if not about.is_file():
         raise ParameterError(f"{str(folder)!r} has no results of a sweep: there is no {ABOUT} in it")
+    _check_links(folder)
     known = _about(folder)
-    rows: list[dict[str, Any]]
-    if known["format"] == "csv":
-        numbers = {*known["measures"], "sim_time", "wall_time", "run", "seed", "attempts"}
-        table = folder / TABLE
-        rows = [
-            {name: _parsed(text, name in numbers) for name, text in row.items()}
-            for row in (_csv_rows(table) if table.is_file() else ())
-            if row["python"]
-        ]
-    else:
-        parts, budget = sorted(folder.glob("part-*.parquet")), Budget()
-        rows = [row for part in parts for row in _part_rows(part, budget)]
-        known_runs = {row["run"] for row in rows}
-        journal = folder / JOURNAL
-        rows += [row for row in (_journal_rows(journal) if journal.is_file() else ()) if row["run"] not in known_runs]
     needed = {*known["parameters"], *known["measures"], "controller"}
-    for row in rows:
-        row.update({name: float(str(value)) for name, value in row.items() if _is_long(value)})
-        if missing := needed - row.keys():
-            raise ParameterError(f"{folder} is damaged: run {row['run']} has no {min(missing)!r}")
-    return known, sorted(rows, key=lambda row: row["run"])
+    rows: dict[int, dict[str, Any]] = {}
+    for path, some in _files(folder, known["format"], [*{"run", "state"} | needed]):
+        for row in _once(path, some, known["runs"], rows):
+            if missing := needed - row.keys():
+                raise ParameterError(f"{folder} is damaged: run {row['run']} has no {min(missing)!r}")
+            row.update({name: _parsed(row[name]) for name in known["parameters"]} if known["format"] == "csv" else {})
+            row.update({name: _measured(row[name]) for name in known["measures"]})
+            row.update({name: float(str(value)) for name, value in row.items() if _is_long(value)})
+            rows[row["run"]] = row
+    return known, [rows[run] for run in sorted(rows)]
 
 
 def _is_long(value: Any) -> bool:
@@ -477,12 +556,16 @@ def _is_long(value: Any) -> bool:
     return isinstance(value, int) and not -(1 << 63) <= value < 1 << 63
 
 
-def _parsed(text: str, number: bool) -> Any:
+def _parsed(text: str) -> Any:
+    for kind in (int, float):
+        with contextlib.suppress(ValueError):
+            return kind(text)
+    return text
+
+
+def _measured(value: Any) -> float:
+    """What was measured; not a number if it is none."""
     try:
-        return int(text)
-    except (ValueError, TypeError):
-        pass
-    try:
-        return float(text)
-    except (ValueError, TypeError):
-        return math.nan if number else text
+        return float(value)
+    except (ValueError, TypeError, OverflowError):
+        return math.nan

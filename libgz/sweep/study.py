@@ -24,7 +24,7 @@ __all__ = ["NO_CONTROLLER", "REDUCTIONS", "Controller", "Limits", "Measure", "Ru
 
 NO_CONTROLLER = "none"
 TO_CONTROLLER = "controller/"  # prefix of parameters that the controller is given
-MOST_RUNS, MOST_SEEDS = 1_000_000_000, 1_000_000
+MOST_RUNS, MOST_SEEDS, MOST_MEASURES = 1_000_000_000, 1_000_000, 1000
 REDUCTIONS = ("last", "first", "min", "max", "mean", "sum", "std")
 RESERVED = (
     "run",
@@ -174,6 +174,8 @@ class Study:
             return cls.of(table, path.absolute().parent)
         except ParameterError as error:
             raise ParameterError(f"{path}: {error}") from None
+        except RecursionError:  # a key of thousands of names, which the parser does not recur for
+            raise ParameterError(f"{path}: it is nested too deeply") from None
 
     @classmethod
     def of(cls, table: Mapping[str, Any], folder: Path) -> Study:
@@ -206,6 +208,8 @@ class Study:
         measures = tuple(_measure(name, given, folder) for name, given in _table(table, "measures").items())
         if not measures:
             raise ParameterError("measures is empty; name at least one, such as distance = 'position.robot1/pos[0]'")
+        if len(measures) > MOST_MEASURES:
+            raise ParameterError(f"it has {len(measures)} measures; at most {MOST_MEASURES} are allowed")
         for one in measures:
             if one.name in RESERVED or one.name in names:
                 raise ParameterError(f"measure {one.name!r} has the name of another column")

@@ -1,6 +1,7 @@
 """Studies: which runs there are, and what is wrong in a file."""
 
 import io
+import json
 import os
 import tomllib
 
@@ -198,7 +199,7 @@ def test_a_part_whose_texts_are_far_longer_than_the_file_is_refused(folder, monk
     study = Study.load(folder / "push.toml")
     kept = open_results(folder / "results", study, "x", "parquet")
     for run in range(3):
-        kept.add({"run": run, "state": "ok", "controller": "c", "python": "3", "message": "m" * 1_000_000})
+        kept.add({"run": run, "state": "ok", "controller": "c" * 1_000_000, "python": "3"})
     kept.close()
     assert part.stat().st_size < 200_000
     assert len(read_results(folder / "results")[1]) == 3
@@ -250,7 +251,7 @@ def test_a_page_that_states_more_than_its_column_is_refused(folder, monkeypatch,
     options = {"use_dictionary": kind == "dictionary", "compression": "none", "write_statistics": False}
     write_part(part, {"run": [0], "state": ["x" * 20_000]}, **options)
     monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
-    assert len(results._part_rows(part, Budget())) == 1
+    assert len(results._part_rows(part, Budget(), ["run", "state"])) == 1
     chunk = parquet.read_metadata(part).row_group(0).column(1)
     start = chunk.dictionary_page_offset if kind == "dictionary" else chunk.data_page_offset
     (page, *_) = read_pages(io.BytesIO(part.read_bytes()), start, chunk.total_compressed_size)
@@ -308,8 +309,145 @@ def test_a_part_that_is_a_pipe_is_not_waited_for(folder):
     study = Study.load(folder / "push.toml")
     open_results(folder / "results", study, "x", "parquet").close()
     os.mkfifo(folder / "results" / "part-000000.parquet")
-    with pytest.raises(GazeboError, match="it is a pipe, not a file"):
+    with pytest.raises(GazeboError, match=r"part-000000.parquet is no file, which results must be"):
         read_results(folder / "results")
+
+
+def results_at(folder, rows, format="csv", **known):
+    """Results, made by hand: `rows` are lines of a table, or dictionaries of a journal."""
+    (folder / "results").mkdir(exist_ok=True)
+    known = {"digest": "x", "format": format, "runs": 3, "parameters": [], "random": [], "measures": ["m"]} | known
+    (folder / "results" / "study.json").write_text(json.dumps(known))
+    lines = [row if isinstance(row, str) else json.dumps(row) for row in rows]
+    name = {"csv": "results.csv", "parquet": "journal.jsonl"}[format]
+    (folder / "results" / name).write_text("".join(f"{line}\n" for line in lines))
+    return folder / "results"
+
+
+HEAD = "run,controller,state,m,python"
+
+
+@pytest.mark.parametrize("numbers", [(1, 1), (0, 3), (-1,)])
+def test_results_of_runs_that_the_study_does_not_have_or_again_are_damaged(tmp_path, numbers):
+    found = results_at(tmp_path, [HEAD, *(f"{number},c,ok,1.5,3" for number in numbers)])
+    with pytest.raises(ParameterError, match=r"results.csv is damaged: ValueError: (the study has no|it has) run"):
+        read_results(found)
+    rows = [{"run": number, "controller": "c", "state": "ok", "m": 1.5} for number in numbers]
+    found = results_at(tmp_path, rows, "parquet")
+    with pytest.raises(ParameterError, match=r"journal.jsonl is damaged: ValueError: (the study has no|it has) run"):
+        read_results(found)
+
+
+def test_a_sweep_is_not_continued_from_results_of_a_run_again(folder):
+    study = Study.load(folder / "push.toml")
+    results_of(folder).close()
+    (folder / "results" / "results.csv").write_text(f"{HEAD}\n1,c,ok,1.5,3\n1,c,ok,1.5,3\n")
+    with pytest.raises(ParameterError, match=r"results.csv is damaged: ValueError: it has run 1 again"):
+        open_results(folder / "results", study, study.digest(), None)
+
+
+def test_columns_that_are_not_plotted_take_no_memory(tmp_path):
+    """A row of a few letters would have as many values as the table has columns."""
+    columns = ",".join(f"c{number}" for number in range(100_000))
+    found = results_at(tmp_path, [f"{HEAD},{columns}", *(f"{run},c,ok,1.5,3" for run in range(2))])
+    assert all(set(row) == {"run", "controller", "state", "m"} for row in read_results(found)[1])
+    rows = [{"run": run, "controller": "c", "state": "ok", "m": 1.5, "n": [[]] * 9} for run in range(2)]
+    found = results_at(tmp_path, rows, "parquet")
+    assert all(set(row) == {"run", "controller", "state", "m"} for row in read_results(found)[1])
+
+
+@pytest.mark.parametrize("format", ["csv", "parquet"])
+def test_more_results_than_may_be_held_are_refused(tmp_path, monkeypatch, format):
+    rows = [f"{run},c,ok,1.5,3" for run in range(9000)]
+    rows = (
+        [HEAD, *rows]
+        if format == "csv"
+        else [{"run": n, "controller": "c", "state": "ok", "m": 1} for n in range(9000)]
+    )
+    found = results_at(tmp_path, rows, format, runs=9000)
+    assert len(read_results(found)[1]) == 9000
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    with pytest.raises(ParameterError, match="takes more than 1 MiB decompressed"):
+        read_results(found)
+
+
+def test_the_numbers_of_all_parts_share_one_budget(tmp_path, monkeypatch):
+    found = results_at(tmp_path, [], "parquet", runs=9000)
+    for part in range(3):
+        runs = range(3000 * part, 3000 * (part + 1))
+        columns = {"run": runs, "state": ["ok"] * 3000, "controller": ["c"] * 3000, "m": [1.5] * 3000}
+        write_part(found / f"part-{part:06}.parquet", columns)
+    assert len(read_results(found)[1]) == 9000
+    monkeypatch.setenv("LIBGZ_DECOMPRESSED", "1")
+    with pytest.raises(ParameterError, match=r"part-000002.parquet: it takes more than 1 MiB decompressed"):
+        read_results(found)
+
+
+def test_a_row_of_many_lines_is_not_held(tmp_path, monkeypatch):
+    found = results_at(tmp_path, [HEAD, '"a', *['a","b'] * 1000])
+    monkeypatch.setattr(results, "LONGEST_LINE", 1000)
+    with pytest.raises(ParameterError, match=r"results.csv is damaged: ValueError: a line has more than"):
+        read_results(found)
+
+
+def test_long_metadata_of_a_part_are_not_read(tmp_path):
+    found = results_at(tmp_path, [], "parquet")
+    (found / "part-000000.parquet").write_bytes(b"PAR1" + (17 << 20).to_bytes(4, "little") + b"PAR1")
+    with pytest.raises(ParameterError, match="ValueError: its metadata are too long"):
+        read_results(found)
+
+
+@pytest.mark.parametrize("measured", [[1], {}, None, "x", True, 10**400])
+def test_what_is_no_number_is_not_plotted(tmp_path, measured):
+    found = results_at(tmp_path, [{"run": 0, "controller": "c", "state": "ok", "m": measured}], "parquet")
+    assert [path.name for path in plot_measures(*read_results(found), found)] == ["m.png"]
+
+
+@pytest.mark.parametrize("name", ["study.json", "results.csv"])
+def test_results_that_are_links_are_not_read(tmp_path, name):
+    found = results_at(tmp_path, [HEAD, "1,c,ok,1.5,3"])
+    (found / name).rename(tmp_path / "own")
+    (found / name).symlink_to(tmp_path / "own")
+    with pytest.raises(GazeboError, match=f"{name} is a symbolic link, which results cannot be"):
+        read_results(found)
+
+
+def test_plots_are_written_through_no_link_and_into_no_pipe(tmp_path):
+    """A folder of results may be somebody else's."""
+    found, own = results_at(tmp_path, [HEAD, "1,c,ok,1.5,3"]), tmp_path / "own"
+    own.write_text("precious")
+    (found / "m.png").symlink_to(own)
+    about, rows = read_results(found)
+    with pytest.raises(GazeboError, match=r"cannot write .*m.png: Too many levels of symbolic links"):
+        list(plot_measures(about, rows, found))
+    assert own.read_text() == "precious"
+    (found / "m.png").unlink()
+    os.mkfifo(found / "m.png")
+    with pytest.raises(GazeboError, match=r"cannot write .*m.png: No such device"):
+        list(plot_measures(about, rows, found))
+
+
+def test_letters_without_a_shape_are_not_warned_of(tmp_path, recwarn):
+    name = "".join(map(chr, range(0xE000, 0xE020)))
+    found = results_at(tmp_path, [f"run,controller,state,{name},python", "1,c,ok,1.5,3"], measures=[name])
+    assert len(list(plot_measures(*read_results(found), found))) == 1
+    assert not recwarn.list
+
+
+def test_results_and_studies_of_many_measures_are_refused(folder):
+    found = results_at(folder, [], measures=[f"m{number}" for number in range(1001)])
+    with pytest.raises(ParameterError, match="it has more than 1000 measures"):
+        read_results(found)
+    table = tomllib.loads((folder / "push.toml").read_text())
+    table["measures"] = {f"m{number}": "robot1/pos[0]" for number in range(1001)}
+    with pytest.raises(ParameterError, match="it has 1001 measures; at most 1000 are allowed"):
+        Study.of(table, folder)
+
+
+def test_a_key_of_many_names_is_refused(folder):
+    (folder / "deep.toml").write_text(".".join("a" * 3000) + " = 1\n")
+    with pytest.raises(ParameterError, match=r"deep.toml: it is nested too deeply"):
+        Study.load(folder / "deep.toml")
 
 
 def test_rows_without_a_column_are_named(folder):

@@ -311,7 +311,7 @@ def test_results_are_written_to_no_link(folder, name, there):
     (folder / "push.results" / name).symlink_to(own)
     done = run_libgz("sweep", "push.toml", cwd=folder)
     assert done.returncode == 1
-    assert f"{name} is a symbolic link, which results are not written to" in done.stderr
+    assert f"{name} is a symbolic link, which results cannot be" in done.stderr
     assert own.exists() == there
     assert not there or own.read_text() == "precious"
 
@@ -323,7 +323,7 @@ def test_results_are_written_to_no_pipe(folder, name):
     os.mkfifo(folder / "push.results" / name)
     done = run_libgz("sweep", "push.toml", cwd=folder, timeout=60)
     assert done.returncode == 1
-    assert f"{name} is no file, and results are not written to it" in done.stderr
+    assert f"{name} is no file, which results must be" in done.stderr
 
 
 ABOUT = {"digest": "x", "format": "csv", "runs": 200, "parameters": ["p"], "random": [], "measures": ["m"]}

@@ -305,7 +305,7 @@ class Node:
                 try:
                     self._ask(method, key, *values)
                 except RefusalError as error:
-                    log.warning("ROS: %s", error)
+                    self._complain(error)
             del self._ending[name]
 
     def _entry(self, one: Any) -> tuple[dict[str, Any], str, str, tuple[str, ...]]:
@@ -357,7 +357,7 @@ class Node:
         try:
             code, _, value = call(self.master, "getParam", self.name, name, patience=PARAMETER_PATIENCE)
         except (XmlRpcError, ValueError, TypeError) as error:
-            log.warning("ROS: %s", error)
+            self._complain(error)
             return None
         return value if code == 1 else None
 
@@ -418,10 +418,14 @@ class Node:
             try:
                 task()
             except XmlRpcError as error:
-                log.warning("ROS: %s", error)
+                self._complain(error)
                 self._known = self._known and isinstance(error, RefusalError)  # else all is registered again
             except Exception:
                 log.exception("ROS: a call of the master failed")
+
+    def _complain(self, error: Exception) -> None:
+        """Log that a call of the master failed."""
+        self._loop.warn(str(error), "ROS: %s", error)
 
     def _look(self) -> None:
         """Find out whether the master is there and knows this node; if not, register all."""
@@ -453,7 +457,9 @@ class Node:
             self._register_service(service)
         self._report_endings()
         self.registered += 1
-        log.info("ROS: registered as %s with the master at %s", self.name, self.master)
+        if self._loop.tally.due("registered"):  # a master may forget each time whom it knows
+            times = self._loop.tally.times("registered")
+            log.info("ROS: registered as %s with the master at %s%s", self.name, self.master, times)
 
     def _register_publisher(self, publisher: Publisher) -> None:
         if self._publishers.get(publisher.topic) is publisher:

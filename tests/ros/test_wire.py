@@ -643,6 +643,34 @@ def test_a_master_of_other_answers_is_waited_for(monkeypatch, caplog, value):
     assert sum("no master" in record.getMessage() for record in caplog.records) == 1
 
 
+@pytest.mark.parametrize("method", ["lookupNode", "getParam", "registerPublisher", "unregisterPublisher"])
+def test_a_master_that_forgets_and_refuses_does_not_fill_the_log(monkeypatch, caplog, method):
+    caplog.set_level(logging.INFO)
+    monkeypatch.setattr(node_module, "CHECK_PERIOD", 0.01)
+    master, refused = Master(), threading.Semaphore(0)
+
+    def refuse(*_values):
+        refused.release()
+        return "x" if method == "getParam" else (-1, "refused", 0)
+
+    monkeypatch.setenv("ROS_MASTER_URI", master.uri)
+    with Ros1([]) as ros:
+        wait_for(lambda: ros.node.registered)
+        master.server.register_function(refuse, method)
+        topics = []
+        for number in range(40):
+            topics.append(ros.publish(f"talk{number}", STRING.name))
+            if method == "unregisterPublisher":
+                topics.pop().end()
+            if method == "getParam":
+                ros.parameter("a")
+            if method == "lookupNode":
+                assert refused.acquire(timeout=20.0)
+        wait_for(ros.node._tasks.empty)
+    assert len(caplog.records) < 15
+    master.close()
+
+
 def test_addresses_of_publishers_do_not_fill_the_log(node, master, caplog):
     subscription = node.subscribe("talk", STRING.name, lambda _: None)
     wait_for(lambda: "/talk" in master.subscribers)

@@ -373,7 +373,7 @@ def _described(name: str, text: str) -> Field:
     kind = re.sub(r"<\d+>", "", text)  # a string with a bound
     kind = _STAMPS.get(kind, _RENAMED.get(kind, kind))
     if not (_NAME.fullmatch(name) and _KIND.fullmatch(kind)) or kind == "wstring":
-        raise FormatError(f"field {name!r} has type {text!r}, which is not supported")
+        raise FormatError(f"field {name[:100]!r} has type {text[:100]!r}, which is not supported")
     return Field(name, kind, size)
 
 

@@ -12,7 +12,6 @@ from libgz.base.errors import GazeboError
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.ros.session import Later, Service, Session, Subscription, finite
 from libgz.ros.types import Message, service_type
-from libgz.transport.tally import Tally
 
 if TYPE_CHECKING:
     from libgz.ros.own_node import OwnNode
@@ -69,7 +68,6 @@ class Services:
         self.session, self.core = session, core
         self.jobs: list[_Job] = []
         self._asked: dict[str, int] = {}  # how often the state of each model was asked for
-        self._refusals = Tally(100)
         self._kept: list[Service | Subscription] = []
         for name, kind in self.services.items():
             if session.version == 1:
@@ -108,8 +106,8 @@ class Services:
 
     def refuse(self, answer: Any, text: str) -> Message:
         """A response that says why a request is not granted; it is logged, the same one at growing counts only."""
-        if self._refusals.due(text):
-            log.error("%s%s", text, self._refusals.times(text))
+        with self.session.repeated:
+            log.error("%s", text)
         if hasattr(answer, "success"):
             answer.success = False
         if hasattr(answer, "status_message"):  # not all of ROS 2 have it

@@ -620,6 +620,33 @@ def test_controllers_of_ros2_are_loaded_configured_and_switched(start, graph, tm
     assert cancelled.return_code == 1  # nothing runs
 
 
+def test_requests_do_not_fill_the_log(start, graph, tmp_path, caplog):
+    (tmp_path / "control.yaml").write_text(CONTROL)
+    server = start(ARM.format(file=tmp_path / "control.yaml"))
+    describe_robot(server, graph)
+    caplog.clear()
+    unknown = [f"nobody{number}" for number in range(1000)]
+    assert manage(server, "switch_controller", "SwitchController", activate_controllers=unknown).ok
+    for number in range(150):
+        assert not manage(server, "load_controller", "LoadController", name=f"one\nmore{number}").ok
+    assert 100 < len(caplog.records) < 110
+    long = "x" * (1 << 20)
+    for _ in range(3):
+        assert not server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name=f"_{long}").success
+    assert 100 < len(caplog.records) < 110
+    assert all(len(one) < 2500 and "\n" not in one for one in caplog.messages)
+
+
+def test_a_long_refusal_is_one_short_line(start, graph, caplog):
+    server = start()
+    name = "x\n" * (1 << 19)
+    for _ in range(3):
+        assert not server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name=name).success
+    (line,) = caplog.messages
+    assert len(line) < 5000
+    assert "\n" not in line
+
+
 def test_the_command_line_is_read_as_nodes_of_ros2_read_it(tmp_path):
     (tmp_path / "world.yaml").write_text(
         "/**: {ros__parameters: {publish_rate: 5.0, depth: {x: 1}}}\n"

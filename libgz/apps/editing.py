@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import GazeboError, ParameterError, StateError
 from libgz.base.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzVector
 from libgz.front import World
-from libgz.simulation.editor import Editor, History, Moment, return_to
+from libgz.simulation.editor import Editor, History, Moment, numbers_of, return_to
 from libgz.simulation.entity import Entity
 
 if TYPE_CHECKING:
@@ -330,12 +330,13 @@ def pose_of(content: dict[str, Any]) -> GzPose:
     Raises:
         ParameterError: it has none.
     """
-    values = content.get("pose")
-    good = isinstance(values, list) and len(values) == 7 and all(isinstance(v, int | float) for v in values)
-    numbers = [float(v) for v in values] if good and isinstance(values, list) else []
-    if not numbers or not all(map(math.isfinite, numbers)) or not any(numbers[3:]):
+    try:
+        numbers = numbers_of(content.get("pose"), 7, 7)
+    except ParameterError:
+        numbers = []
+    length = math.hypot(*numbers[3:])
+    if not 0.0 < length < math.inf:
         raise ParameterError("a pose is seven finite numbers: x, y, z [m] and a quaternion u, x, y, z")
-    length = math.sqrt(sum(part * part for part in numbers[3:]))
     return GzPose(GzVector(*numbers[:3]), GzQuatern(*(part / length for part in numbers[3:])))
 
 

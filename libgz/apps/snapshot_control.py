@@ -12,6 +12,7 @@ from libgz.base.errors import GazeboError, PluginError, ServerError
 from libgz.front import World
 from libgz.transport.control import Control, Request
 from libgz.transport.server import Server
+from libgz.transport.tally import Tally
 
 if TYPE_CHECKING:
     from libgz.apps.world_control import WorldControl
@@ -47,6 +48,7 @@ class SnapshotControl:
         self.world, self._watch_only = world, watch_only
         self._requests: WorldControl | None = None
         self._control: Control | None = None
+        self._failures = Tally(100)
         if rewind is not None:
             world.keep_rewind(rewind)
         if isinstance(world.gz_server, Server):
@@ -107,8 +109,10 @@ class SnapshotControl:
         except GazeboError as error:
             request.answer(error=str(error))
         except Exception as error:
-            log.exception("request %r failed", request.verb)
-            request.answer(error=f"the request failed, see the server's log: {type(error).__name__}: {error}")
+            kind = type(error).__name__
+            if self._failures.due((request.verb, kind)):
+                log.exception("request %r failed%s", request.verb, self._failures.times((request.verb, kind)))
+            request.answer(error=f"the request failed, see the server's log: {kind}: {error}")
         except BaseException:
             request.answer(error="the server failed; its log says why")
             raise

@@ -24,6 +24,7 @@ from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
 from libgz.rendering.image import depth_text, jpeg_text
 from libgz.sdf.paths import find_model, model_directories
+from libgz.simulation.editor import numbers_of
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
 
@@ -196,10 +197,9 @@ class WorldControl:
 
     def _light(self, _argument: str, content: dict[str, Any]) -> None:
         """Set the colour of an entity's lights."""
-        entity, color = self._entity(content), content.get("color")
-        parts = [float(part) for part in color] if isinstance(color, list) and len(color) == 3 else []
-        if not parts or not all(0.0 <= part <= 1.0 for part in parts):
-            raise ParameterError(f"the colour is {color}; it must be three numbers from 0 to 1")
+        entity, parts = self._entity(content), numbers_of(content.get("color"), 3, 3)
+        if not all(0.0 <= part <= 1.0 for part in parts):
+            raise ParameterError(f"the colour is {parts}; it must be three numbers from 0 to 1")
         lights = [geom for body in entity.bodies for geom in body.geoms if isinstance(geom, LightGeom)]
         if not lights:
             raise NotFoundError(f"{entity.GetId()!r} has no light")

@@ -6,7 +6,7 @@ that of the world, and saving, differences and resets follow from it. `LegacyEdi
 
 from __future__ import annotations
 
-import math
+import sys
 from collections import deque
 from collections.abc import MutableSequence
 from dataclasses import dataclass, field
@@ -21,6 +21,7 @@ __all__ = ["Editor", "History", "Moment", "Value", "numbers_of", "return_to"]
 MOST_MOMENTS = 100
 MOST_BYTES = 256 << 20  # of all moments of a history
 LONGEST_TEXT = 1 << 16  # characters of a text value
+LARGEST = sys.float_info.max
 
 
 @dataclass
@@ -99,7 +100,7 @@ def numbers_of(value: Any, least: int, most: int) -> list[float]:
         ParameterError: they are not numbers, not finite, or not that many.
     """
     values = value if isinstance(value, list) else [value]
-    good = all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) < math.inf for v in values)
+    good = all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= LARGEST for v in values)
     if not good or not least <= len(values) <= most:
         count = f"{least}" if least == most else f"{least} to {most}"
         raise ParameterError(f"{value!r} is not allowed; it must be {count} finite number{'s' * (most > 1)}")

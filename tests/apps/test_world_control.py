@@ -20,6 +20,8 @@ SDF = """<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</
 <model name="box"><pose>0 0 0.5 0 0 0</pose><link name="l"><inertial><mass>3</mass></inertial><collision name="c">
 <geometry><box><size>1 1 1</size></box></geometry></collision></link></model></world></sdf>"""
 
+WITH_LIGHT = """<gz:world xmlns:gz='g' xmlns:model='m'><model:LightSource><id>sun</id></model:LightSource></gz:world>"""
+
 
 class Asker:
     """Sends requests as a viewer does, and steps the world as a server does."""
@@ -349,6 +351,41 @@ def test_no_request_ends_the_server(monkeypatch, caplog):
     assert b"is no JSON" in nested._answer[1]
     assert b"ZeroDivisionError" in failing._answer[1]
     assert "request 'save' failed" in caplog.text
+
+
+def test_requests_that_fail_do_not_fill_the_log(monkeypatch, caplog):
+    """A page sends 500 a second."""
+    with libgz.World() as world:
+        world.Initialize()
+        control = SnapshotControl(world)
+        control._control = SimpleNamespace(waiting=deque(Request("save", "-", b"") for _ in range(150)))
+        monkeypatch.setattr(type(world), "get_state", lambda _self: 1 // 0)
+        control.act()
+    assert caplog.text.count("Traceback") == 2  # the first, and the hundredth
+
+
+@pytest.mark.parametrize(
+    ("verb", "content"),
+    [
+        ("light", {"color": ["a", "b", "c"]}),
+        ("light", {"color": [None] * 3}),
+        ("light", {"color": [10**400] * 3}),
+        ("light", {}),
+        ("move", {"pose": [0.0] * 7}),
+        ("move", {"pose": [10**400] * 7}),
+        ("move", {"pose": [None] * 7}),
+        ("move", {"pose": {}}),
+    ],
+)
+def test_numbers_of_no_use_are_refused_with_a_sentence(verb, content):
+    with libgz.World.from_string(WITH_LIGHT) as world, pytest.raises(GazeboError, match="number"):
+        Asker(world)(verb, name="sun", **content)
+
+
+def test_the_smallest_quaternion_is_a_rotation():
+    with libgz.World.from_string(WITH_LIGHT) as world:
+        Asker(world)("move", name="sun", pose=[1.0, 2.0, 3.0, 5e-324, 0.0, 0.0, 0.0])
+        assert [*world.model("sun").GetPose().rot] == [1.0, 0.0, 0.0, 0.0]
 
 
 def test_pacing_begins_anew_where_a_request_sets_another_time():

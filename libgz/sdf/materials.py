@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from libgz.base.budget import Budget, BudgetError
 from libgz.base.errors import NotFoundError
 from libgz.base.files import installed_worlds, is_file, is_folder, read_limited
 from libgz.sdf.bounds import LARGEST
@@ -23,7 +24,9 @@ __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
 UNIT = "texture_unit"
-LONGEST = 4 << 20  # bytes of a script
+LONGEST, MOST_READ = 4 << 20, 64 << 20  # bytes of a script, and of all that a process reads
+BLOCK = 512  # bytes that a block is counted as, for a material takes far more than its letters
+MOST_SCRIPTS = 10_000  # that are kept
 MOST_IMAGES = 100  # of a material that are looked for; the first one that is found counts
 SMALLEST = 1e-9  # scale of an image
 REJECTIONS = {"greater": 0.0, "greater_equal": 1.0}  # what is kept, and by how much its bound is lower
@@ -152,13 +155,21 @@ class _Defined:
             one = one._parent
 
 
-@functools.lru_cache(maxsize=64)
+_budget = Budget(MOST_READ)  # never given back: each visual of a world may name scripts, and all would be read again
+
+
+@functools.lru_cache(maxsize=MOST_SCRIPTS)
 def _read_script(path: Path) -> dict[str, _Defined]:
-    """All materials of a script; lines about anything but colours and textures are skipped."""
+    """All materials of a script; none of one that is too long, or too much beside those before.
+
+    Lines about anything but colours and textures are skipped.
+    """
     try:
-        text = read_limited(path, LONGEST).decode("utf-8", "replace")
-    except OSError:
+        data = read_limited(path, LONGEST)
+        _budget.take(len(data) + BLOCK * data.count(b"{"))
+    except (OSError, BudgetError):
         return {}
+    text = data.decode("utf-8", "replace")
     text = re.sub(r"/\*.*?(?:\*/|\Z)", "", text, flags=re.DOTALL)
     found: dict[str, _Defined] = {}
     current, header = "", ""

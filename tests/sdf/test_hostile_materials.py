@@ -7,6 +7,8 @@ import os
 import pytest
 from PIL import Image
 
+from libgz.base.budget import Budget
+from libgz.sdf import materials
 from libgz.sdf.materials import LONGEST, _read_script, find_material
 
 HEAD = "material a\n{\ndiffuse 0.5 0.5 0.5\n}\n"
@@ -78,6 +80,27 @@ def test_a_script_is_read_once_whatever_names_it(tmp_path):
         assert find_material("a", ["a.material", f"folder{number}"], tmp_path) is not None
         (tmp_path / f"folder{number + 1}").mkdir()
     assert _read_script.cache_info().misses == before + 1
+
+
+def test_many_scripts_are_read_once_up_to_a_bound(tmp_path, monkeypatch):
+    """Of each visual, all of them would be read again."""
+    monkeypatch.setattr(materials, "_budget", Budget(100_000))
+    names = [f"{number}.material" for number in range(100)]
+    for name in names:
+        (tmp_path / name).write_text(HEAD.replace("material a", f"material {name[:-9]}"))
+    before = _read_script.cache_info().misses
+    for _ in range(3):
+        assert all(find_material(name[:-9], names, tmp_path) for name in names)
+    assert _read_script.cache_info().misses == before + 100
+    (tmp_path / "more.material").write_text(HEAD + " " * 100_000)
+    assert find_material("a", ["more.material"], tmp_path) is None
+    assert find_material("99", names, tmp_path) is not None
+
+
+def test_a_script_of_many_blocks_defines_nothing(read, monkeypatch):
+    monkeypatch.setattr(materials, "_budget", Budget(1 << 20))
+    assert read(HEAD + "b{}" * 3000) is None
+    assert read(HEAD + "b{}" * 300) is not None
 
 
 def test_a_material_has_the_image_of_its_parent_or_its_own(read, tmp_path):

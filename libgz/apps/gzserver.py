@@ -8,6 +8,7 @@ import logging
 import os
 import re
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -50,6 +51,7 @@ log = logging.getLogger("libgz.classic")
 
 EMPTY_WORLD = "worlds/empty.world"
 MOST_STEPS = 1000  # at a time; World.step_on ends earlier
+LONGEST_WAIT = 1.0  # [s] that a message waits for a step
 FIRST_ID, SPREAD = 100, 800  # of the ids that servers take by themselves; two that start together take different ones
 
 # Options of Gazebo that are accepted without effect, with a warning: option -> reason.
@@ -270,11 +272,18 @@ class Server:
                 recorder.take()
             if snapshots.act() or pacer.speed != core.simSpeed:
                 pacer = Pacer(core.simSpeed)
-            while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
-                pass
+            self._wait(core, server, done, pacer)
+
+    def _wait(self, core: World, server: WorldServer | None, done: int, pacer: Pacer) -> None:
+        """Sleep until the next step is due; after a second, a message makes it due: it may set the rate."""
+        begin = time.monotonic()
+        while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
+            if core.lock.wanted.value and time.monotonic() > begin + LONGEST_WAIT:
+                break
 
     def _step(self, core: World, control: PlaybackControl | None, most: int, pacer: Pacer) -> int:
         """One step, or more where nothing has to be done between them; how many iterations, 0 while it is paused."""
+        core.lock.wanted.value = 0  # what comes from now on is not handled in this step
         if control is not None:
             control.update()
         if self._play is not None and not core.paused:

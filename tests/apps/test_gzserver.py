@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from classic_wire import PATIENCE, Connection, Publication, Subscription, close_all, new
 from gzserver_process import SERVER, new_environment, run
 from imageio import v3
 
@@ -20,6 +21,17 @@ EMPTY = "<sdf version='1.6'><world name='default'>{}</world></sdf>"
 def place(tmp_path):
     """The environment of the server."""
     return new_environment(tmp_path)
+
+
+def connected(port):
+    """A connection to the master of a server that has just been started."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return Connection(port)
+        except OSError:
+            assert time.monotonic() < end
+            time.sleep(0.02)
 
 
 def plugin(tmp_path, name, text):
@@ -183,6 +195,26 @@ def test_interrupts_end_it_in_order(place, tmp_path):
         server.send_signal(signal.SIGINT)
         assert server.stdout.read() == "stop\nsigint\n"
         assert server.wait(30) == 0
+
+
+def test_a_rate_that_keeps_the_next_step_waiting_for_ever_can_be_changed(place, tmp_path):
+    port = int(place["GAZEBO_MASTER_URI"].rpartition(":")[2])
+    with subprocess.Popen([*SERVER, str(world(tmp_path))], env=place) as server:
+        try:
+            master = connected(port)
+            heard = Subscription(master, "/gazebo/default/world_stats", "WorldStatistics")
+            physics = Publication(master, "/gazebo/default/physics", "Physics")
+            physics.publish(new("Physics", real_time_update_rate=1e-9))
+            heard.socket.settimeout(1.0)
+            with pytest.raises(TimeoutError):  # no more steps
+                heard.until(lambda _: False)
+            heard.socket.settimeout(PATIENCE)
+            physics.publish(new("Physics", real_time_update_rate=1000.0))
+            first = heard.next().iterations
+            assert heard.until(lambda message: message.iterations > first + 10)
+        finally:
+            server.kill()
+            close_all()
 
 
 def test_a_plugin_can_stop_the_server(place, tmp_path):

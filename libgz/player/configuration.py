@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -120,10 +121,17 @@ class Simulation(NamedTuple):
 
 @dataclass
 class Configuration:
-    """What a configuration file says."""
+    """What a configuration file says.
+
+    Attributes:
+        addresses: the devices by port, interface and index.
+        counts: of the devices of each port.
+    """
 
     file: str
     devices: list[Device] = field(default_factory=list)
+    addresses: dict[tuple[int, str, int], Device] = field(default_factory=dict)
+    counts: Counter[int] = field(default_factory=Counter)
     simulation: Simulation = Simulation("", 0)
     diagnostics: Diagnostics = field(default_factory=Diagnostics)
 
@@ -463,21 +471,25 @@ def _device(
 
 
 def _add_device(result: Configuration, device: Device) -> None:
-    address = f"{device.port}:{device.driver.kind}:{device.index}"
-    for other in result.devices:
-        if (other.port, other.driver.kind, other.index) == (device.port, device.driver.kind, device.index):
-            result.diagnostics.error(device.place, f"{address} is provided in line {other.place.line} already")
-            return
-    if sum(other.port == device.port for other in result.devices) >= MOST_DEVICES:
+    address = device.port, device.driver.kind, device.index
+    other = result.addresses.get(address)
+    if other is not None:
+        provided = ":".join(map(str, address))
+        result.diagnostics.error(device.place, f"{provided} is provided in line {other.place.line} already")
+    elif result.counts[device.port] >= MOST_DEVICES:
         result.diagnostics.error(device.place, f"port {device.port} has more than {MOST_DEVICES} devices")
-        return
-    result.devices.append(device)
+    else:
+        result.addresses[address] = device
+        result.counts[device.port] += 1
+        result.devices.append(device)
 
 
 def _note_simulation(result: Configuration, section: _Section) -> None:
     """What a driver says of the simulation: a worldfile beside the configuration file, or a server's id."""
     worldfile, server_id = section.text("worldfile"), section.text("server_id")
-    if worldfile:
+    if "\0" in worldfile:  # it becomes a word of a command
+        result.diagnostics.error(section.fields["worldfile"][1], f"{worldfile!r} is no name of a file")
+    elif worldfile:
         beside = Path(result.file).parent / worldfile
         result.simulation = result.simulation._replace(worldfile=str(beside) if exists(beside) else worldfile)
     if server_id and server_id != "default":

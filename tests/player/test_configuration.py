@@ -151,6 +151,20 @@ def test_a_macro_of_many_fields_stands_in_no_more_sections_than_memory_has_room_
         read(tmp_path, f"define many driver({fields})\n" + "many()\n" * 100)
 
 
+def test_many_devices_are_read_in_linear_time(tmp_path):
+    addresses = " ".join(f'"{port}:position2d:0"' for port in range(1, 65536))
+    driver = f'driver ( name "gz_position" gz_id "one" provides [{addresses}] )\n'
+    assert len(read(tmp_path, driver).ports) == 65535
+    with pytest.raises(WorldFileError, match="65535:position2d:0 is provided in line 1 already"):
+        read(tmp_path, driver + driver.replace(addresses, '"65535:position2d:0"'))
+
+
+def test_a_worldfile_whose_name_no_command_can_have_is_an_error_of_its_line(tmp_path):
+    start = 'driver ( name "gazebo" provides ["simulation:0"] worldfile "a\0b" )'
+    with pytest.raises(WorldFileError, match=r"robot\.cfg:1: .*'a\\x00b' is no name of a file"):
+        read(tmp_path, start)
+
+
 def test_brackets_that_do_not_close_are_read_in_linear_time(tmp_path):
     with pytest.raises(WorldFileError, match="more than 200000 words"):
         read(tmp_path, "a[" * 4_000_000)

@@ -19,7 +19,7 @@ from libgz.ros.packed import Outbox
 from libgz.ros.packing import Buffer, codec
 from libgz.ros.tcpros import U32, Caller, Feed, Reader
 from libgz.ros.types import MessageType, ServiceType
-from libgz.ros.xmlrpc import Server, XmlRpcError, call, shown
+from libgz.ros.xmlrpc import MOST_REQUEST, Server, XmlRpcError, call, shown
 
 __all__ = ["Node", "Publisher", "ServiceServer", "Subscriber"]
 
@@ -29,6 +29,7 @@ CHECK_PERIOD = 0.5  # [s] between two looks whether the master is there and know
 CLOSING_PATIENCE = 5.0  # [s] for all calls at the end
 MOST_PUBLISHERS = 64  # of one topic that are read at the same time
 MOST_ENDING = 10_000  # topics and services that have ended, and of which a master that is gone may know yet
+MOST_PLACE = 1 << 16  # bytes of the answer where a publisher is, of which many may come at a time
 LONGEST_URI = 1000  # characters of the address of a node
 CONNECT_PATIENCE = 3.0  # [s]
 PARAMETER_PATIENCE = 10.0  # [s]; the description of a robot is long
@@ -389,7 +390,7 @@ class Node:
             RefusalError: it refuses.
             XmlRpcError: there is no master.
         """
-        answer = call(self.master, method, self.name, *values, patience=patience)
+        answer = call(self.master, method, self.name, *values, patience=patience, most=MOST_REQUEST)
         try:
             code, text, value = answer
         except (TypeError, ValueError):
@@ -409,9 +410,11 @@ class Node:
             try:
                 task = self._tasks.get(timeout=max(0.0, due - time.monotonic()))
             except queue.Empty:
+                begin = time.thread_time()
                 self._look()
                 self.first_look.set()
-                due = time.monotonic() + CHECK_PERIOD
+                spent = time.thread_time() - begin  # on what a master says, so much passes otherwise
+                due = time.monotonic() + max(CHECK_PERIOD, spent)
                 continue
             if task is None:
                 return
@@ -430,7 +433,7 @@ class Node:
     def _look(self) -> None:
         """Find out whether the master is there and knows this node; if not, register all."""
         try:
-            code, _, uri = call(self.master, "lookupNode", self.name, self.name)
+            code, _, uri = call(self.master, "lookupNode", self.name, self.name, most=MOST_REQUEST)
             if code == 1 and uri == self.uri and self._known:
                 return
             if code == 1 and uri != self.uri and self._known:
@@ -536,7 +539,8 @@ class Node:
     def _follow(self, subscriber: Subscriber, uri: str) -> None:
         """Connect to a publisher."""
         try:
-            answer = call(uri, "requestTopic", self.name, subscriber.topic, [["TCPROS"]], patience=CONNECT_PATIENCE)
+            words = subscriber.topic, [["TCPROS"]]
+            answer = call(uri, "requestTopic", self.name, *words, patience=CONNECT_PATIENCE, most=MOST_PLACE)
             code, text, (_, host, port) = answer
             if code != 1:
                 raise XmlRpcError(f"requestTopic of {shown(uri)}: {shown(text)}")

@@ -24,7 +24,7 @@ from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 from libgz.transport.timed_socket import TimedSocket
 
-__all__ = ["Server", "XmlRpcError", "call", "shown"]
+__all__ = ["MOST_REQUEST", "Server", "XmlRpcError", "call", "shown"]
 
 log = logging.getLogger("libgz.ros")
 
@@ -45,7 +45,7 @@ class XmlRpcError(GazeboError):
     """A call that failed: nobody there, no answer in time, or an answer that is none."""
 
 
-def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any:
+def call(uri: str, method: str, *values: Any, patience: float = PATIENCE, most: int | None = None) -> Any:
     """Call a method; what it returns.
 
     Args:
@@ -53,10 +53,12 @@ def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any
         method: its name.
         values: its arguments.
         patience: how long the whole call may take [s].
+        most: bytes of the answer; None: those of the longest one that a master gives.
 
     Raises:
         XmlRpcError: the call failed.
     """
+    most = MOST_ANSWER if most is None else most
     try:
         place = urlsplit(uri)
         if place.scheme != "http" or not place.hostname:
@@ -66,12 +68,12 @@ def call(uri: str, method: str, *values: Any, patience: float = PATIENCE) -> Any
         try:
             connection.request("POST", place.path or "/RPC2", body, {"Content-Type": "text/xml"})
             answer = connection.getresponse()
-            data = answer.read(MOST_ANSWER + 1)
+            data = answer.read(most + 1)
         finally:
             connection.close()
         if answer.status != http.HTTPStatus.OK:
             raise XmlRpcError(f"{shown(uri)} answered {answer.status} {shown(answer.reason)}")
-        return _loads(data, MOST_ANSWER)[0][0]
+        return _loads(data, most)[0][0]
     except _FAILURES as error:
         raise XmlRpcError(f"{method} of {shown(uri)}: {shown(str(error)) or type(error).__name__}") from error
 
@@ -162,6 +164,7 @@ class _HttpServer(http.server.ThreadingHTTPServer):
 
     def __init__(self, *values: Any) -> None:
         self._free = threading.BoundedSemaphore(MOST_THREADS)
+        self.turn = threading.Lock()  # of the request that is handled: many at a time would leave a step no Python
         self._since: dict[Any, float] = {}  # requests under way -> when they began [s]
         self._peers, self._tally = PeerCheck(), Tally(100)
         super().__init__(*values)
@@ -261,7 +264,11 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             self.close_connection = True
             self.send_error(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
             return
-        answer = self._answer(self.rfile.read(size))
+        data = self.rfile.read(size)
+        with self.server.turn:
+            begin = time.thread_time()
+            answer = self._answer(data)
+            time.sleep(time.thread_time() - begin)  # so much passes otherwise
         self.send_response(http.HTTPStatus.OK)
         self.send_header("Content-Type", "text/xml")
         self.send_header("Content-Length", str(len(answer)))

@@ -590,7 +590,7 @@ def test_peers_that_announce_too_much_or_say_nothing_or_are_too_many_are_closed(
     del service
 
 
-DEEP = "<array><data><value>" * 5000 + "x" + "</value></data></array>" * 5000
+DEEP = "<array><data><value>" * 1300 + "x" + "</value></data></array>" * 1300
 ANSWERS = [
     DEEP,
     f"<array><data><value><i4>0</i4></value><value>{DEEP}</value><value>x</value></data></array>",
@@ -791,6 +791,53 @@ def test_a_request_that_comes_byte_by_byte_has_an_end(node, monkeypatch):
                 return True
 
         wait_for(closed, lambda: time.sleep(0.01))
+
+
+def test_requests_are_handled_in_turn_and_as_much_time_passes_otherwise(monkeypatch):
+    inside, most, rests, asked = [], [], [], threading.Barrier(4)
+
+    def count(number):
+        inside.append(number)
+        most.append(len(inside))
+        inside.remove(number)
+        return 0
+
+    spent, clock = threading.local(), time.thread_time
+
+    def used():  # each look at it in a thread is a second later
+        spent.seconds = getattr(spent, "seconds", clock()) + 1.0
+        return spent.seconds
+
+    def rest(seconds):
+        rests.append((len(inside), seconds))
+
+    monkeypatch.setattr(xmlrpc_module, "time", SimpleNamespace(**vars(time) | {"thread_time": used, "sleep": rest}))
+    server = xmlrpc_module.Server("127.0.0.1", {"count": count})
+    server.start()
+
+    def client(number):
+        asked.wait(20.0)
+        assert ask(f"http://127.0.0.1:{server.port}/", "count", number) == 0
+
+    threads = [threading.Thread(target=client, args=(number,)) for number in range(4)]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    server.close()
+    assert most == [1] * 4
+    assert rests == [(0, pytest.approx(1.0))] * 4
+
+
+def test_an_answer_where_a_publisher_is_has_a_bound(node, master, caplog):
+    body = b"<methodResponse><params><param><value>" + b"x" * node_module.MOST_PLACE + b"</value></param></params>"
+    head = f"HTTP/1.0 200 OK\r\nContent-Length: {len(body)}\r\n\r\n".encode()
+    subscription = node.subscribe("talk", STRING.name, lambda _: None)
+    wait_for(lambda: "/talk" in master.subscribers)
+    with peer_of_xmlrpc(lambda _, sock: sock.sendall(head + body)) as uri:
+        ask(node.node.uri, "publisherUpdate", "/master", "/talk", [uri])
+        wait_for(lambda: f"more than {node_module.MOST_PLACE} bytes" in caplog.text)
+    del subscription
 
 
 def test_threads_that_cannot_start_are_not_counted(node, monkeypatch):

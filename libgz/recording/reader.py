@@ -21,7 +21,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, ChunkIndex, Footer, McapRecord, Metadata, MetadataIndex, Schema
 
-from libgz.base.budget import Budget, BudgetError, budget_limit
+from libgz.base.budget import ELEMENT, Budget, BudgetError, budget_limit
 from libgz.base.closing import Closing
 from libgz.base.errors import NotFoundError, ParameterError, nearest
 from libgz.base.files import open_file
@@ -111,13 +111,19 @@ class LogReader(Closing):
             self._file.close()
             raise
 
+    def _forget(self) -> None:
+        """Begin with the contents; what is kept of them has one budget: the chunks of a small file may have much."""
+        self.about: dict[str, str] = {}
+        self.channels: dict[int, LogChannel] = {}
+        self._schemas: dict[int, str] = {}  # their names
+        self._parts: list[_Part] = []
+        self._sets: dict[frozenset[int], frozenset[int]] = {}  # of channels: most chunks have the same
+        self._kept = Budget()
+
     def _read_contents(self) -> None:
         if self._file.read(len(MAGIC)) != MAGIC:
             raise ParameterError(f"{str(self.path)!r} is no log: it does not begin as an MCAP file does")
-        self.about: dict[str, str] = {}
-        self.channels: dict[int, LogChannel] = {}
-        self._schemas: dict[int, Schema] = {}
-        self._parts: list[_Part] = []
+        self._forget()
         self.complete = self._read_index()
         if not self.complete:
             self._scan()
@@ -148,8 +154,7 @@ class LogReader(Closing):
                 kind, content = self._record_at(start)
                 start += _HEAD.size + len(content)
                 if kind == SCHEMA:
-                    schema = _parsed(Schema, content)
-                    self._schemas[schema.id] = schema
+                    self._add_schema(_parsed(Schema, content))
                 elif kind == CHANNEL:
                     self._add_channel(_parsed(Channel, content))
                 elif kind == CHUNK_INDEX:
@@ -163,7 +168,7 @@ class LogReader(Closing):
                     self._add_metadata(content)
             self._check_parts()
         except (*DAMAGE, OSError):
-            self._schemas, self._parts, self.channels, self.about = {}, [], {}, {}
+            self._forget()
             return False
         return True
 
@@ -204,26 +209,31 @@ class LogReader(Closing):
     def _add_part(self, chunk: ChunkIndex) -> None:
         channels = frozenset(chunk.message_index_offsets)
         if channels:
-            self._parts.append(
-                _Part(chunk.chunk_start_offset, chunk.message_start_time, chunk.message_end_time, channels)
-            )
+            self._keep_part(chunk.chunk_start_offset, chunk.message_start_time, chunk.message_end_time, channels)
+
+    def _keep_part(self, offset: int, begin: int, end: int, channels: frozenset[int]) -> None:
+        known = self._sets.get(channels)
+        self._kept.take(ELEMENT if known is not None else ELEMENT * (1 + len(channels)))
+        self._parts.append(_Part(offset, begin, end, self._sets.setdefault(channels, channels)))
 
     def _add_metadata(self, content: bytes) -> None:
         metadata = _parsed(Metadata, content)
         if metadata.name == ABOUT:
             self.about = dict(metadata.metadata)
 
+    def _add_schema(self, schema: Schema) -> None:
+        if self._schemas.get(schema.id) != schema.name:  # the chunks of some programs say it again
+            self._kept.take(ELEMENT + len(schema.name))
+            self._schemas[schema.id] = schema.name
+
     def _add_channel(self, channel: Channel) -> None:
-        schema = self._schemas.get(channel.schema_id)
         about = dict(channel.metadata)
-        self.channels[channel.id] = LogChannel(
-            channel.id,
-            channel.topic,
-            about.pop("kind", ""),
-            schema.name if schema is not None else "",
-            channel.message_encoding,
-            about,
-        )
+        texts = (channel.topic, channel.message_encoding, *about, *about.values())
+        kind, schema = about.pop("kind", ""), self._schemas.get(channel.schema_id, "")
+        found = LogChannel(channel.id, channel.topic, kind, schema, channel.message_encoding, about)
+        if self.channels.get(channel.id) != found:
+            self._kept.take(sum(ELEMENT + len(text) for text in texts))
+            self.channels[channel.id] = found
 
     def _scan(self) -> None:
         """Find the chunks of a file without an index, up to the first one that is not whole."""
@@ -246,8 +256,7 @@ class LogReader(Closing):
         begin = end = None
         for kind, record in _records(content):
             if kind == SCHEMA:
-                schema = _parsed(Schema, record)
-                self._schemas[schema.id] = schema
+                self._add_schema(_parsed(Schema, record))
             elif kind == CHANNEL:
                 self._add_channel(_parsed(Channel, record))
             elif kind == MESSAGE:
@@ -256,7 +265,7 @@ class LogReader(Closing):
                 begin = time if begin is None else min(begin, time)
                 end = time if end is None else max(end, time)
         if begin is not None and end is not None:
-            self._parts.append(_Part(place, begin, end, frozenset(found)))
+            self._keep_part(place, begin, end, frozenset(found))
 
     def _damaged(self, place: int, error: Exception) -> ParameterError:
         reason = str(error) if isinstance(error, BudgetError) else f"it is damaged: {error}"

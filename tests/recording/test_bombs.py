@@ -177,6 +177,42 @@ def test_the_last_messages_of_many_channels_are_bounded(tmp_path):
         log.last(1.0)
 
 
+def schema(number, name="", data=b""):
+    return record(3, struct.pack("<H", number) + text(name) + text("") + struct.pack("<I", len(data)) + data)
+
+
+def channel(number, topic, **about):
+    entries = b"".join(text(key) + text(value) for key, value in about.items())
+    return record(4, struct.pack("<HH", number, 0) + text(topic) + text("") + struct.pack("<I", len(entries)) + entries)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        lambda i: schema(i + 1, "s" * (MIB // 2)),
+        lambda i: channel(i + 1, "t" * (MIB // 2)),
+        lambda i: channel(i + 1, "/a", declaration="d" * (MIB // 2)),
+        lambda i: CHANNEL + b"".join(message(number, 0) for number in range(i, 5000 + i)),
+    ],
+)
+def test_what_is_kept_of_all_chunks_is_bounded(tmp_path, content):
+    """Each chunk is within its budget, and a file of some KB may have thousands of them."""
+    path = tmp_path / "a.mcap"
+    path.write_bytes(MAGIC + b"".join(chunk(content(number)) for number in range(5)))
+    assert path.stat().st_size < MIB // 4
+    with pytest.raises(ParameterError, match=SAID):
+        LogReader(path)
+
+
+def test_what_chunks_say_again_is_kept_once(tmp_path):
+    path = tmp_path / "a.mcap"
+    said = schema(1, "s" * 50_000, bytes(MIB // 2)) + channel(1, "/a", declaration="d" * 50_000)
+    said += b"".join(message(number, 0) for number in range(1000))
+    path.write_bytes(MAGIC + b"".join(chunk(said) for _ in range(20)))
+    with LogReader(path) as log:
+        assert [one.topic for one in log.channels.values()] == ["/a"]
+
+
 def test_a_scene_of_many_small_parts_is_bounded(tmp_path):
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:

@@ -161,7 +161,7 @@ class Parser(Hints):
 
     def error(self, message: str) -> NoReturn:
         """Report the error and exit with code 2."""
-        self.exit(USAGE_ERROR, f"{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
+        self.exit(USAGE_ERROR, visible(f"{self.prog}: {message}; {self.prog} -h lists what is allowed\n"))
 
 
 N = TypeVar("N", int, float)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import GazeboError, ParameterError
 from libgz.base.files import exists, expand, xml_text
+from libgz.physics.check import LARGEST as FARTHEST
 from libgz.physics.mesh_files import read_mesh
 
 __all__ = ["FORMATS", "MeshModel", "keep_mesh"]
@@ -138,6 +139,9 @@ def keep_mesh(name: str, data: Any) -> MeshModel:
             corners = np.concatenate([part.vertices for part in read_mesh(file)])
         except GazeboError as error:  # users know the file by its own name
             raise GazeboError(str(error).replace(str(file), name[:100])) from None
+        reach = float(np.abs(corners).max())
+        if reach > FARTHEST:
+            raise GazeboError(f"mesh {name[:100]}: a vertex lies at {reach:g}; allowed is {FARTHEST:g} at most")
         title = next(one for one in _names(stem) if not exists(root / one))
         model = MeshModel(title, root / title / "meshes" / file.name, corners.min(axis=0), corners.max(axis=0))
         config = f"<model><name>{title}</name><sdf version='1.6'>model.sdf</sdf></model>\n"

@@ -307,8 +307,11 @@ class Diagnostic(NamedTuple):
 
     @classmethod
     def at(cls, where: Located, message: str, severity: Severity) -> Diagnostic:
-        """The diagnostic of an element; a text without a file name is called ``<string>``."""
-        return cls(where.file or "<string>", where.line, where.name, message, severity)
+        """The diagnostic of an element; a text without a file name is called ``<string>``.
+
+        It is one line: no part of a name in it looks like a diagnostic of its own.
+        """
+        return cls(where.file or "<string>", where.line, where.name, message.replace("\n", "\\n"), severity)
 
 
 @dataclass(eq=False, repr=False)
@@ -380,7 +383,7 @@ class Diagnostics:
             found = [Diagnostic(m[1], int(m[2]), m[3], m[4], "error") for m in placed if m]
             self.add(*(one for one in found if (one.file, one.line, one.element) not in known))  # else it follows
         else:
-            self.error(where, text)
+            self.add(Diagnostic.at(where, "", "error")._replace(message=text))
 
     def remark(self, file: str, text: str) -> None:
         """Add a message that was logged, as a warning at the place that it names, or else about the whole file."""

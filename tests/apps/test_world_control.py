@@ -185,6 +185,9 @@ def test_a_dropped_mesh_becomes_a_model(ask, tmp_path, monkeypatch):
     ):
         with pytest.raises(GazeboError, match=r"mesh|empty"):
             ask("mesh", file=file, data=content)
+    far = base64.b64encode(b"v 1e300 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n").decode()
+    with pytest.raises(GazeboError, match=r"^mesh far\.obj: a vertex lies at 1e\+300; allowed is 1e\+09 at most"):
+        ask("mesh", file="far.obj", data=far)
     with pytest.raises(GazeboError, match=r"^mesh a hollow\.stl "):  # not the file in which it was kept
         ask("mesh", file="a hollow.stl", data=base64.b64encode(b"solid s").decode())
     with pytest.raises(GazeboError, match="a pose is seven finite numbers"):

@@ -135,6 +135,22 @@ def test_no_command_prints_control_characters_of_names(tmp_path, capsys, name):
         assert printed, words
 
 
+def test_no_refusal_of_arguments_prints_control_characters(capsys):
+    """A shell makes arguments of the names of files."""
+    with pytest.raises(SystemExit):
+        main(["debug", "a\x1b[2J\x9b2J\u202e"])
+    assert "a\\x1b[2J\\x9b2J\\u202e" in capsys.readouterr().err
+
+
+def test_no_part_of_a_name_looks_like_a_message_of_its_own(tmp_path, capsys):
+    path = tmp_path / "a.urdf"
+    path.write_text("<robot name='r'><link name='l&#10;forged.world:1: &lt;a&gt;: wrong'/><link name='b'/></robot>")
+    main(["check", str(path)])
+    printed = "".join(capsys.readouterr())
+    assert "links l\\nforged.world:1: <a>: wrong, b have no parent" in printed
+    assert "\nforged" not in printed
+
+
 def test_no_message_is_printed_with_control_characters():
     message = msgs.Model(name="a\x1b[2J\x9b2J\u202e é\n")
     assert message.DebugString() == 'name: "a\\033[2J\\302\\2332J\\342\\200\\256 é\\n"\n'

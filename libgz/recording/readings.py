@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from libgz.base.budget import budget_limit
 from libgz.base.errors import GazeboError
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.transport.topic import decode
@@ -19,7 +20,7 @@ IMAGE, SCAN = "gazebo.msgs.ImageStamped", "gazebo.msgs.LaserScanStamped"
 
 
 class Readings:
-    """Keeps the last message of each sensor's topic; they are read on request.
+    """Keeps the last message of each sensor's topic, the newest that fit in a budget; they are read on request.
 
     Args:
         world: its name.
@@ -28,7 +29,8 @@ class Readings:
     def __init__(self, world: str) -> None:
         self._world = world
         self._topics: dict[str, str] = {}  # of sensors, by model::link::sensor
-        self._messages: dict[str, tuple[str, bytes]] = {}  # type and bytes, by topic
+        self._messages: dict[str, tuple[str, bytes]] = {}  # type and bytes, by topic; the newest comes last
+        self._size = 0  # of them [byte]
 
     def show(self, scene: dict[str, Any]) -> None:
         """Learn the sensors of a scene."""
@@ -44,12 +46,22 @@ class Readings:
     def take(self, channel: LogChannel, content: bytes) -> None:
         """Keep a message of a topic."""
         kind = channel.about.get("type", "")
-        if kind in (IMAGE, SCAN):
-            self._messages[channel.topic] = kind, content
+        if kind not in (IMAGE, SCAN):
+            return
+        self._forget(channel.topic)
+        self._messages[channel.topic] = kind, content
+        self._size += len(content)
+        while self._size > budget_limit():
+            self._forget(next(iter(self._messages)))
+
+    def _forget(self, topic: str) -> None:
+        _, content = self._messages.pop(topic, ("", b""))
+        self._size -= len(content)
 
     def clear(self) -> None:
         """Forget all messages."""
         self._messages.clear()
+        self._size = 0
 
     def answer(self, names: Iterable[str]) -> dict[str, Any]:
         """Of sensors named ``model::link::sensor``: last images, as JPEG in base64, and ranges [m], -1 for none."""

@@ -31,6 +31,7 @@ class TopicPlayer:
         self._node = Node()
         self._node.Init(world)
         self._publishers: dict[str, Publisher | None] = {}
+        self._damaged: set[str] = set()  # topics of which messages were left out
         self._received: list[Any] = []
         self._subscriber = self._node.Subscribe("~/playback_control", self._received.append)
 
@@ -44,7 +45,9 @@ class TopicPlayer:
             try:
                 publisher.Publish(kind.FromString(content))
             except GazeboError as error:
-                log.warning("topic %s: a message is left out: %s", channel.topic, error)
+                if channel.topic not in self._damaged:  # a log may have millions
+                    self._damaged.add(channel.topic)
+                    log.warning("topic %s: messages are left out: %s", channel.topic, error)
 
     def _advertise(self, channel: LogChannel) -> Publisher | None:
         try:

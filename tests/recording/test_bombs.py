@@ -10,9 +10,12 @@ from commands import run_libgz
 
 from libgz.base.budget import VARIABLE
 from libgz.base.errors import ParameterError
+from libgz.classic import msgs
 from libgz.recording.mcap_file import McapFile
 from libgz.recording.player import Player
-from libgz.recording.reader import MAGIC, LogReader
+from libgz.recording.reader import MAGIC, LogChannel, LogReader
+from libgz.recording.readings import Readings
+from libgz.recording.topic_player import TopicPlayer
 
 MIB = 1 << 20
 SAID = "takes more than 1 MiB decompressed"
@@ -202,6 +205,35 @@ def test_what_is_kept_of_all_chunks_is_bounded(tmp_path, content):
     assert path.stat().st_size < MIB // 4
     with pytest.raises(ParameterError, match=SAID):
         LogReader(path)
+
+
+def test_images_of_many_topics_are_held_up_to_a_budget():
+    held = Readings("default")
+    sensors = [{"kind": "camera", "name": f"s{i}", "body": "b", "topic": f"/t{i}"} for i in range(9)]
+    held.show({"entities": [{"id": "m", "bodies": [{"id": "b", "name": "l"}], "sensors": sensors}]})
+    data = msgs.ImageStamped()
+    data.image.width, data.image.height, data.image.data = 300, 300, bytes(3 * 300 * 300)
+    for _ in range(2):
+        for i in range(9):
+            about = {"type": "gazebo.msgs.ImageStamped"}
+            held.take(LogChannel(i, f"/t{i}", "topic", "", "protobuf", about), data.SerializeToString())
+    names = [f"m::l::s{i}" for i in range(9)]
+    assert list(held.answer(names)["images"]) == names[-3:]
+
+
+def test_damaged_messages_of_a_topic_are_logged_once(caplog):
+    player = TopicPlayer("default")
+    try:
+        for name in ("/gazebo/default/a", "/gazebo/default/b"):
+            one = LogChannel(1, name, "topic", "", "protobuf", {"type": "gazebo.msgs.ImageStamped"})
+            for _ in range(3):
+                player.publish(one, b"\xff")
+    finally:
+        player.close()
+    assert [record.getMessage().split(":")[0] for record in caplog.records] == [
+        "topic /gazebo/default/a",
+        "topic /gazebo/default/b",
+    ]
 
 
 def test_what_chunks_say_again_is_kept_once(tmp_path):

@@ -41,13 +41,14 @@ typedef struct {
     double load[MOST_ROWS], impulse[MOST_ROWS];
 } tree_joint;
 
+/* All of it in numbers of eight bytes, for ODE steps over them from row to row. */
 typedef struct {
     int64_t joint;
     double line[2][MOTIONS];
     double aim, softness, low, high;
     int64_t normal; /* the row whose impulse scales the bounds, -1: none */
     int64_t place;  /* in the dense problem, unless it is part of the tree */
-    int apart;      /* 1: it is no part of the tree */
+    int64_t apart;  /* 1: it is no part of the tree */
     double impulse;
 } tree_row;
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 enum { JOINT_KINDS = 18 }; /* ODE's numbers of joint types end below */
+enum { NUMBERS_OF_ROW = sizeof(tree_row) / sizeof(double) }; /* ODE writes into rows, aim and softness in one piece */
 
 typedef struct {
     uint8_t rows, unbounded;
@@ -124,26 +125,30 @@ static void find_sides(void *joint, void *bodies[2])
 /* Write a joint's rows behind the others; one without rows belongs to the island, too. 0 without memory. */
 static int add_joint(const context *c, island *w, void *joint, void *const *bodies)
 {
-    double block[MOST_ROWS][16], rate = 1.0 / c->step, cfm = dWorldGetCFM(c->world);
-    int normal[MOST_ROWS], type = dJointGetType(joint), i, k, side;
+    double rate = 1.0 / c->step, cfm = dWorldGetCFM(c->world);
+    int normal[MOST_ROWS], type = dJointGetType(joint), i, side;
     row_count found = {0, 0};
     tree_joint *j;
+    tree_row *rows;
     if (type < 0 || type >= JOINT_KINDS || !counters[type] || !writers[type])
         return 0;
     counters[type](joint, &found);
     if (found.rows > MOST_ROWS)
         return 0;
     GROW(joints, joint_capacity, w->joint_count + 1);
-    GROW(rows, row_capacity, w->row_count + found.rows);
-    memset(block, 0, sizeof block);
+    GROW(rows, row_capacity, w->row_count + MOST_ROWS); /* so that there is a first one in any case */
+    rows = w->rows + w->row_count;
+    memset(rows, 0, found.rows * sizeof *rows);
     for (i = 0; i < found.rows; i++) {
-        block[i][13] = cfm;
-        block[i][14] = -HUGE_VAL;
-        block[i][15] = HUGE_VAL;
+        rows[i].joint = w->joint_count;
+        rows[i].softness = cfm;
+        rows[i].low = -HUGE_VAL;
+        rows[i].high = HUGE_VAL;
         normal[i] = -1;
     }
-    writers[type](joint, rate, dWorldGetERP(c->world), 16, block[0], block[0] + 6, 16, block[0] + 12, block[0] + 14, normal);
-    j = w->joints + w->joint_count;
+    writers[type](joint, rate, dWorldGetERP(c->world), NUMBERS_OF_ROW, rows->line[0], rows->line[1], NUMBERS_OF_ROW,
+                  &rows->aim, &rows->low, normal);
+    j = w->joints + w->joint_count++;
     j->joint = joint;
     j->tying = 0;
     j->rows = found.rows;
@@ -152,27 +157,24 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
     for (side = 0; side < 2; side++)
         j->body[side] = place_of(c, w, bodies[side]);
     for (i = 0; i < found.rows; i++) {
-        tree_row *r = w->rows + w->row_count++;
-        memset(r->line, 0, sizeof r->line);
-        r->impulse = 0.0;
-        r->joint = w->joint_count;
-        r->aim = block[i][12];
-        r->softness = block[i][13] * rate;
-        r->low = block[i][14] == -HUGE_VAL ? -HUGE_VAL : block[i][14] * (normal[i] < 0 ? c->step : 1.0);
-        r->high = block[i][15] == HUGE_VAL ? HUGE_VAL : block[i][15] * (normal[i] < 0 ? c->step : 1.0);
+        tree_row *r = rows + i;
+        double scale = normal[i] < 0 ? c->step : 1.0;
+        r->softness *= rate;
+        r->low *= scale; /* infinite ones stay so */
+        r->high *= scale;
         r->normal = normal[i] < 0 ? -1 : j->first + normal[i];
         r->apart = !(r->low < r->high);
+        j->tying += type != JOINT_CONTACT && is_unbounded(r);
         for (side = 0; side < 2; side++) {
-            const double *line = block[i] + 6 * side;
+            double *line = r->line[side];
             if (j->body[side] >= 0)
-                memcpy(r->line[side], line, sizeof r->line[side]);
-            else if (bodies[side]) /* it moves as it does, whatever happens */
+                continue;
+            if (bodies[side]) /* it moves as it does, whatever happens */
                 r->aim -= dot(line, dBodyGetLinearVel(bodies[side])) + dot(line + 3, dBodyGetAngularVel(bodies[side]));
+            memset(line, 0, sizeof r->line[side]);
         }
     }
-    for (k = 0; type != JOINT_CONTACT && k < j->rows; k++)
-        j->tying += is_unbounded(w->rows + j->first + k);
-    w->joint_count++;
+    w->row_count += found.rows;
     return 1;
 }
 
@@ -180,42 +182,36 @@ static int add_joint(const context *c, island *w, void *joint, void *const *bodi
 int collect(const context *c, island *w, int64_t row)
 {
     int64_t at;
-    int i, whole = 1;
+    int i, count, whole = 1;
     w->body_count = w->joint_count = w->row_count = 0;
     if (!add_body(w, c->bodies[row], c->work->members + row))
         return 0;
     for (at = 0; at < w->body_count; at++) {
         void *body = w->bodies[at].body;
-        for (i = 0; i < dBodyGetNumJoints(body); i++) {
+        count = dBodyGetNumJoints(body);
+        for (i = 0; i < count; i++) {
             void *joint = dBodyGetJoint(body, i), *bodies[2], *other;
-            member *m;
             if (!dJointIsEnabled(joint))
                 continue;
             find_sides(joint, bodies);
             other = bodies[bodies[0] == body];
-            m = moves(other) ? member_of(c, other) : NULL;
-            if (m && m->place < 0) {
-                if (!add_body(w, other, m))
-                    return 0;
-                if (!dBodyIsEnabled(other))
-                    dBodyEnable(other);
+            if (moves(other)) {
+                member *m = member_of(c, other);
+                if (m && m->place < 0) {
+                    if (!add_body(w, other, m))
+                        return 0;
+                    if (!dBodyIsEnabled(other))
+                        dBodyEnable(other);
+                }
+                whole &= place_of(c, w, other) >= 0;
             }
-            whole &= !moves(other) || place_of(c, w, other) >= 0;
+            /* By the first body that moves, so that it is once. */
+            if (whole && (moves(bodies[0]) ? bodies[0] : bodies[1]) == body && !add_joint(c, w, joint, bodies))
+                return 0;
         }
     }
     if (!whole)
         return 0;
-    for (at = 0; at < w->body_count; at++) {
-        void *body = w->bodies[at].body;
-        for (i = 0; i < dBodyGetNumJoints(body); i++) {
-            void *joint = dBodyGetJoint(body, i), *bodies[2];
-            if (!dJointIsEnabled(joint))
-                continue;
-            find_sides(joint, bodies);
-            if ((moves(bodies[0]) ? bodies[0] : bodies[1]) == body && !add_joint(c, w, joint, bodies))
-                return 0;
-        }
-    }
     for (at = 0; at < w->body_count; at++) /* now, for motors at a limit have applied efforts */
         describe(c, w->bodies + at);
     return 1;

@@ -137,8 +137,7 @@ class HeldEffort(ctypes.Structure):
         ("joint", c_void_p),
         ("type", c_int64),
         ("effort", c_double),
-        ("parent", c_void_p),  # this and the next one are `bodies` there
-        ("child", c_void_p),
+        ("wakes", c_int64),
     ]
 
 

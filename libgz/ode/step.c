@@ -162,9 +162,11 @@ static void apply_held_efforts(const context *c)
         const held_effort *h = c->held + i;
         if (!h->joint)
             continue; /* it was destroyed meanwhile */
-        for (side = 0; side < 2; side++)
-            if (h->bodies[side])
-                dBodyEnable(h->bodies[side]);
+        for (side = 0; h->wakes && side < 2; side++) {
+            void *body = dJointGetBody(h->joint, side);
+            if (body)
+                gz_wake(body, 0);
+        }
         if (h->type == JOINT_SLIDER)
             dJointAddSliderForce(h->joint, h->effort);
         else

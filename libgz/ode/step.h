@@ -243,7 +243,7 @@ typedef struct {
     void *joint;
     int64_t type;     /* JOINT_HINGE or JOINT_SLIDER */
     double effort;    /* [N m or N] */
-    void *bodies[2];  /* which it wakes; NULL: none */
+    int64_t wakes;    /* 1: its bodies, if they may sleep */
 } held_effort;
 
 typedef struct {
@@ -508,6 +508,7 @@ void carry_on(context *c);
 void collect_feedback(context *c);
 
 /* motion.c */
+void gz_wake(void *body, int always);
 int64_t read_bodies(const context *c, double *state, int stepped);
 void read_joints(const context *c, double *state);
 void apply_springs(context *c);

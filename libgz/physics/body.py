@@ -177,7 +177,6 @@ class Body:
         if self._id is not None:
             self.engine.auto_disabled.discard(self)
             self._table.remove(self.row)
-            self.engine.drop_held(self._id)
             ode().dBodyDestroy(self._id)
             self._id = None
         self.engine.moved_dummies.discard(self)

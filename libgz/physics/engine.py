@@ -424,10 +424,10 @@ class Engine:
         self._context.held_count = 0
         self._held, self._context.held = efforts, ctypes.addressof(efforts)
 
-    def drop_held(self, handle: int | None) -> None:
-        """Apply no more efforts on a joint or body, by its handle: it is being destroyed."""
+    def drop_held(self, joint: int) -> None:
+        """Apply no more efforts on a joint, by its handle: it is being destroyed."""
         for effort in self._held:
-            if handle in (effort.joint, effort.parent, effort.child):
+            if effort.joint == joint:
                 effort.joint = None
 
     @property

@@ -405,14 +405,13 @@ class SdfJoint:
 
     def write_held(self, held: HeldEffort, effort: float) -> bool:
         """Write what `add_force` does on the first axis for `Engine.hold`; false where more than the effort decides."""
-        mechanism, axis, links = self._mechanism, self.axes[0], self.links
+        mechanism, axis = self._mechanism, self.axes[0]
         if mechanism is None or not mechanism.holds or (joint := mechanism.joint) is None or joint.closed:
             return False
         if axis.velocity >= 0.0:
             return False
-        held.parent = parent.id if (parent := links.parent) is not None and parent.auto_disable else None
-        held.child = child.id if (child := links.child) is not None and child.auto_disable else None
-        return joint.write_held(held, axis.within_effort(effort) if axis.effort >= 0.0 else effort)
+        held.wakes = 1
+        return joint.write_held(held, axis.within_effort(effort))
 
     def was_held(self, effort: float, steps: int) -> None:
         """Note the effort of a number of steps that are over, as `add_force` notes it."""

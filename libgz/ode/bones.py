@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.base.errors import ParameterError
-from libgz.ode.step import library_path
+from libgz.ode.step import address_of, library_path
 
 __all__ = ["blend_bones", "join_bones"]
 
@@ -36,8 +36,8 @@ def blend_bones(before: tuple[Array, Array], after: tuple[Array, Array], share: 
     """
     arrays = [np.ascontiguousarray(pair[i], dtype=np.float64) for i in (0, 1) for pair in (before, after)]
     positions, turns = np.empty_like(arrays[0]), np.empty_like(arrays[2])
-    keys = (c_void_p * 4)(*(array.ctypes.data for array in arrays))
-    _library().gz_blend_bones(len(positions), keys, share, positions.ctypes.data, turns.ctypes.data)
+    keys = (c_void_p * 4)(*map(address_of, arrays))
+    _library().gz_blend_bones(len(positions), keys, share, address_of(positions), address_of(turns))
     return positions, turns
 
 
@@ -60,5 +60,5 @@ def join_bones(
     places, rotations = np.empty_like(positions), np.empty_like(turns)
     places[0], rotations[0] = place, rotation
     arrays = (parents, positions, turns, places, rotations)
-    _library().gz_join_bones(len(parents), *(array.ctypes.data for array in arrays))
+    _library().gz_join_bones(len(parents), *map(address_of, arrays))
     return places, rotations

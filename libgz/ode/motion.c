@@ -247,13 +247,31 @@ void gz_read(context *c)
     read_joints(c, c->joint_state);
 }
 
-/* Put geoms without bodies at positions, 3 a row, and rotations, 4 a row. */
-void gz_place(void *const *geoms, int64_t count, const double *positions, const double *turns)
+/* Positions, 3 a row, and rotations, 4 a row, as frames: 7 a row, with rotations of length 1. 0: a coordinate is beyond `most`,
+ * or a rotation's length is far from 1. */
+int gz_frames(int64_t count, const double *positions, const double *turns, double most, double *frames)
+{
+    int64_t i;
+    int k;
+    for (i = 0; i < count; i++, positions += 3, turns += 4, frames += 7) {
+        double length = sqrt(turns[0] * turns[0] + turns[1] * turns[1] + turns[2] * turns[2] + turns[3] * turns[3]);
+        if (!is_within(positions, most) || !(length > 0.5 && length < 2.0))
+            return 0;
+        memcpy(frames, positions, 3 * sizeof *frames);
+        for (k = 0; k < 4; k++)
+            frames[3 + k] = turns[k] / length;
+    }
+    return 1;
+}
+
+/* Put geoms without bodies at rows of such frames. */
+void gz_place(void *const *geoms, const int64_t *rows, int64_t count, const double *frames)
 {
     int64_t i;
     for (i = 0; i < count; i++) {
-        dGeomSetPosition(geoms[i], positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
-        dGeomSetQuaternion(geoms[i], turns + 4 * i);
+        const double *frame = frames + 7 * rows[i];
+        dGeomSetPosition(geoms[i], frame[0], frame[1], frame[2]);
+        dGeomSetQuaternion(geoms[i], frame + 3);
     }
 }
 

@@ -21,7 +21,7 @@ from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
 
-__all__ = ["LONGEST", "Step", "library_path"]
+__all__ = ["LONGEST", "Step", "address_of", "library_path"]
 
 
 LIBRARY = Path(__file__).with_name("_step.so")
@@ -97,7 +97,8 @@ class Step:
         library.gz_overlap.restype = c_double
         library.gz_parts_size.restype = ctypes.c_size_t
         library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
-        library.gz_place.argtypes, library.gz_place.restype = [c_void_p, c_int64, c_void_p, c_void_p], None
+        library.gz_frames.argtypes = [c_int64, c_void_p, c_void_p, c_double, c_void_p]
+        library.gz_place.argtypes, library.gz_place.restype = [c_void_p, c_void_p, c_int64, c_void_p], None
         for move in (library.gz_turn_bodies, library.gz_carry_bodies):
             move.argtypes, move.restype = [c_void_p, c_void_p, c_int64, c_void_p, ctypes.c_int], c_int64
         library.gz_read_body.argtypes, library.gz_read_body.restype = [c_void_p, c_int64], None
@@ -168,11 +169,22 @@ class Step:
         """Copy all states out."""
         self._shared.gz_read(self._address)
 
-    def place(self, geoms: Sequence[int], positions: NDArray[np.float64], turns: NDArray[np.float64]) -> None:
-        """Put geoms without bodies at positions [m], shape (n, 3), with rotations, shape (n, 4)."""
+    def frames(
+        self, positions: NDArray[np.float64], turns: NDArray[np.float64], most: float
+    ) -> NDArray[np.float64] | None:
+        """Positions [m], shape (n, 3), and rotations, shape (n, 4), as rows of 7 whose rotations have the length 1.
+
+        None if a coordinate is beyond +-`most` [m], or the length of a rotation far from 1.
+        """
         positions, turns = (np.ascontiguousarray(array, dtype=np.float64) for array in (positions, turns))
-        handles = (c_void_p * len(geoms))(*geoms)
-        self._shared.gz_place(handles, len(geoms), positions.ctypes.data, turns.ctypes.data)
+        turns, frames = turns.reshape(len(positions), 4), np.empty((len(positions), 7))
+        found = self._shared.gz_frames(len(frames), address_of(positions), address_of(turns), most, address_of(frames))
+        return frames if found else None
+
+    def place(self, geoms: Sequence[int], rows: Sequence[int], frames: NDArray[np.float64]) -> None:
+        """Put geoms without bodies at such frames, each at that of a row."""
+        count = len(geoms)
+        self._shared.gz_place((c_void_p * count)(*geoms), (c_int64 * count)(*rows), count, address_of(frames))
 
     def read_body(self, row: int) -> None:
         """Copy the state of one body to its row."""
@@ -243,6 +255,13 @@ class Step:
         )
         count, owner = c_int64(len(scan.rays)), c_int64(scan.owner)
         return functools.partial(self._scan, c_void_p(self._address), frame, rays, count, owner, ranges, rows)
+
+
+def address_of(array: NDArray[Any]) -> int:
+    """Where the numbers of a contiguous array are: `ctypes.data` takes three times as long."""
+    if array.size and array.flags.writeable:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array.data))
+    return int(array.ctypes.data)
 
 
 def _bind_joints(library: ctypes.CDLL) -> None:

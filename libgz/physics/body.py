@@ -662,23 +662,21 @@ def place_dummies(
     Raises:
         ParameterError: a number is not finite.
     """
-    u, x, y, z = rotations.T
-    lengths = np.sqrt(u * u + x * x + y * y + z * z)
-    if not (np.abs(positions) <= FAR).all() or not ((lengths > 0.5) & (lengths < 2.0)).all():
+    frames = engine.native.frames(positions, rotations, FAR)
+    if frames is None:
         for body, position, rotation in zip(bodies, positions.tolist(), rotations.tolist(), strict=True):
             body.SetPose(GzPose(GzVector(*position), GzQuatern(*rotation)))
         return
-    turns = rotations / lengths[:, None]
     handles, rows = [], []
-    for row, (body, frame) in enumerate(zip(bodies, np.hstack((positions, turns)).tolist(), strict=True)):
+    for row, (body, frame) in enumerate(zip(bodies, frames.tolist(), strict=True)):
         body._frame = frame
         for geom in body.geoms:
-            if geom.centred:
-                handles.append(geom.id)
+            if handle := geom.centred:
+                handles.append(handle)
                 rows.append(row)
             else:
                 geom.follow_dummy()
-    engine.native.place(handles, positions[rows], turns[rows])
+    engine.native.place(handles, rows, frames)
     engine.moved_dummies.update(bodies)
     engine.tables.record.changes += 1
     engine.wake()

@@ -204,10 +204,11 @@ class Geom:
         ode().dGeomSetOffsetQuaternion(self.id, (ctypes.c_double * 4)(*self._turned(self._relative.rot)))
 
     @property
-    def centred(self) -> bool:
-        """Whether ODE's geom is where its body's frame is."""
-        placed = self._id is not None and self.placeableGeom and self.extra_rotation is None
-        return placed and (self._relative is _CENTRE or self._relative == _CENTRE)
+    def centred(self) -> int:
+        """The handle of ODE's geom if that is where its body's frame is; else 0."""
+        if self._id is None or not self.placeableGeom or self.extra_rotation is not None:
+            return 0
+        return self._id if self._relative is _CENTRE or self._relative == _CENTRE else 0
 
     @exclusive
     def follow_dummy(self) -> None:

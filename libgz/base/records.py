@@ -255,10 +255,10 @@ class JobRecord(ctypes.Structure):
 class PaceRecord(ctypes.Structure):
     """Sim time at a speed: simulated seconds per second of real time since a start on the monotonic clock [s].
 
-    What is further behind than its debt [s] begins anew.
+    What is further behind than its debt [s] begins anew. Python looks after `longest` [s] of real time at the latest.
     """
 
-    _fields_ = [("speed", c_double), ("start", c_double), ("simulated", c_double), ("debt", c_double)]
+    _fields_ = [(name, c_double) for name in ("speed", "start", "simulated", "debt", "longest")]
     speed: float
     start: float
     simulated: float

@@ -88,6 +88,7 @@ typedef struct {
     double start;     /* [s] on the monotonic clock */
     double simulated; /* [s] of sim time at the start */
     double debt;      /* [s] of being late, beyond which Python counts anew */
+    double longest;   /* [s] of steps without Python */
 } pace_record;
 
 union semun {
@@ -248,10 +249,10 @@ static int wait_until_due(const updates *u, int64_t count, const pace_record *p,
 
 /* Do all rows, of which there are `count`, step after step, and return as gz_updates_run() does. It ends with the row that
  * Python has to do, after *steps steps, after some seconds, or if another thread wants the world. *steps: those that are
- * left. pace: when steps after the first one are due; NULL for at once. */
+ * left. pace: when steps after the first one are due, and after how many seconds it ends instead; NULL for at once. */
 int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, double seconds, const pace_record *pace)
 {
-    double end = now_monotonic() + seconds;
+    double end = now_monotonic() + (pace ? pace->longest : seconds);
     int64_t i;
     do {
         i = gz_updates_run(u, 0, count);

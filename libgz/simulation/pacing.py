@@ -13,6 +13,7 @@ __all__ = ["Pacer"]
 
 LARGEST_DEBT = 1.0  # [s]; a simulation that is further behind does not try to catch up
 LONGEST_SLEEP = 0.1  # [s]; so that a signal is noticed soon
+LONGEST_RUN = 0.05  # [s] of steps without Python, for the same reason; to look costs as much as many idle steps
 
 
 class Pacer:
@@ -24,7 +25,7 @@ class Pacer:
 
     def __init__(self, speed: float) -> None:
         self.speed = not_negative(speed, "speed")
-        self._record = PaceRecord(self.speed, debt=LARGEST_DEBT)
+        self._record = PaceRecord(self.speed, debt=LARGEST_DEBT, longest=LONGEST_RUN)
         self._started = False
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import functools
 import itertools
+import logging
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -20,6 +21,8 @@ from libgz.sdf.bounds import LARGEST
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
+
+log = logging.getLogger("libgz.sdf")
 
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
@@ -167,7 +170,10 @@ def _read_script(path: Path) -> dict[str, _Defined]:
     try:
         data = read_limited(path, LONGEST)
         _budget.take(len(data) + BLOCK * data.count(b"{"))
-    except (OSError, BudgetError):
+    except OSError:
+        return {}
+    except BudgetError:
+        log.warning("%s: not read; all material scripts of a process may have %d MiB", path, MOST_READ >> 20)
         return {}
     text = data.decode("utf-8", "replace")
     text = re.sub(r"/\*.*?(?:\*/|\Z)", "", text, flags=re.DOTALL)

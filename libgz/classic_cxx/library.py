@@ -54,6 +54,7 @@ Progress = Callable[[str], None]
 NATIVE = FOLDER / "native"
 FRAME = libgz.cxx.FOLDER / "include" / "gazebo" / "LibgzFrame.h"
 VERSION = (11, 15, 1)  # of Gazebo, whose names these are
+FORMER = ("2.2", *range(3, VERSION[0]))  # whose folders of headers, /usr/include/gazebo-7, sources name, too
 STANDARD = "c++17"
 EXACT = "-ffp-contract=off"  # products and sums are rounded one by one, as in Python, whatever the processor can do
 SONAME, MESSAGES = "libgazebo.so.11", "libgazebo_msgs.so.11"
@@ -112,7 +113,7 @@ class Library:
 
     def compiler_flags(self) -> list[str]:
         """The compiler's options for plugins."""
-        # Also for sources that say <gazebo-11/gazebo/gazebo.hh>, which the compiler found where Gazebo was installed.
+        # The last one for sources that say <gazebo-11/gazebo/gazebo.hh>, which the compiler found in /usr/include.
         own = [f"-I{one}" for one in (self.include, self.include / "gazebo" / "msgs", self.include.parent)]
         return [f"-std={STANDARD}", "-fPIC", *own, *_include()]
 
@@ -335,6 +336,8 @@ def _build(folder: Path, key: str, lib: Path, progress: Progress) -> None:
         path = include / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
+    for former in FORMER:
+        include.with_name(f"gazebo-{former}").symlink_to(include.name)
     own = include / "gazebo" / "libgz"
     for path in (NATIVE / "libgz").iterdir():
         shutil.copyfile(path, own / path.name)
@@ -523,7 +526,7 @@ def install(prefix: Path | None = None, progress: Progress = lambda _line: None)
     try:
         for path in sorted(library.folder.rglob("*")):
             relative = path.relative_to(library.folder)
-            if str(relative) in texts or path.is_dir():
+            if str(relative) in texts or (path.is_dir() and not path.is_symlink()):
                 continue
             target = place / relative
             target.parent.mkdir(parents=True, exist_ok=True)

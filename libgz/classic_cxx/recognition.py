@@ -12,7 +12,7 @@ OLD_NAMES = ("-DGAZEBO_MAJOR_VERSION=7",)  # the compiler's option for them
 
 _CLASSIC = re.compile(
     r"GZ_REGISTER_(WORLD|MODEL|SENSOR|SYSTEM|VISUAL|GUI)_PLUGIN"
-    r"|#\s*include\s*[<\"](gazebo/(gazebo|physics/|common/|sensors/|transport/|rendering/|msgs/|util/|gui/)|sdf/|ignition/)"
+    r"|#\s*include\s*[<\"]((gazebo-[\d.]+/)?gazebo/(gazebo|physics/|common/|sensors/|transport/|rendering/|msgs/|util/|gui/)|sdf/|ignition/)"
 )
 
 _OLD = re.compile(

@@ -153,6 +153,7 @@ def test_names_of_gazebo_7_are_declared(library, tmp_path):
 
 HEADERS_OF_THEN = """\
 #include <gazebo-11/gazebo/gazebo.hh>
+#include <gazebo-9/gazebo/physics/physics.hh>
 #include <ignition/math4/ignition/math/Vector3.hh>
 #include <ignition/math4/ignition/math/SemanticVersion.hh>
 auto pose(gazebo::physics::ModelPtr model) { return model->SDFSemanticPose()->RawPose(); }
@@ -354,6 +355,8 @@ def test_sources_of_classic_are_recognised(tmp_path):
     assert is_classic([new])
     assert not is_classic([old])
     assert version_flags([new]) == []
+    old.write_text("#include <gazebo-7/gazebo/physics/Model.hh>")
+    assert is_classic([old])
     new.write_text("math::Pose pose = model->GetWorldPose();")
     assert version_flags([new]) == ["-DGAZEBO_MAJOR_VERSION=7"]
     old.write_text("ignition::math::Vector3d v; // math::Vector3d")
@@ -369,6 +372,7 @@ def test_installation(library, tmp_path, monkeypatch, capsys):
     assert "export PKG_CONFIG_PATH=" in capsys.readouterr().err
     for spelling in ("gazebo", "GAZEBO", "Gazebo"):
         assert (tmp_path / f".cmake/packages/{spelling}/libgz").read_text() == f"{prefix}/lib/cmake/gazebo\n"
+    assert (prefix / "include/gazebo-7/gazebo/gazebo.hh").is_file()
     assert f'LIBGZ_FOLDER "{prefix}/lib"' in (prefix / "include/gazebo-11/gazebo/libgz/config.hh").read_text()
     if shutil.which("pkg-config"):
         env = {**os.environ, "PKG_CONFIG_PATH": str(prefix / "lib/pkgconfig")}

@@ -141,10 +141,9 @@ class NumericAnimation(Animation[NumericKeyFrame]):
 class PoseAnimation(Animation[PoseKeyFrame]):
     """A pose, smoothly interpolated between key frames.
 
-    Positions lie on cubic Hermite curves with the slopes of Catmull and Rom, rotations on Shoemake's squad; the
-    velocity at a key frame is the mean velocity between its neighbours. Classic's curves are the same for evenly spaced
-    key frames; these have continuous velocities for uneven spacing, too. At both ends the velocity is half of the mean
-    to the neighbour, unless the last key frame equals the first: then the curve is closed.
+    Positions lie on cubic Hermite curves with the slopes of Catmull and Rom, rotations on Shoemake's squad. As in
+    Gazebo, the curves are those of evenly spaced key frames, whatever their times: where the spacing changes, so does
+    the velocity. A curve whose ends are equal is closed; at other ends the slope is half of the way to the neighbour.
     """
 
     STATE: ClassVar[tuple[str, ...]] = (*Animation.STATE, "tension")
@@ -187,58 +186,36 @@ class PoseAnimation(Animation[PoseKeyFrame]):
             key.rotation = self._rotation(index, t)
         return key
 
-    def _neighbours(self, index: int) -> tuple[PoseKeyFrame, PoseKeyFrame, float]:
-        """Return the neighbours of a key frame and the time between them [s]; at an end, itself and twice the time."""
+    def _neighbours(self, index: int, closed: bool) -> tuple[PoseKeyFrame, PoseKeyFrame]:
+        """Return the neighbours of a key frame; at an end that is not closed, itself is one of them."""
         keys, last = self.keys, len(self.keys) - 1
-        if 0 < index < last:
-            return keys[index - 1], keys[index + 1], keys[index + 1].time - keys[index - 1].time
-        first_step, last_step = keys[1].time - keys[0].time, keys[last].time - keys[last - 1].time
-        if keys[0].translation == keys[last].translation and keys[0].rotation == keys[last].rotation:
-            return keys[last - 1], keys[1], first_step + last_step
-        if index == 0:
-            return keys[0], keys[1], 2.0 * first_step
-        return keys[last - 1], keys[last], 2.0 * last_step
+        if closed and index in (0, last):
+            return keys[last - 1], keys[1]
+        return keys[max(index - 1, 0)], keys[min(index + 1, last)]
 
-    def _velocity(self, index: int) -> Vector3d:
-        before, after, duration = self._neighbours(index)
-        return (after.translation - before.translation) * ((1.0 - self.tension) / duration)
+    def _slope(self, index: int) -> Vector3d:
+        before, after = self._neighbours(index, self.keys[0].translation == self.keys[-1].translation)
+        return (after.translation - before.translation) * (0.5 * (1.0 - self.tension))
 
-    def _turn_rate(self, index: int) -> Quaterniond:
-        """Return the logarithm of the rotation per second at a key frame, in its own frame."""
-        before, after, duration = self._neighbours(index)
+    def _inner(self, index: int) -> Quaterniond:
+        """Return the inner point of the squad at a key frame."""
         here = self.keys[index].rotation
-        return (_log_between(here, after.rotation) - _log_between(here, before.rotation)) * (1.0 / duration)
+        around = self._neighbours(index, self.keys[0].rotation == self.keys[-1].rotation)
+        back, on = ((here.Inverse() * key.rotation).Log() for key in around)  # not the shorter way, as in Gazebo
+        return here * ((back + on) * -0.25).Exp()
 
     def _translation(self, index: int, t: float) -> Vector3d:
         start, end = self.keys[index], self.keys[index + 1]
-        duration = end.time - start.time
         rise = t * t * (3.0 - 2.0 * t)
         return (
             start.translation * (1.0 - rise)
             + end.translation * rise
-            + self._velocity(index) * (duration * t * (1.0 - t) * (1.0 - t))
-            - self._velocity(index + 1) * (duration * t * t * (1.0 - t))
+            + self._slope(index) * (t * (1.0 - t) * (1.0 - t))
+            - self._slope(index + 1) * (t * t * (1.0 - t))
         )
 
     def _rotation(self, index: int, t: float) -> Quaterniond:
-        """Return squad with inner points that give the rates of `_turn_rate` at both ends.
-
-        With L the logarithm from p to q, squad's slope is L + 2 log(p^-1 a) at p and L - 2 log(q^-1 b) at q.
-        """
-        start, end = self.keys[index], self.keys[index + 1]
-        duration = end.time - start.time
-        p, q = start.rotation, end.rotation
-        if p.Dot(q) < 0.0:
-            q = -q
-        across = _log_between(p, q)
-        a = p * ((self._turn_rate(index) * duration - across) * 0.5).Exp()
-        b = q * ((across - self._turn_rate(index + 1) * duration) * 0.5).Exp()
-        return Quaterniond.Squad(t, p, a, b, q).Normalize()
+        p, q = self.keys[index].rotation, self.keys[index + 1].rotation
+        return Quaterniond.Squad(t, p, self._inner(index), self._inner(index + 1), q, True).Normalize()
 
     InterpolatedKeyFrame = GetInterpolatedKeyFrame
-
-
-def _log_between(p: Quaterniond, q: Quaterniond) -> Quaterniond:
-    """Return the logarithm of the shorter rotation from p to q."""
-    turn = p.Inverse() * q
-    return (-turn if turn.u < 0.0 else turn).Log()

@@ -10,16 +10,18 @@ import socket
 import threading
 import time
 import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sized
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from libgz.base.backlog import Backlog
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError
 from libgz.view.gate import Gate
 from libgz.view.protocol import LARGEST_MESSAGE, LARGEST_OF_WATCHERS, MOST_OF_WATCHERS, MOST_VALUES, read_message
+from libgz.view.received import Received, wire_size
 
 __all__ = ["Page", "Pages"]
 
@@ -34,6 +36,8 @@ MOST_DRAWING = 50  # requests for portraits that wait
 MOST_TRIES = 200  # ports
 MOST_WAITING = 400  # messages to a page that have not been sent
 LARGEST_WAITING = 64 << 20  # [byte] of them
+LARGEST_UNREAD = 256 << 20  # [byte] that wait for all pages with the token, and as much for all others
+LARGEST_RECEIVED, LARGEST_OF_ALL_WATCHERS = 128 << 20, 32 << 20  # [byte] of messages that have not been acted on
 MOST_PENDING = 100  # messages of a page that have not been acted on: then no more are read
 FASTEST, FASTEST_WATCHER = 500.0, 20.0  # messages of a page per second; without the token
 FASTEST_WATCHERS = 300.0  # of all pages without the token together
@@ -70,24 +74,45 @@ class Pace:
 class Page:
     """A page that is connected.
 
-    Attributes:
+    Args:
         number: of it, never used again.
         may_control: whether its address has the token.
+        loop: of the port.
+        backlog: that counts what waits for it.
+        transport: of its connection.
+
+    Attributes:
+        number, may_control: as above.
         visible: whether its user can see it.
         wants: names that it wants, by channel.
         pending: how many of its messages have not been acted on.
+        received: bytes of them, and of those that have not come whole.
         pace: at which its messages are read.
     """
 
-    def __init__(self, number: int, may_control: bool, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(
+        self,
+        number: int,
+        may_control: bool,
+        loop: asyncio.AbstractEventLoop,
+        backlog: Backlog,
+        transport: asyncio.Transport,
+    ) -> None:
         self.number, self.may_control = number, may_control
-        self.visible, self.pending = True, 0
+        self.visible, self.pending, self.received = True, 0, 0
         self.wants: dict[str, list[str]] = {}
-        self._loop = loop
+        self._loop, self._backlog, self._transport = loop, backlog, transport
         self._waiting: dict[str, bytes | str] = {}
+        self._size = 0  # of them [byte]
+        self._sending: list[Sized] = []  # a message, and the copy of it that the transport has
         self._filled = asyncio.Event()
-        self._overflown = False
+        self._ended = False
         self.pace = Pace(FASTEST, FASTEST / 2.0) if may_control else Pace(FASTEST_WATCHER, FASTEST_WATCHER / 2.0)
+
+    @property
+    def size(self) -> int:
+        """Bytes that wait for it, but for those that the system has taken."""
+        return self._size + self._transport.get_write_buffer_size()
 
     def post(self, key: str, message: bytes | str) -> None:
         """Send a message; one of the same key that has not been sent is dropped for it. Safe in every thread."""
@@ -96,29 +121,83 @@ class Page:
 
     def put(self, key: str, message: bytes | str) -> None:
         """As `post`, in the port's thread."""
-        self._waiting.pop(key, None)  # a state stays behind its scene
-        self._waiting[key] = message
-        self._overflown |= len(self._waiting) > MOST_WAITING or sum(map(len, self._waiting.values())) > LARGEST_WAITING
+        with self._backlog.lock:
+            if self._ended:
+                return
+            self._drop(key)  # a state stays behind its scene
+            self._waiting[key] = message
+            self._size += len(message)
+            self._backlog.add(self, message)
+            if len(self._waiting) > MOST_WAITING or self._size > LARGEST_WAITING:
+                self._end()
+                self.abort()
         self._filled.set()
 
-    async def send_all(self, channel: web.WebSocketResponse, transport: asyncio.Transport | None) -> None:
+    def discard(self) -> bool:
+        """Drop the state that waits, since another will follow; without one the page is closed. The lock is held."""
+        if self._drop("state"):
+            return True
+        found = bool(self._waiting or self._sending)
+        self._end()
+        self.abort()
+        return found
+
+    def abort(self) -> None:
+        """Close the connection at once."""
+        self._transport.abort()
+
+    def _drop(self, key: str) -> bool:
+        message = self._waiting.pop(key, None)
+        if message is None:
+            return False
+        self._size -= len(message)
+        self._backlog.remove(message)
+        return True
+
+    def _end(self) -> None:
+        self._ended = True
+        for key in [*self._waiting]:
+            self._drop(key)
+        self._sent()
+        self._filled.set()
+
+    def _sent(self) -> None:
+        for one in self._sending:
+            self._backlog.remove(one)
+        self._sending.clear()
+        if not self._waiting:
+            self._backlog.forget(self)
+
+    async def send_all(self, channel: web.WebSocketResponse) -> None:
         """Send what is posted, until the page is closed or does not read; then the connection ends."""
         try:
-            while not self._overflown:
+            while not self._ended:
                 await self._filled.wait()
                 self._filled.clear()
-                while self._waiting and not self._overflown:
-                    message = self._waiting.pop(next(iter(self._waiting)))
-                    async with asyncio.timeout(PATIENCE):
-                        if isinstance(message, bytes):
-                            await channel.send_bytes(message)
-                        else:
-                            await channel.send_str(message)
+                while self._waiting:
+                    await self._send_next(channel)
         except (TimeoutError, ConnectionError, RuntimeError):
-            pass
-        self._waiting.clear()
-        if transport is not None:
-            transport.abort()
+            self.abort()
+        finally:
+            with self._backlog.lock:
+                self._end()
+
+    async def _send_next(self, channel: web.WebSocketResponse) -> None:
+        with self._backlog.lock:
+            message = self._waiting.pop(next(iter(self._waiting)))
+            data, kind = (
+                (message, WSMsgType.BINARY) if isinstance(message, bytes) else (message.encode(), WSMsgType.TEXT)
+            )
+            copy = memoryview(data)
+            self._size -= len(message)
+            self._sending = [message, copy]
+            self._backlog.add(self, copy)
+        if self._ended:
+            return
+        async with asyncio.timeout(PATIENCE):
+            await channel.send_frame(data, kind)
+        with self._backlog.lock:
+            self._sent()
 
 
 OnMessage = Callable[[Page, dict[str, Any]], None]
@@ -162,6 +241,9 @@ class Pages(Closing):
         self._listener: socket.socket | None = None
         self._accepting: asyncio.Task[None] | None = None
         self._watchers = Pace(FASTEST_WATCHERS, FASTEST_WATCHERS / 2.0)
+        # By whether pages have the token: those without it cannot close one that controls.
+        self._backlogs = {False: Backlog(LARGEST_UNREAD), True: Backlog(LARGEST_UNREAD)}
+        self._received = {False: Received(LARGEST_OF_ALL_WATCHERS), True: Received(LARGEST_RECEIVED)}
         self._closed = False
         self._thread = threading.Thread(target=self._loop.run_forever, name="pages", daemon=True)
         self._thread.start()
@@ -230,7 +312,7 @@ class Pages(Closing):
         if kept >= MOST_CONNECTIONS + MOST_TRUSTED:
             return _Refusal()
         made = _Connection(self._server, loop=self._loop, access_log=QUIET, logger=QUIET, keepalive_timeout=KEPT)
-        made.forget = self._forget
+        made.forget, made.count, made.early = self._forget, None, 0
         if kept >= MOST_CONNECTIONS:
             if len(self._spare) >= MOST_SPARE:
                 oldest = next(iter(self._spare))
@@ -283,15 +365,24 @@ class Pages(Closing):
         largest = LARGEST_MESSAGE if may_control else LARGEST_OF_WATCHERS
         most_values = MOST_VALUES if may_control else MOST_OF_WATCHERS
         # Pings are answered below: they count as messages, and so do pongs.
-        channel = web.WebSocketResponse(heartbeat=BEAT, max_msg_size=largest, compress=False, autoping=False)
+        channel = web.WebSocketResponse(
+            heartbeat=BEAT, max_msg_size=largest, compress=False, autoping=False, writer_limit=0
+        )
         await channel.prepare(request)
-        if not may_control and request.transport is not None:
-            request.transport.max_size = AT_ONCE  # type: ignore[attr-defined]
+        transport = request.transport
+        if transport is None:
+            return channel
+        if not may_control:
+            transport.max_size = AT_ONCE  # type: ignore[attr-defined]
         self._count += 1
-        page = Page(self._count, may_control, self._loop)
+        backlog, received = self._backlogs[may_control], self._received[may_control]
+        page = Page(self._count, may_control, self._loop, backlog, transport)
+        connection: Any = request.protocol
+        connection.count = lambda count: received.add(page, count)
+        received.add(page, connection.early)
         self._pages[page.number] = page
         self._sockets.add(channel)
-        sender = self._loop.create_task(page.send_all(channel, request.transport))
+        sender = self._loop.create_task(page.send_all(channel))
         try:
             self._on_open(page)
             async for raw in channel:
@@ -308,7 +399,10 @@ class Pages(Closing):
                 most = MOST_PENDING if len(text) < LARGEST_OF_WATCHERS else 1
                 while page.pending >= most and not self._closed:
                     await asyncio.sleep(0.02)
+                received.remove(page, wire_size(_size_of(raw.data)))
         finally:
+            connection.count = None
+            received.forget(page)
             self._pages.pop(page.number, None)
             self._on_close(page)
             sender.cancel()
@@ -346,6 +440,13 @@ class Pages(Closing):
             await asyncio.wait(rest, timeout=END / 3.0)
 
 
+def _size_of(data: object) -> int:
+    """The bytes of a message's text or bytes."""
+    if isinstance(data, str):
+        return len(data) if data.isascii() else len(data.encode("utf-8", "replace"))
+    return len(data) if isinstance(data, bytes | bytearray) else 0
+
+
 def _put_all(pages: list[Page], key: str, message: bytes | str) -> None:
     for page in pages:
         page.put(key, message)
@@ -380,10 +481,25 @@ def _busy(text: str) -> web.Response:
 
 
 class _Connection(web.RequestHandler):
-    """A connection, which is counted as long as it lives."""
+    """A connection, which is counted as long as it lives, and what is received by it.
 
-    __slots__ = ("forget",)
+    Attributes:
+        early: bytes that came before it was a page's.
+        count: called with how many come later.
+    """
+
+    __slots__ = ("count", "early", "forget")
+    early: int
+    count: Callable[[int], None] | None
     forget: Callable[[Any], None]
+
+    def data_received(self, data: bytes) -> None:
+        """Count what is received."""
+        if self.count is None:
+            self.early += len(data)
+        else:
+            self.count(len(data))
+        super().data_received(data)
 
     def connection_lost(self, exc: BaseException | None) -> None:
         """Count it no longer."""

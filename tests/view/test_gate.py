@@ -588,3 +588,54 @@ def test_many_that_watch_get_states_in_turn():
             viewer.frame()
         assert master.states == 50
         assert {page.states for page in crowd} == {20}
+
+
+def lazy_page(viewer, path="/"):
+    """The socket of a page that reads nothing."""
+    place = urllib.parse.urlsplit(viewer.watch_url)
+    one = socket.socket()
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    one.connect((place.hostname, place.port))
+    key = "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13"
+    lines = f"GET {path}socket HTTP/1.1\r\nHost: {place.netloc}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n{key}"
+    one.sendall(f"{lines}\r\n\r\n".encode())
+    return one
+
+
+def test_all_pages_that_do_not_read_have_one_bound_and_close_none_that_reads(monkeypatch, controls):
+    monkeypatch.setattr(pages, "LARGEST_UNREAD", 8 << 20)
+    with running(Wide(), controls, rate=200.0) as viewer, Socket(viewer.url) as master, Socket(viewer.watch_url) as one:
+        with contextlib.ExitStack() as kept:
+            for _ in range(16):
+                kept.enter_context(lazy_page(viewer))
+
+            def lazy():
+                one.until("state")
+                master.until("state")
+                return len(viewer._pages) - 2
+
+            wait_for(lambda: lazy() > 3)
+            wait_for(lambda: lazy() <= 3)  # each has a message of 1 MiB and its copy
+            assert viewer._pages._backlogs[False].size <= 8 << 20
+            assert {page.number for page in viewer._pages} >= {1, 2}
+        wait_for(lambda: lazy() == 0)
+    assert [backlog.size for backlog in viewer._pages._backlogs.values()] == [0, 0]
+
+
+@pytest.mark.parametrize("trusted", [False, True])
+def test_messages_that_do_not_come_whole_have_one_bound(monkeypatch, controls, trusted):
+    monkeypatch.setattr(pages, "LARGEST_RECEIVED", 4 << 20)
+    monkeypatch.setattr(pages, "LARGEST_OF_ALL_WATCHERS", 4 << 20)
+    part = b"\x01\xff" + (900 << 10).to_bytes(8, "big") + bytes(4) + b"x" * (900 << 10)
+    with running(Nothing(), controls) as viewer, Socket(viewer.url if trusted else viewer.watch_url) as page:
+        page.until("state")
+        with contextlib.ExitStack() as kept:
+            for _ in range(8):
+                one = kept.enter_context(lazy_page(viewer, f"/{token_of(viewer)}/" if trusted else "/"))
+                one.sendall(part)
+            received = viewer._pages._received[trusted]
+            wait_for(lambda: received.size > 3 << 20 and len(viewer._pages) == 5)
+            assert received.size <= 4 << 20
+            for _ in range(5):
+                assert page.ask("describe", name="x" * 100_000)[1] is None
+        wait_for(lambda: len(viewer._pages) == 1 and received.size < 4096)  # the request for its socket is left

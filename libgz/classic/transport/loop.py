@@ -15,9 +15,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from libgz.base.backlog import Backlog
 from libgz.base.credit import Credit
 from libgz.base.errors import ParameterError
-from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
 from libgz.classic.transport.topic import log
 from libgz.transport.peers import PeerCheck

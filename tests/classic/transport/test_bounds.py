@@ -9,10 +9,11 @@ from types import SimpleNamespace
 import pytest
 
 import libgz
+from libgz.base import backlog
+from libgz.base.backlog import Backlog
 from libgz.base.errors import ParameterError
 from libgz.classic.msgs.declare import message_type
-from libgz.classic.transport import backlog, loop, master as master_module, received
-from libgz.classic.transport.backlog import Backlog
+from libgz.classic.transport import loop, master as master_module, received
 from libgz.classic.transport.elements import check_elements
 from libgz.classic.transport.framing import Frames, frame, packet
 from libgz.classic.transport.loop import Connection, SocketLoop

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sized
 from typing import Protocol
 
 __all__ = ["BACKLOG_BYTES", "Backlog", "Waiting"]
@@ -14,7 +15,9 @@ EASED = 0.75  # of that is left when something has to be discarded, so that it i
 class Waiting(Protocol):
     """A connection, as far as a backlog needs it."""
 
-    size: int  # bytes that wait
+    @property
+    def size(self) -> int:
+        """Bytes that wait."""
 
     def discard(self) -> bool:
         """Discard the oldest message that may be lost, or, if there is none, all: the connection then ends.
@@ -39,7 +42,7 @@ class Backlog:
         self._frames: dict[int, int] = {}  # id of a frame -> queues that have it
         self._connections: set[Waiting] = set()
 
-    def add(self, connection: Waiting, frame: bytes) -> None:
+    def add(self, connection: Waiting, frame: Sized) -> None:
         """Count a frame that a connection now has; above the limit, those with the longest queues lose messages."""
         self._connections.add(connection)
         queues = self._frames.get(id(frame), 0)
@@ -49,7 +52,7 @@ class Backlog:
             if self.size > self._limit:
                 self._shrink()
 
-    def remove(self, frame: bytes) -> None:
+    def remove(self, frame: Sized) -> None:
         """Count a frame that a connection has no longer."""
         queues = self._frames[id(frame)] - 1
         if queues:

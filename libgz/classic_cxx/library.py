@@ -7,7 +7,6 @@ distribution. It is kept in the user's cache by a key of its sources, interprete
 from __future__ import annotations
 
 import concurrent.futures
-import contextlib
 import fcntl
 import functools
 import hashlib
@@ -21,12 +20,13 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import libgz.cxx
 from libgz.base.errors import LibraryError
 from libgz.base.files import own_cache, write_whole
+from libgz.base.manifest import Manifest
 from libgz.classic.api import TABLE as CLASSIC
 from libgz.classic.msgs.declare import declarations
 from libgz.classic_cxx import FOLDER
@@ -540,44 +540,27 @@ def install(prefix: Path | None = None, progress: Progress = lambda _line: None)
         for entry in _registry():
             entry.parent.mkdir(parents=True, exist_ok=True)
             entry.write_text(f"{place / 'lib' / 'cmake' / 'gazebo'}\n")
-        manifest = place / MANIFEST
-        manifest.parent.mkdir(parents=True, exist_ok=True)
-        manifest.write_text("".join(f"{path.relative_to(place)}\n" for path in written))
+        Manifest(place, MANIFEST).write(str(path.relative_to(place)) for path in written)
     except OSError as error:
         raise LibraryError(f"Gazebo's C++ API cannot be installed in {place}: {error.strerror}") from None
     return place, written
 
 
 def uninstall(prefix: Path | None = None) -> list[Path]:
-    """Remove what `install` has written below a directory; the files that are gone now."""
+    """Remove what `install` has written below a directory, and nobody has changed; the files that are gone now.
+
+    Raises:
+        LibraryError: a file cannot be removed.
+    """
     place = (prefix or default_prefix()).expanduser().absolute()
-    manifest = place / MANIFEST
-    if not manifest.is_file():
+    manifest = Manifest(place, MANIFEST)
+    if not manifest.file.is_file():
         return []
-    listed = manifest.read_text(errors="surrogateescape").splitlines()
-    removed = [place / line for line in listed if _is_file_of(place, place / line)]
-    for path in (*removed, manifest):
-        path.unlink(missing_ok=True)
-    for folder in sorted({parent for path in (*removed, manifest) for parent in _below(path, place)}, reverse=True):
-        with contextlib.suppress(OSError):
-            folder.rmdir()
+    try:
+        removed = manifest.remove_all()
+    except OSError as error:
+        raise LibraryError(f"Gazebo's C++ API cannot be removed from {place}: {error.strerror}") from None
     for entry in _registry():
         if entry.is_file() and entry.read_text().strip() == str(place / "lib" / "cmake" / "gazebo"):
             entry.unlink()
-    return [*removed, manifest]
-
-
-def _is_file_of(place: Path, path: Path) -> bool:
-    """Whether a file lies in a directory once links are followed: somebody else may have written the manifest."""
-    try:
-        return (path.is_symlink() or path.is_file()) and path.parent.resolve().is_relative_to(place.resolve())
-    except (OSError, ValueError):
-        return False
-
-
-def _below(path: Path, place: Path) -> Iterator[Path]:
-    """The folders of a file, up to the directory itself."""
-    for parent in path.parents:
-        yield parent
-        if parent == place:
-            return
+    return removed

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 
 from libgz._version import __version__
 from libgz.base.errors import LibraryError, NotFoundError
-from libgz.base.files import read_limited, write_whole
+from libgz.base.files import write_whole
+from libgz.base.manifest import Manifest
 from libgz.base.python import run_module
 from libgz.ros.cxx_headers import message_header, service_headers
 from libgz.ros.install2 import ament_contents
@@ -263,7 +261,8 @@ def install(prefix: Path) -> list[Path]:
         LibraryError: the folder cannot be written.
     """
     prefix = prefix.expanduser().absolute()
-    contents, old = _contents(prefix), _listed(prefix)
+    contents, manifest = _contents(prefix), Manifest(prefix, MANIFEST)
+    old = manifest.paths()
     try:
         for path, (text, program) in contents.items():
             target = prefix / path
@@ -271,9 +270,8 @@ def install(prefix: Path) -> list[Path]:
             write_whole(target, text.encode())
             if program:
                 target.chmod(0o755)
-        _remove(prefix, [path for path in _unchanged(prefix, old) if path not in contents])
-        lines = [f"{path} {_sum(text.encode())}\n" for path, (text, _) in contents.items()]
-        write_whole(prefix / MANIFEST, "".join(lines).encode())
+        manifest.remove(path for path in old if path not in contents)
+        manifest.write(contents)
     except OSError as error:
         raise LibraryError(f"the packages for ROS cannot be installed in {prefix}: {error.strerror}") from None
     return [prefix / path for path in contents]
@@ -282,75 +280,17 @@ def install(prefix: Path) -> list[Path]:
 def uninstall(prefix: Path) -> int:
     """Remove what `install` wrote, by its manifest, of this version or another; how many files.
 
-    Files of other versions stay if they are not as they were written. Folders that are empty then are removed.
+    Files stay if they are not as they were written. Folders that are empty then are removed.
 
     Raises:
         NotFoundError: there is no manifest.
         LibraryError: a file cannot be removed.
     """
     prefix = prefix.expanduser().absolute()
-    if not (prefix / MANIFEST).is_file():
+    manifest = Manifest(prefix, MANIFEST)
+    if not manifest.file.is_file():
         raise NotFoundError(f"{prefix} has no {MANIFEST}: libgz installed nothing there")
-    listed = _listed(prefix)
-    present = {path for path in set(_contents(prefix)) & set(listed) if _is_inside(prefix, path)}
-    found = sorted({*present, *_unchanged(prefix, listed)})
     try:
-        _remove(prefix, found)
-        (prefix / MANIFEST).unlink()
-        if prefix.is_dir() and not any(prefix.iterdir()):
-            prefix.rmdir()
+        return len(manifest.remove_all()) - 1
     except OSError as error:
         raise LibraryError(f"the packages for ROS cannot be removed from {prefix}: {error.strerror}") from None
-    return len(found)
-
-
-def _sum(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
-
-
-def _listed(prefix: Path) -> dict[str, str]:
-    """The manifest: paths -> sums of what was written there; empty ones in manifests of older versions."""
-    try:
-        lines = read_limited(prefix / MANIFEST).decode(errors="replace").splitlines()
-    except OSError:
-        return {}
-    rows = (line.partition(" ") for line in lines)
-    return {path: sum_ for path, _, sum_ in rows}
-
-
-def _unchanged(prefix: Path, listed: Mapping[str, str]) -> list[str]:
-    """The listed files that are as they were written, by any version: a changed manifest names no others."""
-    found = []
-    for path, sum_ in listed.items():
-        with suppress(OSError):
-            if sum_ and _is_inside(prefix, path) and _sum(read_limited(prefix / path)) == sum_:
-                found.append(path)
-    return found
-
-
-def _is_inside(prefix: Path, path: str) -> bool:
-    """Whether a listed path is one of the folder itself, and none that leads elsewhere, such as by a link."""
-    file = prefix / path
-    try:
-        inside = ".." not in file.parts and file.is_relative_to(prefix)
-        return inside and file.resolve() == prefix.resolve() / path
-    except (OSError, RuntimeError, ValueError):  # also of names with NUL, and of links in a circle
-        return False
-
-
-def _remove(prefix: Path, paths: Sequence[str]) -> None:
-    """Remove files, what Python compiled of them, and the folders that are empty then.
-
-    Raises:
-        OSError: one cannot be removed.
-    """
-    for path in paths:
-        (prefix / path).unlink(missing_ok=True)
-    folders = {folder for path in paths for folder in (prefix / path).parents if folder.is_relative_to(prefix)}
-    for source in (prefix / path for path in paths if path.endswith(".py")):
-        cache = source.parent / "__pycache__"
-        for compiled in () if cache.is_symlink() else cache.glob(f"{source.stem}.*.pyc"):
-            compiled.unlink()
-    for folder in sorted({*folders, *(folder / "__pycache__" for folder in folders)} - {prefix}, reverse=True):
-        if folder.is_dir() and not folder.is_symlink() and not any(folder.iterdir()):
-            folder.rmdir()

@@ -285,7 +285,7 @@ def test_files_of_another_version_are_removed_if_they_are_as_they_were_written(t
     (prefix / "share/circle").symlink_to("circle")
     with (prefix / "libgz-ros.manifest").open("a") as manifest:  # as nobody should trust it
         for path in ("../mine.txt", str(mine), "share/link/mine.txt", "share/circle/x", "share/nul\0"):
-            manifest.write(f"{path} {hashlib.sha256(b'<a/>').hexdigest()}\n")
+            manifest.write(f"{hashlib.sha256(b'<a/>').hexdigest()} {path}\n")
     install(prefix)
     assert not (prefix / "share/gone").exists()
     older["share/later.xml"] = "<b/>", False

@@ -42,7 +42,7 @@ class Manifest:
             lines = read_limited(self.file).decode(errors="surrogateescape").splitlines()
         except OSError:
             return []
-        found = {}
+        found: dict[str, None] = {}
         for line in lines:
             sum_, _, path = line.partition(" ")
             with suppress(OSError):

@@ -283,6 +283,7 @@ def new_server(*, trust: bool = False) -> LanguageServer:
         raise LibraryError(f"the language server needs the extra `lsp`: {install('lsp')} ({error})") from None
     server = LanguageServer("libgz", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full)
     checks = _Checks(server, trust)
+    completing = asyncio.Lock()  # one at a time, in a thread: a long text takes seconds
 
     @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
     async def opened(parameters: types.DidOpenTextDocumentParams) -> None:
@@ -311,7 +312,9 @@ def new_server(*, trust: bool = False) -> LanguageServer:
         offset = document.offset_at_position(position)
         begun = _begun(document.source, offset)
         start = types.Position(position.line, max(position.character - begun, 0))
-        items = [_item(one, types.Range(start, position)) for one in completions(document.source, offset)]
+        async with completing:
+            found = await asyncio.to_thread(completions, document.source, offset)
+        items = [_item(one, types.Range(start, position)) for one in found]
         return types.CompletionList(is_incomplete=False, items=items)
 
     @server.feature(types.TEXT_DOCUMENT_HOVER)

@@ -111,6 +111,29 @@ def test_errors_are_shown_while_a_text_is_typed(tmp_path, name, text, wrong, rig
     asyncio.run(errors_completions_and_meanings(path, text, wrong, right, begun, offered))
 
 
+async def first_answer(long, short):
+    """The file whose request is answered first: a completion in a long text, or what is asked then of a short one."""
+    async with editor() as one:
+        await one.open(long, "<sdf version='1.6'>" + 500_000 * "<a>" + "\n<")
+        await one.open(short, SDF)
+        answered = []
+
+        async def ask(request, kind, path, place):
+            await request(kind(types.TextDocumentIdentifier(path.as_uri()), place))
+            answered.append(path)
+
+        client = one.client
+        await asyncio.gather(
+            ask(client.text_document_completion_async, types.CompletionParams, long, types.Position(1, 1)),
+            ask(client.text_document_hover_async, types.HoverParams, short, types.Position(2, 3)),
+        )
+        return answered[0]
+
+
+def test_a_completion_in_a_long_text_keeps_no_other_request_waiting(tmp_path):
+    assert asyncio.run(first_answer(tmp_path / "long.sdf", tmp_path / "short.sdf")).name == "short.sdf"
+
+
 async def diagnostics_of(path, text):
     async with editor() as one:
         return await one.open(path, text)

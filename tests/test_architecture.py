@@ -242,7 +242,13 @@ def test_the_library_neither_prints_nor_asserts_nor_swallows():
 
 
 def test_one_place_starts_python():
-    assert places_of(("executable",), "libgz.base.python") == [], "use libgz.base.python.run_module"
+    assert places_of(("executable",), "libgz.base.python") == [], "use libgz.base.python.start_module"
+
+
+def test_commands_that_run_modules_are_only_written_into_scripts():
+    """All others are started by `start_module`, with an environment of which nothing is the current directory."""
+    users = {name for name, path in modules().items() if "run_module(" in path.read_text()}
+    assert users == {"libgz.base.python", "libgz.ros.install", "libgz.ros.install2"}
 
 
 def test_checks_that_only_warn_run_under_advise():

@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import contextlib
 import logging
-import os
 import subprocess
 import threading
 from collections.abc import Callable, Sequence
 
 from libgz.base.closing import Closing
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.base.trust import UntrustedError, check_trusted
 from libgz.classic.gui.named import named_plugins
 from libgz.sdf.element import Element
@@ -66,11 +65,12 @@ class ClientProcess(Closing):
 
     def __init__(self, words: Sequence[str], uri: str, ended: Callable[[], object]) -> None:
         self._ended, self._closing = ended, threading.Event()
-        self._process = subprocess.Popen(
-            run_module("libgz.apps.gzclient", *words),
+        self._process = start_module(
+            "libgz.apps.gzclient",
+            *words,
+            changes={"GAZEBO_MASTER_URI": uri},
             stdin=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C in the terminal is for the server, which ends it
-            env={**os.environ, "GAZEBO_MASTER_URI": uri},
         )
         self._watch = threading.Thread(target=self._wait, name="gzclient", daemon=True)
         self._watch.start()

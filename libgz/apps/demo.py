@@ -18,7 +18,7 @@ from libgz.apps.console import number_above_zero, number_from_zero, say
 from libgz.apps.view_process import add_view_options
 from libgz.base.errors import GazeboError, ServerError
 from libgz.base.files import installed_worlds
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.base.waiting import PERIOD
 from libgz.interfaces.client import Client
 
@@ -60,10 +60,10 @@ def run(options: argparse.Namespace) -> int:
     """
     rate = options.rate
     world = installed_worlds() / "pioneer2at.world"
-    command = run_module("libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world))
+    words = ["-s", "auto", "-d", "0", "--rate", str(rate), str(world)]
     shown = sys.stdout.isatty() and importlib.util.find_spec("aiohttp") is not None
     stopped = False
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+    with start_module("libgz.apps.gazebo", *words, stdout=subprocess.PIPE, text=True) as server:
         try:
             words = (server.stdout.readline() if server.stdout else "").split()
             if not words:
@@ -87,10 +87,10 @@ def run(options: argparse.Namespace) -> int:
 @contextlib.contextmanager
 def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
     """A viewer in a process of its own. Its address is printed first, and opened; the page is waited for."""
-    command = run_module("libgz", "view", "-s", str(server_id), "--parent", str(os.getpid()))
-    command += ["--report-opened", "--view-port", str(options.view_port), "--view-host", options.view_host]
-    command += [] if options.no_open else ["--open"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
+    words = ["view", "-s", str(server_id), "--parent", str(os.getpid())]
+    words += ["--report-opened", "--view-port", str(options.view_port), "--view-host", options.view_host]
+    words += [] if options.no_open else ["--open"]
+    with start_module("libgz", *words, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
         try:
             line = (viewer.stdout.readline() if viewer.stdout else "").strip()
             say(line, flush=True)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from libgz._version import __version__
 from libgz.base.errors import LibraryError, ParameterError
 from libgz.base.extras import install
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.base.visible import visible
 from libgz.reference.language import Completion, completions, meaning
 
@@ -178,10 +178,11 @@ class _Checks:
 
     async def _diagnostics(self, path: Path, text: str) -> list[dict[str, Any]]:
         """What `libgz check` reports of a text."""
-        words = ["--json", "--stdin", *([] if self._trust else ["--untrusted"]), "--", str(path.absolute())]
+        words = ["check", "--json", "--stdin", *([] if self._trust else ["--untrusted"]), "--", str(path.absolute())]
         try:
-            process = subprocess.Popen(
-                run_module("libgz", "check", *words),
+            process = start_module(
+                "libgz",
+                *words,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,

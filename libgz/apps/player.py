@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from libgz.apps.console import say, whole_number
 from libgz.apps.untrusted import add_untrusted_option
 from libgz.base.errors import ServerError
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.player.configuration import PORT, Configuration, read_configuration
 from libgz.player.messages import VERSIONS
 from libgz.player.server import LOOPBACK, PlayerServer
@@ -103,8 +103,10 @@ def _simulation(configuration: Configuration, server_id: int | None) -> Iterator
         yield own if server_id is None else server_id
         return
     path = f"./{worldfile}" if worldfile.startswith("-") else worldfile  # a file must not name options
-    command = run_module("libgz.apps.gazebo", "-s", "auto", "-d", "0", path)
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+    options = "-s", "auto", "-d", "0", path
+    with start_module(
+        "libgz.apps.gazebo", *options, stdout=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
         try:
             words = (process.stdout.readline() if process.stdout else "").split()
             if not words:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import secrets
 import subprocess
 import threading
@@ -11,7 +10,7 @@ import time
 from collections.abc import Sequence
 
 from libgz.base.closing import Closing
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 
 __all__ = ["TOKEN", "ViewerProcess"]
 
@@ -31,15 +30,15 @@ class ViewerProcess(Closing):
 
     def __init__(self, words: Sequence[str]) -> None:
         self._words = words
-        self._environment = {**os.environ, TOKEN: secrets.token_urlsafe(18)}
+        self._token = {TOKEN: secrets.token_urlsafe(18)}
         self._ended = threading.Event()
         self._process = self._start()
         self._watch = threading.Thread(target=self._keep, name="viewer", daemon=True)
         self._watch.start()
 
     def _start(self) -> subprocess.Popen[bytes]:
-        command = run_module("libgz", "view", *self._words)
-        return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, env=self._environment)
+        words = "view", *self._words
+        return start_module("libgz", *words, changes=self._token, stdin=subprocess.DEVNULL, start_new_session=True)
 
     def _keep(self) -> None:
         """Start the viewer again as often as it dies after a while; one that dies at once would do so again."""

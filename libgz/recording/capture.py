@@ -32,7 +32,7 @@ from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.base.extras import install
 from libgz.base.files import read_file
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.base.records import ClockRecord, TableRecord
 from libgz.recording.changes import Changes, Moments, Piece
 from libgz.recording.frames import Kind, channel_frame, frame
@@ -150,8 +150,10 @@ class Capture(Closing):
         except OSError:
             log.debug("the pipe to the log stays small")  # the limit of this user
         try:
-            command = run_module("libgz.recording.writer", str(file), str(self.path))
-            return subprocess.Popen(command, stdin=source, pass_fds=[file], stdout=subprocess.DEVNULL)
+            words = str(file), str(self.path)
+            return start_module(
+                "libgz.recording.writer", *words, stdin=source, pass_fds=[file], stdout=subprocess.DEVNULL
+            )
         except OSError as error:
             os.close(self._pipe)
             self._pipe = None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
-import os
 import socket
 import struct
 import subprocess
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from libgz.base.errors import GazeboError, LibraryError
+from libgz.base.python import environment
 from libgz.base.visible import one_line
 from libgz.ros.loop import SEND_AT_ONCE, Connection, Frame, Loop, kept
 from libgz.ros.names import NodeNames
@@ -531,15 +531,6 @@ class _Link(Connection):
                 self._count_off(channel, size)
             self.messages.clear()
         self._node.lost()
-
-
-def environment() -> dict[str, str]:
-    """That of the bridge: the user's, without the current directory on the path of imports."""
-    found = dict(os.environ)
-    parts = [part for part in found.pop("PYTHONPATH", "").split(os.pathsep) if Path(part).is_absolute()]
-    if parts:
-        found["PYTHONPATH"] = os.pathsep.join(parts)
-    return found
 
 
 def _full_name(kind: MessageType | ServiceType) -> str:

@@ -26,7 +26,7 @@ from typing import IO, Any, NoReturn
 
 from libgz._version import __version__
 from libgz.base.errors import GazeboError
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.sweep.parent import end_with_parent
 from libgz.sweep.study import Study
 
@@ -77,9 +77,11 @@ class Worker:
     def _started(self) -> subprocess.Popen[bytes]:
         if self._process is None or self._process.poll() is not None:
             self.close()
-            environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "LP_NUM_THREADS": "0", **os.environ}
-            command = run_module("libgz.sweep.worker")
-            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
+            threads = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "LP_NUM_THREADS": "0"}
+            changes = {name: os.environ.get(name, value) for name, value in threads.items()}
+            self._process = start_module(
+                "libgz.sweep.worker", changes=changes, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            )
         return self._process
 
     def ask(self, order: str, study: Study, digest: str, number: int = 0) -> Any:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError
-from libgz.base.python import run_module
+from libgz.base.python import start_module
 from libgz.view.assets import JPEG, Asset
 
 __all__ = ["Portraits"]
@@ -79,9 +79,8 @@ class Portraits(Closing):
         return body
 
     def _started(self) -> subprocess.Popen[bytes]:
-        command = run_module("libgz.view.portrait")
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        self._process = start_module(
+            "libgz.view.portrait", stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
         )
         return self._process
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from libgz.base.files import installed_worlds
-from libgz.base.python import run_module
+from libgz.base.python import environment, run_module, start_module
 
 BIN = Path(sys.executable).parent
 HOSTILE = "from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\nraise SystemExit('hostile')\n"
@@ -26,6 +26,24 @@ def test_the_current_directory_is_not_searched(tmp_path):
     done = subprocess.run(run_module("json.tool", "--help"), cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert not (tmp_path / "json.ran").exists()
+
+
+@pytest.mark.parametrize("paths", [":{other}", "{other}:", ".::{other}", "./:beside:{other}", "", ":"])
+def test_the_current_directory_is_not_searched_for_a_variable_either(paths, tmp_path, monkeypatch):
+    """A part of PYTHONPATH that is empty means it, which is common where files of ROS have been sourced."""
+    here, other, beside = (tmp_path / name for name in ("here", "other", "here/beside"))
+    for folder in (here, other, beside):
+        folder.mkdir()
+    (here / "json.py").write_text(HOSTILE)
+    monkeypatch.chdir(here)
+    monkeypatch.setenv("PYTHONPATH", paths.format(other=other))
+    monkeypatch.setenv("LIBGZ_TEST", "old")
+    with start_module("json.tool", "--help", changes={"LIBGZ_TEST": "new"}, stdout=subprocess.DEVNULL) as process:
+        pass
+    assert process.returncode == 0
+    assert not (here / "json.ran").exists()
+    named = [str(folder) for folder in (beside, other) if folder.name in paths]
+    assert environment().get("PYTHONPATH", "") == ":".join(named)
 
 
 def test_a_container_searches_no_folder_of_a_volume_either():

@@ -11,6 +11,7 @@ import re
 import select
 import socket
 import struct
+import subprocess
 import sys
 import threading
 import time
@@ -143,11 +144,12 @@ def test_portraits_of_the_catalogue(viewer):
 
 
 def test_a_process_of_portraits_that_dies_is_started_again(monkeypatch):
-    monkeypatch.setattr(portraits, "run_module", lambda _: [sys.executable, "-c", "input(); import os; os.abort()"])
+    command = [sys.executable, "-c", "input(); import os; os.abort()"]
+    monkeypatch.setattr(portraits, "start_module", lambda _, **options: subprocess.Popen(command, **options))
     with portraits.Portraits(lambda name: name) as made:
         for _ in range(portraits.MOST_FAILURES):  # each time anew: it may have been the machine
             assert made.get("a") is None
-        monkeypatch.setattr(portraits, "run_module", lambda _: pytest.fail("it was started once more"))
+        monkeypatch.setattr(portraits, "start_module", lambda *_, **__: pytest.fail("it was started once more"))
         assert made.get("b") is None
 
 

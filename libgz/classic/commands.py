@@ -34,6 +34,7 @@ from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import BUILT
+from libgz.simulation.repeated import MOST_LINES, repeated
 from libgz.simulation.world import World as CoreWorld
 from libgz.transport.tally import Tally
 
@@ -59,7 +60,6 @@ PHYSICS_KEYS = (
 
 
 LONGEST_NAME = 4096  # characters of what a message names
-MOST_CAUSES, LONGEST_TEXT = 100, 2000  # of errors of messages, which clients can send without end
 
 
 class PausedSteps:
@@ -129,7 +129,7 @@ class Commands:
     ) -> None:
         self._world, self._respond, self._paused_steps, self._changed = world, respond, paused_steps, changed
         self._made: set[str] = set()  # lights of ~/factory/light, while they are inserted
-        self._tally = Tally(MOST_CAUSES)
+        self._tally = Tally(MOST_LINES)
 
     def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A subscriber's callback for a handler."""
@@ -138,23 +138,16 @@ class Commands:
 
         def on_message(message: Any) -> None:
             before = len(agenda.deferred)
-            try:
-                handler(message)
-            except GazeboError as error:
-                self._report(topic, str(error))
-            except Exception as error:  # noqa: BLE001 - the subscription must not end
-                self._report(topic, f"a message could not be handled: {error!r}", error)
+            with repeated(self._tally):
+                try:
+                    handler(message)
+                except GazeboError as error:
+                    log.error("%s: %s", topic, error)
+                except Exception as error:  # the subscription must not end
+                    log.exception("%s: a message could not be handled: %r", topic, error)
             manager.allowance.changes += max(0, len(agenda.deferred) - before)
 
         return on_message
-
-    def _report(self, topic: str, text: str, error: Exception | None = None) -> None:
-        """Log what was wrong with a message; what clients repeat is logged seldom, and long texts are shortened."""
-        if len(text) > LONGEST_TEXT:
-            text = f"{text[:LONGEST_TEXT]}... ({len(text)} characters)"
-        cause = topic, text
-        if self._tally.due(cause):
-            log.error("%s: %s%s", topic, text, self._tally.times(cause), exc_info=error)
 
     def between_steps(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A handler that waits until entities can be inserted, and states restored."""

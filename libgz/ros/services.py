@@ -12,6 +12,7 @@ from libgz.base.errors import GazeboError
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.ros.session import Later, Service, Session, Subscription, finite
 from libgz.ros.types import Message, service_type
+from libgz.simulation.repeated import repeated
 
 if TYPE_CHECKING:
     from libgz.ros.own_node import OwnNode
@@ -106,7 +107,7 @@ class Services:
 
     def refuse(self, answer: Any, text: str) -> Message:
         """A response that says why a request is not granted; it is logged, the same one at growing counts only."""
-        with self.session.repeated:
+        with repeated(self.session.tally):
             log.error("%s", text)
         if hasattr(answer, "success"):
             answer.success = False

@@ -23,10 +23,11 @@ from libgz.ros.node import Node, Publisher
 from libgz.ros.own_node import OwnNode
 from libgz.ros.packed import LATEST, MOST_NUMBER, Outbox, PackedMessage
 from libgz.ros.packing import Codec
-from libgz.ros.repeated import Repeated
 from libgz.ros.types import NUMBERS, Message, MessageType, ServiceType, Stamp, message_type, service_type
 from libgz.simulation.event import AtEnd, Callback, unowned
+from libgz.simulation.repeated import MOST_LINES, repeated
 from libgz.transport.allowance import Allowance
+from libgz.transport.tally import Tally
 
 __all__ = [
     "Later",
@@ -259,7 +260,7 @@ class Session(Closing):
         version: 1 or 2.
         gathered: whether native code has published something that was not sent yet.
         allowance: what there is for that which nodes have sent.
-        repeated: what nodes cause in the log, within its `with`.
+        tally: of what nodes cause in the log.
         interrupts: called, in the wire's thread, when something has come that waits for the end of a step.
     """
 
@@ -279,7 +280,7 @@ class Session(Closing):
         self._events: Publication | None = None
         one = message_type("geometry_msgs/TransformStamped", self.version)()
         self._transform: Any = message_type("tf2_msgs/TFMessage", self.version)(transforms=[one])
-        self.repeated = Repeated(log)
+        self.tally = Tally(MOST_LINES)
         self.node.start()
         _sessions.append(self)
 
@@ -287,7 +288,6 @@ class Session(Closing):
         """Unregister all that is left, and close the wires."""
         if self in _sessions:
             _sessions.remove(self)
-            self.repeated.close()
             self._transforms, self._events = {}, None
             self.node.close()
 
@@ -314,7 +314,7 @@ class Session(Closing):
     def log_refusal(self, name: str, why: object, what: str = "topic") -> None:
         """Log that a message of a topic, or a request of a service, is refused; of many, at growing counts only."""
         unforeseen = isinstance(why, Exception) and not isinstance(why, GazeboError)
-        with self.repeated:
+        with repeated(self.tally):
             log.error("%s %s: %s", what, name, why, exc_info=why if unforeseen else None)  # type: ignore[arg-type]
 
     def frame(self, name: str, space: str = "") -> str:
@@ -484,7 +484,7 @@ class Session(Closing):
             repeat(self._deliver_next, len(self.waiting)),
             repeat(self._handle_next, len(self.requests)),
         )
-        with self.repeated:
+        with repeated(self.tally):
             for turn in chain(messages, requests):
                 if not self.allowance.left:
                     break

@@ -10,6 +10,8 @@ from typing import Any
 from libgz.base.errors import USER_ERRORS, GazeboError, pass_interrupt
 from libgz.physics.lock import WorldLock
 from libgz.simulation.event import Owner, owner, report_failure
+from libgz.simulation.repeated import repeated, running_tally
+from libgz.transport.tally import Tally
 
 __all__ = ["Agenda", "Hold"]
 
@@ -55,7 +57,7 @@ class Agenda:
     def __init__(self, lock: WorldLock) -> None:
         self.lock = lock
         self.stepping = self.holding = False
-        self.deferred: list[tuple[Owner | None, Callable[[], object]]] = []
+        self.deferred: list[tuple[Owner | None, Tally | None, Callable[[], object]]] = []
         self.awaited: list[Future[Any]] = []
 
     def after_step(self, action: Callable[[], object], awaited: Future[Any] | None = None) -> None:
@@ -70,7 +72,7 @@ class Agenda:
         """
         with self.lock:
             if self.stepping or self.holding:
-                self.deferred.append((owner.get(), action))
+                self.deferred.append((owner.get(), running_tally(), action))
                 if awaited is not None:
                     self.awaited.append(awaited)
                 return
@@ -98,7 +100,7 @@ class Agenda:
                     generation, left = generation + 1, len(self.deferred)
                     led_to += left
                     if generation > MOST_GENERATIONS or led_to > MOST_LED_TO:
-                        by, _ = self.deferred[0]
+                        by, *_ = self.deferred[0]
                         self.deferred.clear()
                         log.error(
                             "%schanges lead to others without an end; what is left of them is not done",
@@ -106,11 +108,12 @@ class Agenda:
                         )
                         break
                 left -= 1
-                by, action = self.deferred.pop(0)
-                try:
-                    action()
-                except GazeboError as error:
-                    log.error("%s%s", f"{by}: " if by is not None else "", error)
-                except USER_ERRORS as error:
-                    pass_interrupt(error)
-                    report_failure(by, "a deferred change", error)
+                by, tally, action = self.deferred.pop(0)
+                with repeated(tally):
+                    try:
+                        action()
+                    except GazeboError as error:
+                        log.error("%s%s", f"{by}: " if by is not None else "", error)
+                    except USER_ERRORS as error:
+                        pass_interrupt(error)
+                        report_failure(by, "a deferred change", error)

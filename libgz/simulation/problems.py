@@ -173,10 +173,16 @@ class _Collector(logging.Handler):
         # A logger with a handler gets none of Python's last resort, which prints messages where nothing is set up.
         if logging.lastResort is not None and not _has_other_handlers(record.name):
             logging.lastResort.handle(record)
-        if getattr(record, "noted", False) or record.name.startswith(NOT_THE_WORLDS):
-            return
-        message, _, rest = record.getMessage().partition("\n")
-        _add(Problem(record.name, message, rest, "error" if record.levelno >= logging.ERROR else "warning"))
+        note_record(record)
+
+
+def note_record(record: logging.LogRecord) -> None:
+    """Note an error or warning that the package logs, in the world that this thread works for."""
+    noted = getattr(record, "noted", False) or record.name.startswith(NOT_THE_WORLDS)
+    if record.levelno < logging.WARNING or noted:
+        return
+    message, _, rest = record.getMessage().partition("\n")
+    _add(Problem(record.name, message, rest, "error" if record.levelno >= logging.ERROR else "warning"))
 
 
 def _has_other_handlers(name: str) -> bool:

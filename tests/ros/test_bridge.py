@@ -629,12 +629,27 @@ def test_requests_do_not_fill_the_log(start, graph, tmp_path, caplog):
     assert manage(server, "switch_controller", "SwitchController", activate_controllers=unknown).ok
     for number in range(150):
         assert not manage(server, "load_controller", "LoadController", name=f"one\nmore{number}").ok
-    assert 100 < len(caplog.records) < 110
+    assert 1000 < len(caplog.records) < 1010
     long = "x" * (1 << 20)
     for _ in range(3):
         assert not server.call("/get_entity_state", "gazebo_msgs/GetEntityState", name=f"_{long}").success
-    assert 100 < len(caplog.records) < 110
+    assert 1000 < len(caplog.records) < 1010
     assert all(len(one) < 2500 and "\n" not in one for one in caplog.messages)
+
+
+def test_models_that_are_spawned_do_not_fill_the_log(start, caplog):
+    """Nor do those that fail, which are refused each time."""
+    server = start()
+    text = "<sdf version='1.6'><model name='m'><link name='l'/>{}</model></sdf>"
+    wrong = "<joint name='j' type='x'/>"
+    for number in range(110):
+        name = f"m{number}"
+        spawned = server.call("/spawn_entity", "gazebo_msgs/SpawnEntity", name=name, xml=text.format("<other/>"))
+        assert spawned.success
+        refused = server.call("/spawn_entity", "gazebo_msgs/SpawnEntity", name="x", xml=text.format(wrong))
+        assert not refused.success
+    assert 3 <= len(caplog.messages) <= 6
+    assert sum("(100 times so far)" in text for text in caplog.messages) >= len(caplog.messages) // 2
 
 
 def test_a_long_refusal_is_one_short_line(start, graph, caplog):

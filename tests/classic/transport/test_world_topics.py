@@ -481,3 +481,34 @@ def test_repeated_and_long_errors_of_messages_do_not_fill_the_log(core, node, ca
     assert len(errors) == 2
     assert "(100 times so far)" in errors[1]
     assert all(len(text) < 3000 for text in errors)
+
+
+INSERTED = {
+    "warnings of the reader, the file and a sensor": (
+        "<model name='m'><include><uri>model://none</uri></include><link name='l'><other/>"
+        "<sensor name='s' type='none'/></link></model>",
+        3,
+    ),
+    "a plugin that fails": ("<model name='m'><link name='l'/><plugin name='p' filename='failing.py'/></model>", 1),
+}
+FAILING = """from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+class Failing(ModelPlugin):
+    def Load(self, model, sdf):
+        raise ValueError
+GZ_REGISTER_MODEL_PLUGIN(Failing)
+"""
+
+
+@pytest.mark.parametrize("name", INSERTED)
+def test_what_insertions_cause_does_not_fill_the_log(name, core, node, caplog, tmp_path, monkeypatch):
+    (tmp_path / "failing.py").write_text(FAILING)
+    monkeypatch.chdir(tmp_path)
+    factory, (text, lines) = node.Advertise(msgs.Factory, "~/factory"), INSERTED[name]
+    for _ in range(150):
+        factory.Publish(msgs.Factory(sdf=f"<sdf version='1.6'>{text}</sdf>"))
+        core.step(2)
+        core.remove(core.entities[-1:])
+    assert len(caplog.messages) == 2 * lines
+    assert all(text.endswith("(100 times so far)") for text in caplog.messages[lines:])
+    assert all("\\n" not in text for text in caplog.messages)  # tracebacks can be read
+    assert len(core.warnings) + len(core.errors) >= 150 * lines  # all are problems

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -133,7 +134,8 @@ void Overlay::OnButton()
   if (this->task == "wait")
   {
     this->dialog = new QDialog(this);
-    std::cout << "dialog " << this->dialog->exec() << std::endl;
+    const int result = this->dialog->exec();  // others print meanwhile
+    std::cout << "dialog " << result << std::endl;
     gui::get_main_window()->Pause();
     for (char key : {'x', 'y'})
       QCoreApplication::postEvent(gui::get_main_window()->findChild<QWidget *>("GLWidget"),
@@ -218,6 +220,8 @@ def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
+        patience = threading.Timer(PATIENCE, client.kill)
+        patience.start()
         try:
             said = []
             for line in client.stdout:
@@ -227,9 +231,10 @@ def test_widgets_in_the_window_of_gzclient(library, tmp_path, monkeypatch):
             errors = client.communicate(timeout=PATIENCE)[1]
             quitting = subprocess.run(client.args, env={**environment, "QUIT": "1"}, timeout=PATIENCE, check=False)
         finally:
+            patience.cancel()
             client.kill()
             server.terminate()
-    assert client.returncode == 0, errors
+    assert client.returncode == 0, (said, errors)
     assert quitting.returncode == 0
     monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
     both = subprocess.run(

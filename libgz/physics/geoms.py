@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +20,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
-from libgz.physics.meshes import Mesh, vertex_normals
+from libgz.physics.meshes import Mesh, grid_triangles, vertex_normals
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
 
@@ -33,6 +33,7 @@ __all__ = [
     "CylinderGeom",
     "DomeGeom",
     "FrustrumGeom",
+    "GridGeom",
     "HeightfieldGeom",
     "LightGeom",
     "PlaneGeom",
@@ -277,7 +278,7 @@ class TriMeshGeom(Geom):
     def _take(self, mesh: Mesh) -> None:
         points, corners = mesh.vertices, mesh.triangles
         self.body.engine.triangles.set(self, len(corners))
-        if np.abs(points).max() > WIDE:
+        if _reach(points) > WIDE:
             self.body.engine.extend_range()
         self.vertices, self.triangles = points, corners
         self._mesh = mesh
@@ -312,17 +313,89 @@ class TriMeshGeom(Geom):
 
 
 def _checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Mesh:
-    points = table(vertices, 3, "vertices").astype(np.float64)
+    points = table(vertices, 3, "vertices").astype(np.float64, copy=False)
     numbers = table(triangles, 3, "triangles")
     if not len(numbers) or not np.isfinite(points).all():
         raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
-    reach = np.abs(points).max()
-    if reach > LARGEST:
-        raise ParameterError(f"a vertex lies at {reach:g} m; allowed is {LARGEST:g} m at most")
+    _reach(points)
     for number in (numbers.min(), numbers.max()):
         if not 0 <= number < len(points):
             raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
     return Mesh(points, np.ascontiguousarray(numbers, dtype=np.uint32))
+
+
+def _reach(points: NDArray[np.float64]) -> float:
+    """The largest coordinate of finite vertices [m].
+
+    Raises:
+        ParameterError: it is too large.
+    """
+    reach = max(float(points.max()), -float(points.min())) if points.size else 0.0
+    if reach > LARGEST:
+        raise ParameterError(f"a vertex lies at {reach:g} m; allowed is {LARGEST:g} m at most")
+    return reach
+
+
+class _Made:
+    """An array of a geom that is made each time it is read, unless another one has been set."""
+
+    def __init__(self, make: Callable[[Any], Any]) -> None:
+        self._make = make
+
+    def __get__(self, geom: Any, _owner: object) -> Any:
+        return self._make(geom)
+
+
+class GridGeom(TriMeshGeom):
+    """Smooth ground above a grid, which is only rendered. Its arrays are far larger than its heights.
+
+    Args:
+        body: the body it belongs to.
+        x, y: of the columns and rows of vertices [m].
+        z: their heights [m], shape (rows, columns).
+
+    Raises:
+        ParameterError: a coordinate is too large.
+    """
+
+    @built
+    def __init__(self, body: Body, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]) -> None:
+        self._x, self._y, self._z = x, y, z
+        reach = max(map(_reach, (x, y, z)))
+        body.engine.triangles.set(self, 2 * (len(x) - 1) * (len(y) - 1))
+        Geom.__init__(self, body, None)
+        self._data = None
+        if reach > WIDE:
+            body.engine.extend_range()
+
+    def _make_vertices(self) -> NDArray[np.float64]:
+        vertices = np.empty((*self._z.shape, 3))
+        vertices[..., 0], vertices[..., 1], vertices[..., 2] = self._x, self._y[:, None], self._z
+        return vertices.reshape(-1, 3)
+
+    def _make_texture_coordinates(self) -> NDArray[np.float64] | None:
+        """The ground shows the whole image once."""
+        if self.image is None:
+            return None
+        rows, columns = self._z.shape
+        coordinates = np.empty((rows, columns, 2))
+        coordinates[..., 0], coordinates[..., 1] = np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows)[:, None]
+        return coordinates.reshape(-1, 2)
+
+    def _make_normals(self) -> NDArray[np.float64]:
+        return vertex_normals(self.vertices, self.triangles)
+
+    vertices = _Made(_make_vertices)
+    triangles = _Made(lambda self: grid_triangles(*self._z.shape))
+    normals = _Made(_make_normals)
+    texture_coordinates = _Made(_make_texture_coordinates)
+
+    @exclusive
+    def close(self) -> None:
+        """Destroy the geom and its heights."""
+        super().close()
+        self._x = self._y = np.empty(0)
+        self._z = np.empty((0, 0))
 
 
 class PrismGeom(TriMeshGeom):

@@ -53,7 +53,7 @@ class MeshPart:
 
     name: str
     vertices: Array
-    triangles: NDArray[np.int64]
+    triangles: NDArray[np.integer]
     color: tuple[float, ...] | None = None
     texture: Texture | None = None
     normals: Array | None = None

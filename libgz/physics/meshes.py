@@ -20,6 +20,7 @@ __all__ = [
     "vertex_normals",
 ]
 
+STRIP = 1 << 17  # triangles or vertices whose normals are computed at once
 CREASE = math.cos(math.radians(40.0))  # edges sharper than this are rendered sharp
 # Catmull-Rom: the curve between the middle two of four points is (1, u, u^2, u^3) M (four points), u from 0 to 1.
 _CATMULL_ROM = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], dtype=np.float64)
@@ -33,15 +34,16 @@ class Mesh:
     triangles: NDArray[np.uint32]
 
 
-def grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:
+def grid_triangles(rows: int, columns: int) -> NDArray[np.uint32]:
     """Two triangles for each cell of a grid whose vertices are numbered row by row, shape (m, 3).
 
     They are counter-clockwise where columns run along x, rows along y.
     """
-    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    lower = np.stack([first, first + 1, first + columns + 1], axis=1)
-    upper = np.stack([first, first + columns + 1, first + columns], axis=1)
-    return np.stack([lower, upper], axis=1).reshape(-1, 3)
+    found = np.empty((rows - 1, columns - 1, 6), dtype=np.uint32)
+    found[..., 0] = np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)
+    for k, offset in enumerate((1, columns + 1, 0, columns + 1, columns), start=1):
+        np.add(found[..., 0], np.uint32(offset), out=found[..., k])
+    return found.reshape(-1, 3)
 
 
 def grid_strip(rows: int, columns: int) -> NDArray[np.int64]:
@@ -86,11 +88,17 @@ def triangle_normals(vertices: NDArray[np.float64], triangles: NDArray[np.intege
 
 def vertex_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
     """Unit normals of vertices, shape (n, 3): the sum of those of the triangles around them."""
-    faces = np.repeat(triangle_normals(vertices, triangles), 3, axis=0)
-    corners = triangles.ravel()
-    sums = np.stack([np.bincount(corners, faces[:, i], len(vertices)) for i in range(3)], axis=1)
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-    result: NDArray[np.float64] = np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 1e-12)
+    sums = np.zeros((3, len(vertices)))
+    for first in range(0, len(triangles), STRIP):  # what is computed on the way is larger than the mesh
+        some = triangles[first : first + STRIP]
+        faces = np.repeat(triangle_normals(vertices, some), 3, axis=0)
+        for total, part in zip(sums, faces.T, strict=True):
+            np.add.at(total, some.ravel(), part)
+    result: NDArray[np.float64] = np.ascontiguousarray(sums.T)
+    for first in range(0, len(result), STRIP):
+        rows = result[first : first + STRIP]
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        rows[:] = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 1e-12)
     return result
 
 

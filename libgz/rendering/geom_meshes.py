@@ -46,11 +46,12 @@ def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
 
 def _trimesh(geom: TriMeshGeom, _segments: int) -> list[Mesh]:
     """A mesh with normals and texture coordinates of its own, where it has any."""
-    shape, corners = mesh.triangles(geom.vertices, geom.triangles, _texture_size(geom)), geom.triangles.ravel()
-    if geom.normals is not None:
-        shape = shape._replace(normals=np.ascontiguousarray(geom.normals[corners], dtype=np.float32))
-    if geom.texture_coordinates is not None:
-        shape = shape._replace(texcoords=np.ascontiguousarray(geom.texture_coordinates[corners], dtype=np.float32))
+    normals, texcoords, corners = geom.normals, geom.texture_coordinates, geom.triangles.ravel()
+    if normals is not None:  # they belong to vertices, which triangles then share
+        return [mesh.smooth(geom.vertices, corners, normals, texcoords, _texture_size(geom))]
+    shape = mesh.triangles(geom.vertices, geom.triangles, _texture_size(geom))
+    if texcoords is not None:
+        shape = shape._replace(texcoords=np.ascontiguousarray(texcoords[corners], dtype=np.float32))
     return [shape]
 
 

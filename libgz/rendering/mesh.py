@@ -22,6 +22,7 @@ __all__ = [
     "heightfield",
     "rectangle",
     "ring",
+    "smooth",
     "sphere",
     "torus",
     "triangles",
@@ -198,6 +199,22 @@ def triangles(vertices: ArrayLike, corners: ArrayLike, texture_size: tuple[float
     points, faces = np.asarray(vertices, dtype=np.float64), np.asarray(corners, dtype=np.int64).reshape(-1, 3)
     flat = points[faces].reshape(-1, 3)
     return Mesh(_f(flat), corner_normals(points, faces).reshape(-1, 3), _f(flat[:, :2] / texture_size))
+
+
+def smooth(
+    vertices: NDArray[np.float64],
+    corners: NDArray[np.integer],
+    normals: NDArray[np.float64],
+    texcoords: NDArray[np.float64] | None,
+    texture_size: tuple[float, float],
+) -> Mesh:
+    """A triangle mesh with normals and, if it has any, texture coordinates of its vertices, one row each.
+
+    `corners`: indices, shape (3 m,). `texture_size`: extent of one image, which is else projected from above [m].
+    """
+    points = np.asarray(vertices, dtype=np.float64)
+    places = points[:, :2] / texture_size if texcoords is None else texcoords
+    return Mesh(_f(points), _f(normals), _f(places), np.ascontiguousarray(corners, dtype=np.uint32))
 
 
 def heightfield(heights: ArrayLike, extent: tuple[float, ...], texture_size: tuple[float, float]) -> Mesh:

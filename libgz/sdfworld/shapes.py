@@ -27,7 +27,7 @@ from libgz.physics.geoms import (
     TriMeshGeom,
 )
 from libgz.physics.mesh_parts import MeshPart, NamedImage
-from libgz.physics.meshes import corner_normals, grid_triangles, units, vertex_normals
+from libgz.physics.meshes import corner_normals, grid_triangles, units
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
 from libgz.sdf.description import UNSET
@@ -55,7 +55,7 @@ PATCHES = 16  # of a rendered plane, in each direction: light is computed at the
 
 Note = Callable[[Element, str], None]  # reports a warning about an element
 T = TypeVar("T")
-Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
+Triangles = tuple[NDArray[np.float64], NDArray[np.integer]]
 
 
 def make_collision(body: Body, space: Space, element: Element, note: Note) -> Geom | None:
@@ -98,6 +98,12 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
         return []
     pose = element.Get(GzPose, "pose")
     geom = _simple(body, None, shape, note)
+    if shape.name == "heightmap":
+        from libgz.sdfworld.terrain import terrain_visual  # few worlds have one
+
+        geom = _made(shape, lambda: terrain_visual(_find(shape), shape, body, note), note)
+        if geom is None:
+            return []
     found = [geom] if geom is not None else []
     if geom is None:
         parts = [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note)
@@ -107,13 +113,6 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
             geom = show_part(body, part, images)
             if shape.name == "plane":
                 geom.texture_coordinates, geom.columns = _across(), PATCHES + 1
-            if shape.name == "heightmap":
-                geom.normals = vertex_normals(part.vertices, part.triangles)
-                from libgz.sdfworld.terrain import read_cover
-
-                cover = read_cover(_find(shape), shape, note)
-                if cover is not None:
-                    geom.texture_coordinates, geom.image = cover.texture_coordinates, cover.image
             found.append(geom)
     for geom in found:
         geom.SetRelativePose(pose)
@@ -206,6 +205,8 @@ def _across() -> NDArray[np.float64]:
 
 def _merged(parts: list[MeshPart]) -> Triangles:
     """All parts as one mesh."""
+    if len(parts) == 1:
+        return parts[0].vertices, parts[0].triangles
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     triangles = [part.triangles + start for part, start in zip(parts, starts[:-1], strict=True)]
     return np.concatenate([part.vertices for part in parts]), np.concatenate(triangles)

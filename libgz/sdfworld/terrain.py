@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from libgz.base.errors import GazeboError, NotFoundError
 from libgz.base.files import is_file
 from libgz.base.geometry import GzVector
+from libgz.physics.body import Body
 from libgz.physics.check import positive
+from libgz.physics.geoms import GridGeom
 from libgz.physics.image_files import open_image
 from libgz.physics.mesh_parts import MeshPart
 from libgz.physics.meshes import grid_triangles
@@ -24,7 +26,7 @@ from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 
-__all__ = ["Cover", "read_cover", "terrain_heights", "terrain_mesh"]
+__all__ = ["Cover", "terrain_heights", "terrain_mesh", "terrain_visual"]
 
 MOST_PIXELS = 4097 * 4097
 SAMPLING = 2  # vertices of ground for each pixel, along x and y, where a file does not say
@@ -43,13 +45,33 @@ def terrain_mesh(path: Path, shape: Element) -> MeshPart:
     Raises:
         GazeboError: the image cannot be read, or is no height map; the size is not positive.
     """
-    size, pos, heights = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos"), _heights(path, shape)
+    x, y, z = _grid(shape, _heights(path, shape))
+    vertices = np.empty((len(y), len(x), 3))
+    vertices[..., 0], vertices[..., 1], vertices[..., 2] = x, y[:, None], z
+    return MeshPart("heightmap", vertices.reshape(-1, 3), grid_triangles(len(y), len(x)))
+
+
+def terrain_visual(path: Path, shape: Element, body: Body, note: Note) -> GridGeom:
+    """The geom that shows the same ground, with its textures.
+
+    Raises:
+        GazeboError: as `terrain_mesh`.
+    """
+    heights = _heights(path, shape)
+    geom = GridGeom(body, *_grid(shape, heights))
+    cover = _cover(heights, shape, note)
+    if cover is not None:
+        geom.image = cover.image
+    return geom
+
+
+def _grid(shape: Element, heights: Array) -> tuple[Array, Array, Array]:
+    """The x of the columns, the y of the rows, and the z of all vertices of a ground [m]."""
+    size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")
     rows, columns = heights.shape
     x = np.linspace(-0.5 * size.x, 0.5 * size.x, columns) + pos.x
     y = np.linspace(-0.5 * size.y, 0.5 * size.y, rows) + pos.y
-    across, along = np.meshgrid(x, y)
-    vertices = np.stack([across, along, heights + pos.z], axis=-1).reshape(-1, 3)
-    return MeshPart("heightmap", vertices, grid_triangles(rows, columns))
+    return x, y, heights + pos.z if pos.z else heights
 
 
 def terrain_heights(path: Path, shape: Element) -> Array:
@@ -123,13 +145,6 @@ class Cover:
     sizes: tuple[float, float]
     layers: tuple[_Layer, ...]
 
-    @property
-    def texture_coordinates(self) -> Array:
-        """Of the vertices of the terrain: it shows the whole image once."""
-        rows, columns = self.heights.shape
-        across, along = np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows))
-        return np.stack([across, along], axis=-1).reshape(-1, 2)
-
     def image(self) -> NDArray[np.uint8]:
         """All of the terrain from above, top row at +y, shape (n, n, 3); computed when it is rendered."""
         found = _images.get(self)
@@ -171,7 +186,7 @@ class Cover:
 _images: weakref.WeakKeyDictionary[Cover, NDArray[np.uint8]] = weakref.WeakKeyDictionary()
 
 
-def read_cover(path: Path, shape: Element, note: Note) -> Cover | None:
+def _cover(heights: Array, shape: Element, note: Note) -> Cover | None:
     """The textures of a `<heightmap>`; None if it has none that can be read, with a warning for each that cannot."""
     size = shape.Get(GzVector, "size")
     blends = list(shape.named("blend"))
@@ -199,7 +214,7 @@ def read_cover(path: Path, shape: Element, note: Note) -> Cover | None:
         layers.append(layer)
     if not any(layer.file for layer in layers):
         return None
-    return Cover(_heights(path, shape), (size.x, size.y), tuple(layers))
+    return Cover(heights, (size.x, size.y), tuple(layers))
 
 
 @functools.lru_cache(maxsize=8)

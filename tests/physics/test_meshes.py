@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from libgz.physics import meshes
 from libgz.physics.meshes import grid_strip, grid_triangles, triangle_normals, vertex_normals
 
 
@@ -38,3 +39,15 @@ def test_normals_of_a_sphere_point_outward():
     normals = vertex_normals(vertices, grid_triangles(30, 30)[:, ::-1])
     inside = normals.reshape(30, 30, 3)[1:-1, 1:-1]
     assert np.einsum("ijk,ijk->ij", inside, vertices.reshape(30, 30, 3)[1:-1, 1:-1]).min() > 0.999
+
+
+def test_normals_of_a_large_mesh_are_those_of_the_whole(monkeypatch):
+    """They are computed piece by piece, with the same sums to the last bit."""
+    rng = np.random.default_rng(3)
+    vertices, triangles = rng.random((300, 3)), rng.integers(0, 300, (1000, 3))
+    whole = vertex_normals(vertices, triangles)
+    faces = np.repeat(triangle_normals(vertices, triangles), 3, axis=0)
+    sums = np.stack([np.bincount(triangles.ravel(), faces[:, i], 300) for i in range(3)], axis=1)
+    assert (whole == sums / np.linalg.norm(sums, axis=1, keepdims=True)).all()
+    monkeypatch.setattr(meshes, "STRIP", 7)
+    assert (vertex_normals(vertices, triangles) == whole).all()

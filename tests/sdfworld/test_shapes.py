@@ -4,6 +4,7 @@ import gc
 import math
 import os
 import struct
+import tracemalloc
 import weakref
 
 import numpy as np
@@ -13,6 +14,7 @@ from sdf_worlds import GROUND, collision, friction, inertial, link, model, place
 
 from libgz.base.geometry import GzPosePointAt, GzVector
 from libgz.ode.types import Surface
+from libgz.physics.geoms import TriMeshGeom
 from libgz.physics.image_files import open_image
 from libgz.rendering.camera import Camera
 from libgz.sdfworld.terrain import MOST_IMAGES, Cover, _Layer
@@ -110,6 +112,28 @@ def test_what_is_missing_or_broken_is_told_and_left_out(load, tmp_path, caplog):
     assert "Unable to find uri[no.dae]; looked for" in caplog.text
     assert "broken.obj cannot be read" in caplog.text
     assert "has no submesh 'awya'; it has away; did you mean 'away'" in caplog.text
+
+
+def test_a_height_map_takes_little_more_than_its_heights_until_it_is_shown(load, tmp_path):
+    side = 300
+    Image.fromarray(np.arange(side * side, dtype=np.uint32).reshape(side, side).astype(np.uint8)).save(
+        tmp_path / "h.png"
+    )
+    shape = "<heightmap><uri>h.png</uri><size>8 8 2</size><sampling>1</sampling></heightmap>"
+    look = f"<visual name='v'><geometry>{shape}</geometry></visual>"
+    ground = model("ground", "<static>1</static>", link("l", collision(shape) + look))
+    load(world(model("first", link("l", look.replace("h.png", "none.png")))))  # imports
+    tracemalloc.start()
+    try:
+        made = load(world(ground))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 80 * side * side + 2_000_000  # bytes
+    geom = next(geom for geom in made.body("ground", "l").geoms if isinstance(geom, TriMeshGeom))
+    assert geom.triangles.shape == (2 * (side - 1) ** 2, 3)
+    assert geom.vertices[-1].tolist() == [4.0, 4.0, 2.0 * 43 / 255]
+    assert geom.normals.shape == geom.vertices.shape == (side * side, 3)
 
 
 def test_a_height_map_carries(load, tmp_path, caplog):

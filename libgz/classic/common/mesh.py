@@ -413,7 +413,7 @@ def _turn(segments: int) -> list[float]:
     return [2.0 * math.pi * i / segments for i in range(segments)]
 
 
-def _part(name: str, vertices: Points, triangles: NDArray[np.int64]) -> SubMesh:
+def _part(name: str, vertices: Points, triangles: NDArray[np.integer]) -> SubMesh:
     part = SubMesh(name)
     part.vertices, part.indices = np.array(vertices, dtype=np.float64), triangles.ravel().tolist()
     part.RecalculateNormals()

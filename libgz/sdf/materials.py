@@ -8,13 +8,14 @@ import itertools
 import logging
 import math
 import re
+import threading
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from libgz.base.budget import Budget, BudgetError
 from libgz.base.errors import NotFoundError
 from libgz.base.files import installed_worlds, is_file, is_folder, read_limited
 from libgz.sdf.bounds import LARGEST
@@ -27,9 +28,9 @@ log = logging.getLogger("libgz.sdf")
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
 UNIT = "texture_unit"
-LONGEST, MOST_READ = 4 << 20, 64 << 20  # bytes of a script, and of all that a process reads
-BLOCK = 512  # bytes that a block is counted as, for a material takes far more than its letters
-MOST_SCRIPTS = 10_000  # that are kept
+LONGEST, MOST_KEPT = 4 << 20, 64 << 20  # bytes of a script, and of all that a process keeps
+BLOCK = 512  # bytes that a script, and each block of it, is counted as beside its letters: a material takes far more
+IDLE = 60.0  # [s] after which a script that nothing has named makes place for others
 MOST_IMAGES = 100  # of a material that are looked for; the first one that is found counts
 SMALLEST = 1e-9  # scale of an image
 REJECTIONS = {"greater": 0.0, "greater_equal": 1.0}  # what is kept, and by how much its bound is lower
@@ -100,7 +101,7 @@ def _of_table(name: str) -> Material | None:
 
 def _of_scripts(name: str, uris: Iterable[str], beside: Path | None) -> Material | None:
     places = [place for uri in uris for place in _place(uri, beside)]
-    scripts = ((script, _read_script(script)) for script in _scripts(places))
+    scripts = ((script, _kept.find(script)) for script in _scripts(places))
     return next((found[name].material_with_image(script, places) for script, found in scripts if name in found), None)
 
 
@@ -158,23 +159,81 @@ class _Defined:
             one = one._parent
 
 
-_budget = Budget(MOST_READ)  # never given back: each visual of a world may name scripts, and all would be read again
+class _Script(NamedTuple):
+    """A script that was read: its materials, the bytes that it is counted as, and when it was named last [s]."""
+
+    materials: dict[str, _Defined]
+    size: int
+    named: float
 
 
-@functools.lru_cache(maxsize=MOST_SCRIPTS)
-def _read_script(path: Path) -> dict[str, _Defined]:
-    """All materials of a script; none of one that is too long, or too much beside those before.
+class _Scripts:
+    """The scripts of a process, read once, up to a bound.
 
-    Lines about anything but colours and textures are skipped.
+    Each visual of a world may name all of them: if those that are in use made place for others, all would be read again
+    and again.
     """
-    try:
-        data = read_limited(path, LONGEST)
-        _budget.take(len(data) + BLOCK * data.count(b"{"))
-    except OSError:
-        return {}
-    except BudgetError:
-        log.warning("%s: not read; all material scripts of a process may have %d MiB", path, MOST_READ >> 20)
-        return {}
+
+    def __init__(self, most: int) -> None:
+        self._most, self._held = most, 0
+        self._scripts: dict[Path, _Script] = {}  # the one that was named last comes last
+        self._lock = threading.Lock()
+        self._full_until = -math.inf
+
+    def find(self, path: Path) -> dict[str, _Defined]:
+        """All materials of a script; none of one that is too long, or too much beside those that are in use."""
+        now = time.monotonic()
+        with self._lock:
+            found = self._scripts.pop(path, None)
+            if found is not None:
+                self._scripts[path] = found._replace(named=now)
+                return found.materials
+            if now < self._full_until:
+                return {}
+        try:
+            data = read_limited(path, LONGEST)
+        except OSError:
+            data = b""
+        size = BLOCK + len(data) + BLOCK * data.count(b"{")
+        fits = size <= self._most
+        with self._lock:
+            if not fits:
+                data, size = b"", BLOCK
+            if not self._make_place(size, now):
+                self._full_until, fits = now + IDLE, False
+            else:
+                self._held += size
+        if not fits:
+            log.warning(
+                "%s: not read; all material scripts that are in use may have %d MiB together", path, MOST_KEPT >> 20
+            )
+            if now < self._full_until:
+                return {}
+        found = _Script(_materials(data), size, now)
+        with self._lock:
+            self._drop(path)  # another thread may have read it meanwhile
+            self._scripts[path] = found
+        return found.materials
+
+    def _make_place(self, size: int, now: float) -> bool:
+        """Drop what has not been named for a while, as far as it is in the way of so many bytes; whether they fit."""
+        for path, script in list(self._scripts.items()):
+            if self._held + size <= self._most or now - script.named < IDLE:
+                break
+            self._drop(path)
+        return self._held + size <= self._most
+
+    def _drop(self, path: Path) -> None:
+        dropped = self._scripts.pop(path, None)
+        if dropped is not None:
+            self._held -= dropped.size
+
+
+_kept = _Scripts(MOST_KEPT)
+
+
+def _materials(data: bytes) -> dict[str, _Defined]:
+    """All materials of a script; lines about anything but colours and textures are skipped."""
     text = data.decode("utf-8", "replace")
     text = re.sub(r"/\*.*?(?:\*/|\Z)", "", text, flags=re.DOTALL)
     found: dict[str, _Defined] = {}

@@ -3,13 +3,13 @@
 import itertools
 import math
 import os
+import types
 
 import pytest
 from PIL import Image
 
-from libgz.base.budget import Budget
 from libgz.sdf import materials
-from libgz.sdf.materials import LONGEST, _read_script, find_material
+from libgz.sdf.materials import IDLE, LONGEST, _Scripts, find_material
 
 HEAD = "material a\n{\ndiffuse 0.5 0.5 0.5\n}\n"
 UNIT = "material a\n{{\ntechnique\n{{\npass\n{{\ntexture_unit\n{{\ntexture {}\n{}\n}}\n}}\n}}\n}}\n"
@@ -73,34 +73,55 @@ def test_blocks_and_parents_without_an_end_are_read(read):
     assert found.diffuse == (0.0, 0.0, 1.0, 1.0)
 
 
-def test_a_script_is_read_once_whatever_names_it(tmp_path):
+@pytest.fixture
+def reads(monkeypatch):
+    """The scripts that are read."""
+    found = []
+    read_limited = materials.read_limited
+    monkeypatch.setattr(materials, "read_limited", lambda path, most: found.append(path) or read_limited(path, most))
+    return found
+
+
+def test_a_script_is_read_once_whatever_names_it(tmp_path, reads):
     (tmp_path / "a.material").write_text(HEAD)
-    before = _read_script.cache_info().misses
     for number in range(20):
         assert find_material("a", ["a.material", f"folder{number}"], tmp_path) is not None
         (tmp_path / f"folder{number + 1}").mkdir()
-    assert _read_script.cache_info().misses == before + 1
+    assert len(reads) == 1
 
 
-def test_many_scripts_are_read_once_up_to_a_bound(tmp_path, monkeypatch, caplog):
+def test_many_scripts_are_read_once_up_to_a_bound(tmp_path, monkeypatch, caplog, reads):
     """Of each visual, all of them would be read again."""
-    monkeypatch.setattr(materials, "_budget", Budget(100_000))
+    monkeypatch.setattr(materials, "_kept", _Scripts(150_000))
     names = [f"{number}.material" for number in range(100)]
     for name in names:
         (tmp_path / name).write_text(HEAD.replace("material a", f"material {name[:-9]}"))
-    before = _read_script.cache_info().misses
     for _ in range(3):
         assert all(find_material(name[:-9], names, tmp_path) for name in names)
-    assert _read_script.cache_info().misses == before + 100
+    assert len(reads) == 100
     (tmp_path / "more.material").write_text(HEAD + " " * 100_000)
     for _ in range(3):
         assert find_material("a", ["more.material"], tmp_path) is None
     assert caplog.text.count("more.material: not read; all material scripts") == 1
     assert find_material("99", names, tmp_path) is not None
+    assert len(reads) == 101
+
+
+def test_scripts_that_nothing_names_any_more_make_place(tmp_path, monkeypatch):
+    """A server that runs for days gets models with ever new scripts."""
+    now = 0.0
+    monkeypatch.setattr(materials, "time", types.SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(materials, "_kept", _Scripts(100_000))
+    for name in ("a", "b", "c"):
+        (tmp_path / f"{name}.material").write_text(HEAD.replace("material a", f"material {name}") + " " * 40_000)
+    found = {}
+    for now, name in ((0.0, "a"), (0.0, "b"), (1.0, "c"), (IDLE, "b"), (IDLE + 1.0, "c"), (IDLE + 2.0, "a")):
+        found[now, name] = find_material(name, [f"{name}.material"], tmp_path) is not None
+    assert [key for key, value in found.items() if not value] == [(1.0, "c"), (IDLE + 2.0, "a")]
 
 
 def test_a_script_of_many_blocks_defines_nothing(read, monkeypatch):
-    monkeypatch.setattr(materials, "_budget", Budget(1 << 20))
+    monkeypatch.setattr(materials, "_kept", _Scripts(1 << 20))
     assert read(HEAD + "b{}" * 3000) is None
     assert read(HEAD + "b{}" * 300) is not None
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,8 @@ __all__ = ["plot_measures"]
 Row = Mapping[str, Any]
 MOST_LINES, MOST_PANELS = 8, 4  # in one figure
 MOST_BINS = 50
-MOST_TEXTS, LONGEST = 50, 200  # different texts along an axis, and characters of one, beyond which they are numbered
+# Different texts along an axis, and characters of one, beyond which they are numbered, or of a name.
+MOST_TEXTS, LONGEST = 50, 200
 LARGEST = 1e100  # of a number that is plotted
 MANY = 12  # different numbers, beyond which they are plotted as single points
 _UNSAFE = re.compile(r"[^\w.-]+")
@@ -52,8 +54,8 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
         name for name in varied if name not in about["random"]
     ]  # what is sampled at random is spread, if it can be
     varied = sorted(chosen or varied[:1], key=lambda name: (not _numeric(good, name), -counts[name]))
-    for measure in about["measures"]:
-        path = folder / f"{_UNSAFE.sub('-', measure)}.png"
+    for measure, stem in zip(about["measures"], _stems(about["measures"]), strict=True):
+        path = folder / f"{stem}.png"
         # Names of the study are text, not formulas; letters that the font does not have are no news, and may be many.
         with rc_context({"text.parse_math": False}), warnings.catch_warnings():
             warnings.filterwarnings("ignore", "Glyph ")
@@ -65,6 +67,17 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
             except OSError as error:
                 raise GazeboError(f"cannot write {path}: {error.strerror}") from None
         yield path
+
+
+def _stems(measures: Iterable[str]) -> list[str]:
+    """A name of a file for each measure, without its suffix: as similar as it can be, and no two the same."""
+    found: dict[str, str] = {}  # by what is the same where upper and lower case are
+    for measure in measures:
+        stem = _UNSAFE.sub("-", measure).encode()[:LONGEST].decode(errors="ignore")
+        numbered = (f"{stem}-{number}" for number in itertools.count(2))
+        name = next(name for name in itertools.chain([stem], numbered) if name.casefold() not in found)
+        found[name.casefold()] = name
+    return list(found.values())
 
 
 def _plain(value: Any) -> Any:

@@ -351,6 +351,16 @@ def test_odd_results_are_plotted_without_what_cannot_be(tmp_path, p, m):
     assert [path.name for path in plot_measures(about, found, tmp_path)] == ["m.png"]
 
 
+def test_each_measure_has_a_figure_of_its_own(tmp_path):
+    """Also those whose names differ in letters only that no file name has, and one that would be too long for it."""
+    measures = ["a b", "a-b", "A b", "a/b", "x" * 300]
+    row = {"p": 1.0, "controller": "c", "state": "ok"} | dict.fromkeys(measures, 1.0)
+    about = {"parameters": ["p"], "random": [], "measures": measures}
+    names = [path.name for path in plot_measures(about, [row], tmp_path)]
+    assert names == ["a-b.png", "a-b-2.png", "A-b-3.png", "a-b-4.png", "x" * 200 + ".png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+
+
 @pytest.mark.parametrize("runs", [-1, 10**9 + 1, 10**400])
 def test_results_of_more_runs_than_a_study_has_are_damaged(tmp_path, runs):
     (tmp_path / "study.json").write_text(json.dumps(ABOUT | {"runs": runs}))

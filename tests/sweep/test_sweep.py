@@ -75,7 +75,7 @@ def test_a_grid_into_csv_and_plots(folder):
     assert [row["run"] for row in rows] == list(range(8))
     assert {row["state"] for row in rows} == {"ok"}
     assert {row["calls"] for row in rows} == {10}
-    assert len({(row["libgz"], row["python"]) for row in rows}) == 1
+    assert len({(row["libgz"], row["python"]) for row in table}) == 1
     distance = {row["controller/speed"]: row["distance"] for row in rows}
     assert 0.1 < distance[0.2] < 0.21
     assert 1.5 < distance[0.4] / distance[0.2] < 2.3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import io
 import itertools
 import json
 import logging
@@ -52,9 +53,12 @@ TEXT_START = 4096  # bytes of an STL file in which a text has its first vertex
 # Characters that are read because references of a COLLADA document lead to them, each time; and as many as the file's
 # own times so many. An element takes as long as so many characters.
 MOST_READ, TIMES_READ, ELEMENT = 2 << 30, 8, 500
+GLTF = ("glb", "gltf")
 ARCHIVES = ("3dxml", "3mf", "bz2", "gz", "tar", "zae", "zip")  # which trimesh reads, to any size
 LARGEST_FILE = 4 << 30  # bytes; 20 million triangles have less
-MOST_NODES = 100_000  # and geometries of a COLLADA scene, with all that is instantiated
+MOST_NODES = 100_000  # and geometries of a scene, with all that is instantiated; parts of any mesh
+MOST_DEPTH = 1000  # of the nodes of a glTF scene: trimesh goes from each one up to the first
+ROWS = {"MAT3": 3, "MAT4": 4}  # rows of four numbers, as which the values of a glTF file are counted that have more
 LUMINANCE = (0.212671, 0.715160, 0.072169)  # of red, green, blue (ITU-R BT.709), as COLLADA says
 LARGEST_COORDINATE = 1e6  # of a texture: how often it repeats
 # Of maps in material libraries: how many values follow at most.
@@ -176,7 +180,9 @@ def _read(path: Path, when: int) -> _Mesh:
 def _bounded(parts: Iterable[MeshPart], path: Path) -> Iterator[MeshPart]:
     """The parts, as long as they are not too many: a file may refer to its parts again and again."""
     total = 0
-    for part in parts:
+    for number, part in enumerate(parts):
+        if number >= MOST_NODES:
+            raise GazeboError(f"mesh {path} has more than {MOST_NODES} parts")
         total += len(part.triangles)
         if total > MOST_TRIANGLES:
             raise GazeboError(f"mesh {path} has more than {MOST_TRIANGLES} triangles")
@@ -206,18 +212,20 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
         left = LARGEST_FILE  # bytes, of all files together
 
         def get(self, name: str) -> bytes:
-            """The bytes of a file that this one names, such as the numbers of a glTF file."""
+            """The bytes of a file that this one names, but no image: pillow would read any format, and to any size."""
+            if kind not in GLTF and Path(name.strip()).suffix.lower() != ".mtl":
+                raise FileNotFoundError(name)
             data = read_limited(Path(self.parent) / name.strip(), self.left)
             self.left -= len(data)
             return data
 
     try:
+        more = {"skip_materials": True} if kind == "ply" else {}  # of which it has images alone
         with open_file(path) as file, quiet():
             if os.fstat(file.fileno()).st_size > LARGEST_FILE:
                 raise ValueError(f"it is larger than {LARGEST_FILE >> 20} MiB")
-            if kind in ("gltf", "glb"):
-                _check_gltf(file)
-            loaded: Any = trimesh.load(file, file_type=kind, force="scene", resolver=Files(str(path)))
+            data = _checked_gltf(file) if kind in GLTF else file
+            loaded: Any = trimesh.load(data, file_type=kind, force="scene", resolver=Files(str(path)), **more)
             _check_size(loaded)
             parts = [part for part in loaded.dump() if len(getattr(part, "faces", ()))]
         if any(part.faces.min() < 0 or part.faces.max() >= len(part.vertices) for part in parts):
@@ -228,19 +236,50 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     return parts
 
 
-def _check_gltf(file: BinaryIO) -> None:
-    """Check how many numbers a glTF file declares: those that it does not have are zeros.
+def _checked_gltf(file: BinaryIO) -> BinaryIO:
+    """The same glTF file without its images, which nobody looks at and each material would hold whole.
 
     Raises:
-        ValueError: more than the largest mesh has, or it is damaged.
+        ValueError: it declares more numbers than the largest mesh has, for those that it does not have are zeros; it
+            has too many nodes, or too deep ones; it is damaged.
     """
     head = file.read(20)
     length = min(int.from_bytes(head[12:16], "little"), os.fstat(file.fileno()).st_size)
-    text = file.read(length) if head.startswith(b"glTF") else head + file.read()
-    file.seek(0)
-    declared = sum(max(int(accessor.get("count", 0)), 0) for accessor in json.loads(text).get("accessors", ()))
+    binary = head.startswith(b"glTF")
+    about = json.loads(file.read(length) if binary else head + file.read())
+    declared = sum(
+        max(int(accessor.get("count", 0)), 0) * ROWS.get(accessor.get("type"), 1)
+        for accessor in about.get("accessors", ())
+    )
     if declared > MOST_NUMBERS:
         raise ValueError(f"it declares {declared} vertices and indices; {MOST_NUMBERS} are allowed")
+    _check_depth([node.get("children", ()) for node in about.get("nodes", ())])
+    if not about.pop("images", None):
+        file.seek(0)
+        return file
+    text = json.dumps(about).encode()
+    if not binary:
+        return io.BytesIO(text)
+    text += b" " * (-len(text) % 4)
+    rest = file.read()
+    sizes = struct.pack("<II", (len(head) + len(text) + len(rest)) & 0xFFFFFFFF, len(text))
+    return io.BytesIO(b"".join([head[:8], sizes, head[16:], text, rest]))
+
+
+def _check_depth(children: list[list[int]]) -> None:
+    """Check the nodes of a glTF file, given by the numbers of their children.
+
+    Raises:
+        ValueError: they are too many, or nested too deeply, as all are that contain themselves.
+    """
+    if len(children) > MOST_NODES or sum(map(len, children)) > MOST_NODES:
+        raise ValueError(f"it has more than {MOST_NODES} nodes and geometries")
+    level = {child for some in children for child in some}
+    for _ in range(MOST_DEPTH):
+        level = {child for node in level for child in children[node]}
+        if not level:
+            return
+    raise ValueError(f"its nodes are nested more than {MOST_DEPTH} deep, or contain themselves")
 
 
 def _check_size(scene: Any) -> None:

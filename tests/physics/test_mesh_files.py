@@ -304,6 +304,18 @@ def test_other_formats_are_read_from_what_was_opened(file, monkeypatch):
     assert hasattr(given[0], "read")
 
 
+def test_the_image_of_a_ply_is_not_looked_at(tmp_path, file, monkeypatch, caplog):
+    pytest.importorskip("trimesh")
+    image_module = pytest.importorskip("PIL.Image")
+    image_module.new("RGB", (2, 2)).save(tmp_path / "a.png")
+    monkeypatch.setattr(image_module, "open", lambda *_, **__: pytest.fail("an image is opened"))
+    head = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 3\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    assert len(read_mesh(file("a.ply", head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"))) == 1
+    assert not caplog.records
+
+
 def test_a_pipe_that_a_gltf_names_is_not_waited_for(tmp_path, file):
     pytest.importorskip("trimesh")
     os.mkfifo(tmp_path / "numbers")
@@ -359,6 +371,31 @@ class TestGltf:
         for path in (file("a.gltf", text), file("a.glb", head + whole)):
             with pytest.raises(GazeboError, match="it declares 2000000000 vertices and indices"):
                 read(path)
+
+    def test_its_images_are_not_looked_at(self, file, tmp_path, read, monkeypatch):
+        """Each material would hold one whole, of any size and in any format of pillow."""
+        image_module = pytest.importorskip("PIL.Image")
+        monkeypatch.setattr(image_module, "open", lambda *_, **__: pytest.fail("an image is opened"))
+        image_module.new("RGB", (2, 2)).save(tmp_path / "a.png")
+        materials = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+        primitives = [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]
+        more = {"materials": materials, "textures": [{"source": 0}], "meshes": [{"primitives": primitives}]}
+        text = gltf(images=[{"uri": "a.png"}], **more)
+        assert len(read(file("a.gltf", text))) == 1
+        whole = text.encode() + b" " * (-len(text) % 4)
+        chunks = struct.pack("<2I", len(whole), 0x4E4F534A) + whole + struct.pack("<2I", 4, 0x004E4942) + bytes(4)
+        assert len(read(file("a.glb", b"glTF" + struct.pack("<2I", 2, 12 + len(chunks)) + chunks))) == 1
+
+    @pytest.mark.parametrize("children", [[[1], [0]], [[0], []], [[i + 1] for i in range(1001)]])
+    def test_its_nodes_are_not_nested_too_deeply(self, file, read, children):
+        nodes = [{"children": some} for some in children] + [{"mesh": 0}]
+        with pytest.raises(GazeboError, match="nested more than 1000 deep, or contain themselves"):
+            read(file("a.gltf", gltf(nodes=nodes)))
+
+    def test_matrices_count_for_their_numbers(self, file, read):
+        wide = {"componentType": 5126, "count": 100_000_000, "type": "MAT4"}
+        with pytest.raises(GazeboError, match="it declares 400000003 vertices and indices"):
+            read(file("a.gltf", gltf(accessors=[json.loads(gltf())["accessors"][0], wide])))
 
     def test_its_files_count_together(self, file, tmp_path, read, monkeypatch):
         (tmp_path / "a.bin").write_bytes(bytes(3 << 20))

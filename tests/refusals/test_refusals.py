@@ -214,6 +214,12 @@ def too_many_nodes(folder, monkeypatch):
     read_mesh(folder / "a.dae")
 
 
+def too_many_parts(folder, monkeypatch):
+    monkeypatch.setattr(mesh_files, "MOST_NODES", 1)
+    (folder / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\ng b\nf 1 2 3\n")
+    read_mesh(folder / "a.obj")
+
+
 def too_many_references(folder, monkeypatch):
     monkeypatch.setattr(mesh_files, "MOST_READ", -(1 << 30))
     (folder / "a.dae").write_bytes(sample("dae", 0))
@@ -296,6 +302,10 @@ MORE = {
         "MOST_NUMBERS"
     ),
     ("libgz/physics/mesh_files.py", "it has more than {} nodes and geometries"): bounded_gltf("MOST_NODES"),
+    ("libgz/physics/mesh_files.py", "its nodes are nested more than {} deep, or contain themselves"): bounded_gltf(
+        "MOST_DEPTH", 0
+    ),
+    ("libgz/physics/mesh_files.py", "mesh {} has more than {} parts"): too_many_parts,
     ("libgz/physics/mesh_files.py", "it has more than {} triangles, or three vertices for each of so many"): (
         bounded_gltf("MOST_TRIANGLES")
     ),

@@ -73,9 +73,9 @@ class WorldPlugins:
         """Load the Model plugins of the elements of models."""
         for model in models:
             for element in plugins_in(model.GetSDF()):
-                errors = len(self._core.problems.errors)
+                count = self._core.problems.count
                 if not self.load_for_model(model, *names_of(element), element):
-                    self._note_failure(("Model", model.GetScopedName(), *names_of(element)), errors)
+                    self._note_failure(("Model", model.GetScopedName(), *names_of(element)), count)
 
     def load_for_world(self, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a World plugin; returns whether it runs."""
@@ -257,9 +257,9 @@ class WorldPlugins:
                 self._core.snapshots.restore(before)
             raise
         for kind, holder, filename, own in absent:
-            errors = len(self._core.problems.errors)
+            count = self._core.problems.count
             if self.load_again(kind, holder, filename, own, "") is None:
-                failed = self._core.problems.errors[errors:]
+                failed = self._core.problems.errors_since(count)
                 raise PluginError("\n".join(map(str, failed)) or f"plugin {own!r} did not start; the log says why")
         rows = [(kind, holder, plugin.name) for kind, holder, plugin in found]
         rows += [(kind, holder, own) for kind, holder, _, own in absent]
@@ -289,15 +289,15 @@ class WorldPlugins:
         own = next((e for e in plugins_in(sdf) if names_of(e) == (filename, name)), None)
         element = SdfFile.from_string(PLUGIN % source).root.children[0].child("plugin") if source else own
         before = {id(plugin) for *_, plugins in self.by_holder() for plugin in plugins}
-        errors = len(self._core.problems.errors)
+        count = self._core.problems.count
         load(filename, name, element)
-        self._note_failure(key, errors)
+        self._note_failure(key, count)
         plugins = [plugin for *_, plugins in self.by_holder() for plugin in plugins]
         return next((plugin for plugin in plugins if id(plugin) not in before), None)
 
-    def _note_failure(self, plugin: tuple[str, str, str, str], errors: int) -> None:
-        """Keep why a plugin was not loaded: the first error that was added to so many."""
-        added = self._core.problems.errors[errors:]
+    def _note_failure(self, plugin: tuple[str, str, str, str], count: int) -> None:
+        """Keep why a plugin was not loaded: the first error after so many errors and warnings."""
+        added = self._core.problems.errors_since(count)
         if added:
             self.failures[plugin] = added[0].message
 

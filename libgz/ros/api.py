@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 from libgz.base.errors import NotFoundError
 from libgz.classic.common import Color
 from libgz.classic.physics.base import Base, Entity
+from libgz.classic.physics.insertion import insert_document
 from libgz.classic.physics.link import Link
 from libgz.ros.packages import with_paths
 from libgz.ros.plugin import set_pose, set_twist
 from libgz.ros.reconfigure import Knob, Reconfigure
 from libgz.ros.services import INERTIAL, RefusedError, Services, pose_of, vector
 from libgz.ros.session import Later, Session, set_stamp
-from libgz.ros.spawning import prepare_model, root_tag
+from libgz.ros.spawning import failure, prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
 if TYPE_CHECKING:
@@ -101,16 +102,15 @@ class WorldApi(Services):
         if world.BaseByName(name) is not None:
             raise RefusedError("SpawnModel: Failure - entity already exists.")
         document = prepare_model(request.model_xml, name, pose, request.robot_namespace)
-        errors = len(world.core.problems.errors)
-        world.InsertModelSDF(document)
+        inserted = insert_document(world, document)
 
         def poll() -> Message | None:
-            if world.BaseByName(name) is not None:
-                answer.success, answer.status_message = True, "SpawnModel: Successfully spawned entity"
-                return answer  # type: ignore[no-any-return]
-            if len(world.core.problems.errors) > errors:
-                return self.refuse(answer, f"SpawnModel: {world.core.problems.errors[-1]}")
-            return None
+            if error := failure(inserted):
+                return self.refuse(answer, f"SpawnModel: {error}")
+            if world.BaseByName(name) is None:
+                return None
+            answer.success, answer.status_message = True, "SpawnModel: Successfully spawned entity"
+            return answer  # type: ignore[no-any-return]
 
         overdue = "SpawnModel: Entity pushed to spawn queue, but spawn service timed out waiting for entity to appear"
         late = service_type("gazebo_msgs/SpawnModel").response(

@@ -6,11 +6,12 @@ from typing import Any
 
 from libgz.base.errors import NotFoundError
 from libgz.classic.physics.base import Entity
+from libgz.classic.physics.insertion import insert_document
 from libgz.ros.api import DELETE_PATIENCE, SPAWN_PATIENCE, WorldApi, fill_state
 from libgz.ros.packages import with_paths
 from libgz.ros.services import RefusedError, pose_of, vector
 from libgz.ros.session import Later, set_stamp
-from libgz.ros.spawning import prepare_model, root_tag
+from libgz.ros.spawning import failure, prepare_model, root_tag
 from libgz.ros.types import Message, service_type
 
 __all__ = ["PROPERTIES", "SERVICES2", "STATES", "PropertiesApi", "StateApi", "WorldApi2"]
@@ -74,19 +75,18 @@ class WorldApi2(WorldApi):
         if name and world.BaseByName(name) is not None:
             raise RefusedError(f"Entity [{name}] already exists.")
         document = prepare_model(text, name, pose, request.robot_namespace, self._free)
-        errors = len(world.core.problems.errors)
-        world.InsertModelSDF(document)
+        inserted = insert_document(world, document)
         if not name:
             answer.success, answer.status_message = True, "Successfully sent factory message to Gazebo."
             return answer  # type: ignore[no-any-return]
 
         def poll() -> Message | None:
-            if world.BaseByName(name) is not None:
-                answer.success, answer.status_message = True, f"SpawnEntity: Successfully spawned entity [{name}]"
-                return answer  # type: ignore[no-any-return]
-            if len(world.core.problems.errors) > errors:
-                return self.refuse(answer, f"SpawnEntity: {world.core.problems.errors[-1]}")
-            return None
+            if error := failure(inserted):
+                return self.refuse(answer, f"SpawnEntity: {error}")
+            if world.BaseByName(name) is None:
+                return None
+            answer.success, answer.status_message = True, f"SpawnEntity: Successfully spawned entity [{name}]"
+            return answer  # type: ignore[no-any-return]
 
         late = "Entity pushed to spawn queue, but spawn service timed out waiting for entity to appear in simulation"
         kind = service_type("gazebo_msgs/SpawnEntity", 2).response

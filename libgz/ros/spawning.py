@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from concurrent.futures import Future
 
-from libgz.base.errors import ParameterError
+from libgz.base.errors import GazeboError, ParameterError
 from libgz.classic.math import Pose3d
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 
-__all__ = ["prepare_model", "root_tag"]
+__all__ = ["failure", "prepare_model", "root_tag"]
 
 log = logging.getLogger("libgz.ros")
 
@@ -32,6 +33,12 @@ def root_tag(text: str) -> str:
             return ""
         at += 1
     return ""
+
+
+def failure(inserted: Future[None]) -> str:
+    """Why an insertion has failed; empty if it has not, or is still to be made."""
+    error = inserted.exception() if inserted.done() else None
+    return f"{error}" if isinstance(error, GazeboError) else f"{type(error).__name__}: {error}" if error else ""
 
 
 def prepare_model(

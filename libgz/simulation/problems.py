@@ -91,6 +91,10 @@ class Problems:
         if self.strict and self.failure is None and (self._with_warnings or problem.severity == "error"):
             self.failure = problem
 
+    def errors_since(self, count: int) -> list[Problem]:
+        """The errors after so many errors and warnings, as far as they are among the last 1000 of both."""
+        return [problem for number, _, problem in self.recent if number > count and problem.severity == "error"]
+
     def check(self, *, again: bool = True) -> None:
         """Raise the first problem of a strict world.
 

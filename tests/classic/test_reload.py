@@ -8,6 +8,7 @@ import libgz
 from libgz.base.errors import GazeboError, NotFoundError, PluginError
 from libgz.classic.server import attach
 from libgz.classic.world_plugins import system_plugins
+from libgz.simulation.problems import Problem
 
 BEGIN = "from libgz.classic import *\nfrom libgz.classic.event import Events\n"
 WORLD_PLUGIN = """
@@ -131,6 +132,8 @@ def test_a_plugin_that_has_failed_runs_again(run, tmp_path):
 def test_a_plugin_that_still_fails_to_start_is_reported(run, tmp_path):
     write(tmp_path, "late", "1 / 0")
     world = run("<plugin name='late' filename='late'/>")
+    for _ in range(1000):  # after so many no more are kept
+        world.problems.add(Problem("a plugin", "it fails", "", "error"))
     with pytest.raises(PluginError, match="ZeroDivisionError"):
         world.reload_plugin("late")
 

@@ -36,7 +36,9 @@ from libgz.ros.names import read_names_of_ros2
 from libgz.ros.parameters import Parameters
 from libgz.ros.server import Ros2
 from libgz.ros.types import message_type, service_type
+from libgz.ros.world import RosWorld
 from libgz.simulation import watchdog
+from libgz.simulation.problems import Problem
 
 OURS = ("Point", "Pose", "Twist", "Wrench", "Vector3", "Quaternion", "Transform", "PoseStamped")  # in geometry_msgs
 BOX = "<link name='l'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>"
@@ -101,6 +103,20 @@ def test_entities_are_spawned_asked_for_moved_and_deleted(start):
     wrong = server.call("/delete_entity", "gazebo_msgs/DeleteEntity", name="crate")
     assert wrong.status_message == "Entity [crate] does not exist"
     assert server.topic("/model_states").name == ["x", "x_0"]
+
+
+def test_a_spawn_fails_by_its_own_error_only(start):
+    server = start()
+    (world,) = (one for one in server.core.companions if isinstance(one, RosWorld))
+    spawn = world._services.handler("spawn_entity")
+    text = f"<sdf version='1.6'><model name='x'>{BOX}</model></sdf>"
+    request = service_type("gazebo_msgs/SpawnEntity", 2).request(name="crate", xml=text)
+    with server.core.hold():
+        first, second = spawn(request), spawn(request)
+        server.core.problems.add(Problem("a plugin", "it fails", "", "error"))
+        assert first.poll() is second.poll() is None
+    assert first.poll().success
+    assert "already exists" in second.poll().status_message
 
 
 def test_physics_is_paused_and_reset(start):

@@ -17,8 +17,12 @@ from libgz.ros.packing import codec
 from libgz.ros.plugin import Ticks, bounded_rate
 from libgz.ros.reference import page, plugin_page
 from libgz.ros.session import Publication
-from libgz.ros.types import message_type
+from libgz.ros.types import message_type, service_type
+from libgz.ros.world import RosWorld
+from libgz.simulation.problems import Problem
 from libgz.simulation.stepping import Stepping
+
+BOX = "<sdf version='1.6'><model name='m'><link name='l'/></model></sdf>"
 
 
 class Recorder:
@@ -265,6 +269,19 @@ def test_models_are_spawned_with_pose_and_namespace(node):
     assert "no_such_package" in answer.status_message
     assert node.call("delete_model", model_name="box").success
     wait_for(lambda: not node.master.publishers["/b1/truth"], node.core.Step)
+
+
+def test_a_spawn_fails_by_its_own_error_only_and_after_any_number_of_others(node):
+    (world,) = (one for one in node.core.companions if isinstance(one, RosWorld))
+    spawn = world._services.handler("spawn_sdf_model")
+    request = service_type("gazebo_msgs/SpawnModel").request(model_name="box", model_xml=BOX)
+    with node.core.hold():
+        first, second = spawn(request), spawn(request)
+        for _ in range(1000):
+            node.core.problems.add(Problem("a plugin", "it fails", "", "error"))
+        assert first.poll() is second.poll() is None
+    assert first.poll().success
+    assert "already exists" in second.poll().status_message
 
 
 def test_without_ros_the_stand_ins_run_and_the_notice_says_so(caplog):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import TYPE_CHECKING
 
 from libgz.base.errors import ParameterError
@@ -55,8 +56,11 @@ def insert_file(world: World, filename: str | os.PathLike[str]) -> None:
     _insert(world, lambda: SdfFile.load(find_model(os.fspath(filename))))
 
 
-def insert_document(world: World, sdf: Element | SdfFile | SDF) -> None:
+def insert_document(world: World, sdf: Element | SdfFile | SDF) -> Future[None]:
     """Add the models and lights of an SDF document, or of one element of it.
+
+    Returns:
+        Whether it was done, or the error.
 
     Raises:
         ParameterError: it is neither.
@@ -66,11 +70,22 @@ def insert_document(world: World, sdf: Element | SdfFile | SDF) -> None:
         raise ParameterError(f"InsertModelSDF takes an SDF document or an element of one, not {sdf!r}")
     whole = upgraded(root)
     text = whole.ToString() if root.name != "sdf" else "".join(part.ToString() for part in whole.children)
-    insert_text(world, f"<sdf version='{NEWEST}'>{text}</sdf>")
+    return _insert(world, lambda: SdfFile.from_string(f"<sdf version='{NEWEST}'>{text}</sdf>"))
 
 
-def _insert(world: World, read: Callable[[], SdfFile]) -> None:
-    world.core.after_step(lambda: insert_now(world, read()))
+def _insert(world: World, read: Callable[[], SdfFile]) -> Future[None]:
+    done: Future[None] = Future()
+
+    def insert() -> None:
+        try:
+            insert_now(world, read())
+        except BaseException as error:
+            done.set_exception(error)
+            raise
+        done.set_result(None)
+
+    world.core.after_step(insert)
+    return done
 
 
 def insert_now(world: World, file: SdfFile) -> None:

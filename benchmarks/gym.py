@@ -30,7 +30,7 @@ ROUNDS, SHARE = 101, 0.02  # interleaved rounds, and how long each one runs [s]
 def bare(env: WorldEnv) -> Callable[[list[float]], object]:
     """What a program without the environment does: write commands, step, read."""
     world, count, writers = env.world, env._count, env._writers
-    fetchers, update, made = [(one.fetch, one.dtype) for one in env._readings], env._update, env._made.get("")
+    fetchers, update, law = [(one.fetch, one.dtype) for one in env._readings], env._update, env._law
 
     def run(values: list[float]) -> object:
         if update is not None:
@@ -38,17 +38,19 @@ def bare(env: WorldEnv) -> Callable[[list[float]], object]:
         if env._lasting:
             for write, value in zip(writers, values, strict=True):
                 write(value)
-            world.step(count)
+            world.step(count, law)
         elif env._write_held(values):
             world.engine.hold(env._efforts)
-            world.step(count)
+            world.step(count, law)
             world.engine.hold(None)
         else:
             for _ in range(count):
                 for write, value in zip(writers, values, strict=True):
                     write(value)
                 world.Step()
-        return made[0](world) if made is not None else [np.array(fetch(), dtype) for fetch, dtype in fetchers]
+            if law is not None:
+                law()
+        return env._observation() if law is not None else [np.array(fetch(), dtype) for fetch, dtype in fetchers]
 
     return run
 

@@ -234,19 +234,22 @@ class UpdatesRecord(ctypes.Structure):
 
 
 class JobRecord(ctypes.Structure):
-    """`job` in crew.h: rows of a world that are done step after step, for so long [s] at most, and a law after them."""
+    """`job` in crew.h: rows of a world that are done step after step, and a law after them."""
 
     _fields_ = [
         ("updates", c_void_p),
         ("count", c_int64),
-        ("steps", c_void_p),
+        ("steps", c_int64),
         ("seconds", c_double),
+        ("pace", c_void_p),
         ("law", c_void_p),
         ("row", c_int64),
         ("obeyed", c_int64),
         ("next", c_void_p),
     ]
 
+    steps: int
+    pace: int | None
     law: int | None
     row: int
     obeyed: int

@@ -310,8 +310,12 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._whole_space = space
         return spaces.flatten_space(space) if self._flat else space
 
-    def _observe(self) -> Any:
-        if "" in self._made:
+    def _observe(self, measured: bool = False) -> Any:
+        """What is observed; `measured`: the law has been computed since the last step."""
+        seen: Any
+        if measured:
+            seen = self._observation()
+        elif "" in self._made:
             seen = self._made[""][0](self.world)
         else:
             seen = {label: value() for label, value in self._all_seen.items()}
@@ -375,10 +379,11 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             ParameterError: the action has another shape, or is not finite.
             gymnasium.error.ResetNeeded: `reset` was not called.
         """
-        world = self.world
+        world, law, measured = self.world, self._law, False
         for count in self._act(self._clipped(action)):
-            world.step(count)
-        seen = self._observe()
+            measured = law is not None and count == self._count
+            world.step(count, law if measured else None)
+        seen = self._observe(measured)
         cut, now = self._end(action, seen), self.outcome
         return seen, now.reward, now.ended != 0.0, cut, self._information()
 

@@ -327,7 +327,7 @@ class DoublePendulum(WorldEnv):
     def begin(self, world: World, random: np.random.Generator, options: dict[str, Any]) -> None:
         """Small random angles."""
         joints = _joints(world, "robot")
-        self._joints = [joints[name] for name in ("rail", "shoulder", "elbow")]
+        self._joints = tuple(joints[name] for name in ("rail", "shoulder", "elbow"))
         for joint, place in zip(self._joints, random.uniform(-0.03, 0.03, 3).tolist(), strict=True):
             joint.set_position(place)
 

@@ -9,8 +9,9 @@
 typedef struct job {
     const void *updates;
     int64_t count;   /* of the rows */
-    int64_t *steps;  /* to do; out: those that are left */
-    double seconds;  /* after which it ends */
+    int64_t steps;   /* to do; out: those that are left */
+    double seconds;  /* after which it ends, without a pace */
+    const void *pace; /* when steps after the first one are due: PaceRecord; NULL: at once */
     const void *law; /* NULL: none */
     int64_t row;     /* out: that Python has to do, or `count` */
     int64_t obeyed;  /* out: 1: the law was done */

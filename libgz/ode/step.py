@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from libgz.base.errors import LibraryError
 from libgz.base.geometry import GzPose
-from libgz.base.records import TableRecord, check_sizes
+from libgz.base.records import JobRecord, TableRecord, check_sizes
 from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
@@ -230,17 +230,13 @@ class Step:
         """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""
         return float(self._shared.gz_overlap(self._address, geom1, geom2))
 
-    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int, c_int64], Callable[[Any], int]]]:
-        """The function that does rows, see `libgz.base.records`; and one that prepares a call for whole steps.
+    def updates(self) -> tuple[Callable[..., int], Callable[[JobRecord], Callable[[], object]]]:
+        """The function that does rows, see `libgz.base.records`; and one that prepares a call for a job of them."""
+        run, work = self._shared["gz_updates_run"], self._shared["gz_updates_work"]
+        run.argtypes, run.restype, work.restype = [c_void_p, c_int64, c_int64], c_int64, None
 
-        Such a call makes as many steps as the number that it is prepared with says, and leaves there how many it did
-        not make. Its argument is a pointer to the `PaceRecord` that says when each of them is due; None for at once.
-        """
-        run, repeat = self._shared["gz_updates_run"], self._shared["gz_updates_repeat"]
-        run.argtypes, run.restype, repeat.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
-
-        def prepare(record: Any, count: int, steps: c_int64) -> Callable[[Any], int]:
-            return functools.partial(repeat, record, c_int64(count), ctypes.byref(steps), c_double(LONGEST))
+        def prepare(job: JobRecord) -> Callable[[], object]:
+            return functools.partial(work, ctypes.byref(job))
 
         return run, prepare
 

@@ -247,27 +247,20 @@ static int wait_until_due(const updates *u, int64_t count, const pace_record *p,
     }
 }
 
-/* Do all rows, of which there are `count`, step after step, and return as gz_updates_run() does. It ends with the row that
- * Python has to do, after *steps steps, after some seconds, or if another thread wants the world. *steps: those that are
- * left. pace: when steps after the first one are due, and after how many seconds it ends instead; NULL for at once. */
-int64_t gz_updates_repeat(const updates *u, int64_t count, int64_t *steps, double seconds, const pace_record *pace)
-{
-    double end = now_monotonic() + (pace ? pace->longest : seconds);
-    int64_t i;
-    do {
-        i = gz_updates_run(u, 0, count);
-        if (i < count)
-            return i;
-    } while (--*steps > 0 && now_monotonic() < end && (pace ? wait_until_due(u, count, pace, end) : !is_wanted(u)));
-    return count;
-}
-
-/* Do a job of a crew. */
+/* Do all rows of a job, step after step. It ends with a row that Python has to do, after the steps, after some seconds, or if
+ * another thread wants the world. */
 void gz_updates_work(job *j)
 {
     const updates *u = j->updates;
-    j->row = gz_updates_repeat(u, j->count, j->steps, j->seconds, NULL);
-    j->obeyed = j->law && j->row == j->count && *j->steps <= 0 && obey(u->tables, u->clock, j->law);
+    const pace_record *pace = j->pace;
+    double end = now_monotonic() + (pace ? pace->longest : j->seconds);
+    int goes = 1;
+    while (goes) {
+        j->row = gz_updates_run(u, 0, j->count);
+        goes = j->row == j->count && --j->steps > 0 && now_monotonic() < end &&
+               (pace ? wait_until_due(u, j->count, pace, end) : !is_wanted(u));
+    }
+    j->obeyed = j->law && j->row == j->count && j->steps <= 0 && obey(u->tables, u->clock, j->law);
 }
 
 /* The sizes of the structs that records.py mirrors, in its order; ends with 0. */

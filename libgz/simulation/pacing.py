@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import time
-from typing import Any
 
 from libgz.base.records import PaceRecord
 from libgz.physics.check import not_negative
@@ -29,9 +28,9 @@ class Pacer:
         self._started = False
 
     @property
-    def pace(self) -> Any:
-        """A pointer for native code to its speed and start; None where steps are not paced."""
-        return ctypes.byref(self._record) if self.speed > 0.0 and self._started else None
+    def pace(self) -> int | None:
+        """The address for native code of its speed and start; None where steps are not paced."""
+        return ctypes.addressof(self._record) if self.speed > 0.0 and self._started else None
 
     def _begin(self, now: float, simulated: float) -> None:
         self._record.start, self._record.simulated, self._started = now, simulated, True

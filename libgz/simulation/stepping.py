@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from libgz.base.errors import USER_ERRORS, GazeboError, ParameterError, pass_interrupt
 from libgz.simulation.entity import Entity
@@ -16,7 +16,7 @@ from libgz.simulation.problems import NOTED, note
 from libgz.simulation.running_code import names
 
 if TYPE_CHECKING:
-    from libgz.simulation.updates import UpdateRows
+    from libgz.simulation.updates import LawCall, UpdateRows
     from libgz.simulation.world import World
 
 __all__ = ["Stepping"]
@@ -48,38 +48,45 @@ class Stepping:
         )
         self._laws = self._begin.entries  # the callbacks that rows do
 
-    def run(self, most: int, pace: Any) -> int:
-        """One step, and more as long as native code does them alone; how many."""
-        if free := self.prepare(most):
-            made, end = self.finish(free, self.world.rows.run_all(pace))
+    def run(self, count: int, pace: int | None, last: LawCall | None) -> int:
+        """One step, and more as long as native code does them alone; how many. The arguments are those of `prepare`."""
+        if free := self.prepare(count, last, pace):
+            self.world.rows.run_all()
+            made, end = self.finish(free)
         else:
             made, end = 1, self.run_in_python()
         end()
         return made
 
-    def prepare(self, most: int) -> int:
-        """How many of the next steps native code may do, at least until a row stops it; then comes `finish`.
+    def prepare(self, count: int, last: LawCall | None, pace: int | None = None) -> int:
+        """How many of the next steps native code may do by its job, until a row stops it; then comes `finish`.
 
         Where it is none, `run_in_python` comes. Both leave to their caller what ends a step: the changes that were
         deferred, which may have to wait for what the agenda's `awaited` has, and its report.
+
+        Args:
+            count: at most so many.
+            last: a law that is computed after so many; the job's `obeyed` says whether it was.
+            pace: when they are due, see `Pacer.pace`.
         """
         rows = self.world.rows
         if not rows.valid or self._laws is not self._begin.entries:
             self._build_rows()
         lock = self.world.lock
         lock.wanted.value = 0
-        if lock.waiting:  # one of them may have begun to just before that
-            most = 1
-        if not rows.native or (free := min(most, self._free_steps())) <= 0:
-            return 0
-        self.world.engine.enter()
-        rows.steps.value = free
+        most = 1 if lock.waiting or self.world.rewinding else count  # one may have begun to wait just before that
+        free = min(most, self._free_steps()) if rows.native else 0
+        job = rows.job
+        job.steps, job.pace, job.obeyed = free, pace, 0
+        if free:
+            self.world.engine.enter()
+            job.law = last.address if last is not None and free == count else None
         return free
 
-    def finish(self, free: int, number: int) -> tuple[int, Callable[[], None]]:
-        """Do what native code has left of so many steps, from a row on; how many were made, and what ends the last."""
+    def finish(self, free: int) -> tuple[int, Callable[[], None]]:
+        """Do what the job has left of so many steps; how many were made, and what ends the last."""
         rows = self.world.rows
-        made = free - rows.steps.value
+        number, made = rows.job.row, free - rows.job.steps
         if made:
             for companion in self.world.companions:
                 companion.skipped()

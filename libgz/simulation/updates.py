@@ -88,10 +88,8 @@ class UpdateRows:
         begin, end: where the rows of the entities are.
         physics: the row of the physics step; those from `end` to it are of companions.
         tail: where the rows begin that report the step.
-        run_all: does all rows natively, for so many `steps` as Python has nothing to do in; the number of the row that
-            Python has to do, or `count`. Its argument says when they are due, see `Pacer.pace`.
-        job: what `run_all` does, for a `Crew`.
-        steps: how many steps `run_all` makes at most, and then how many of them are left; a ctypes number.
+        job: all rows, done natively for so many steps as Python has nothing to do in.
+        run_all: does that job, in this thread.
         count: of all rows.
         builds: how often they were built.
         native: whether native code does the rows.
@@ -103,7 +101,6 @@ class UpdateRows:
         self._enabled = True
         self.updating: list[Any] = []
         self.begin = self.end = self.physics = self.tail = self.count = self.builds = 0
-        self.steps = ctypes.c_int64(1)
         self._run, self._prepare = world.engine.native.updates()
         self.native = True
         self._entity: Updated | None = None
@@ -120,8 +117,8 @@ class UpdateRows:
         """Drop all rows, and what they point to."""
         self.valid = False
         self._record: Any = None
-        self.run_all: Callable[[Any], int] = lambda _pace: 0
         self.job = JobRecord()
+        self.run_all: Callable[[], object] = lambda: None
         self._rows: list[Row] = []
         self._lines: list[_Line] = []
         self._kept: list[object] = []
@@ -276,8 +273,8 @@ class UpdateRows:
         record = UpdatesRecord(*(ctypes.addressof(part) for part in (tables, clock, rows, wanted)))
         self._kept.append((rows, record, tables, clock, wanted))
         self._record = ctypes.byref(record)
-        self.run_all = self._prepare(self._record, self.count, self.steps)
-        self.job = JobRecord(ctypes.addressof(record), self.count, ctypes.addressof(self.steps), LONGEST)
+        self.job = JobRecord(ctypes.addressof(record), self.count, seconds=LONGEST)
+        self.run_all = self._prepare(self.job)
 
     def begin_step(self, period: int, at_start: bool, twin: Twin) -> None:
         """Count the step.

@@ -608,46 +608,46 @@ class World(Closing):
 
     # Step ------------------------------------------------------------------------------------------------------------
 
-    def step(self, count: int = 1) -> None:
-        """Run `count` steps, as fast as possible. Threads that wait for the world have it between two of them."""
-        lock = self.lock
-        with lock:  # taken once: that costs 1,000 instructions more than to see that it is held
-            while count > 0:
-                if lock.waiting:
-                    lock.pass_on()
-                count -= self._steps_alone(count)
-
-    def step_beside(self, count: int, last: LawCall | None = None) -> Task[None]:
-        """`step`, for a `Crew`.
+    def step(self, count: int = 1, last: LawCall | None = None) -> None:
+        """Run `count` steps, as fast as possible. Threads that wait for the world have it between two of them.
 
         Args:
             count: steps.
             last: a law that is computed after them.
         """
-        lock, stepping, rows = self.lock, self._stepping, self.rows
+        lock, obeyed = self.lock, 0
+        with lock:  # taken once: that costs 1,000 instructions more than to see that it is held
+            while count > 0:
+                if lock.waiting:
+                    lock.pass_on()
+                count -= self._steps_alone(count, last=last)
+                obeyed = self.rows.job.obeyed
+            if last is not None and not obeyed:
+                last()
+
+    def step_beside(self, count: int, last: LawCall | None = None) -> Task[None]:
+        """`step`, for a `Crew`."""
+        lock, stepping, rows, obeyed = self.lock, self._stepping, self.rows, 0
         with lock:
             while count > 0:
                 if lock.waiting:
                     lock.pass_on()
                 self._begin_steps()
                 try:
-                    most, obeyed = count if self._rewind is None else 1, 0
-                    if free := stepping.prepare(most):
-                        job = rows.job
-                        job.law = last.address if last is not None and free == count else None
-                        yield job
-                        made, end = stepping.finish(free, job.row)
-                        obeyed = job.obeyed
+                    if free := stepping.prepare(count, last):
+                        yield rows.job
+                        made, end = stepping.finish(free)
                     else:
                         made, end = 1, stepping.run_in_python()
                     yield from self.agenda.awaited
                     end()
-                    count -= made
-                    if last is not None and count <= 0 and not obeyed:
-                        last()
                 finally:
                     self._inside = self.agenda.stepping = False
                 self._end_steps()
+                count -= made
+                obeyed = rows.job.obeyed
+            if last is not None and not obeyed:
+                last()
 
     def step_on(self, most: int, pacer: Pacer | None = None) -> int:
         """Run one step, and more of them, `most` at most, for some milliseconds of real time; how many.
@@ -716,16 +716,21 @@ class World(Closing):
             lock.release()
         return 0
 
-    def _steps_alone(self, most: int, pace: Any = None) -> int:
+    def _steps_alone(self, count: int, pace: int | None = None, last: LawCall | None = None) -> int:
         """One step or more, in the thread that holds the lock; how many."""
         self.paced = pace is not None
         self._begin_steps()
         try:
-            made = self._stepping.run(most if self._rewind is None else 1, pace)
+            made = self._stepping.run(count, pace, last)
         finally:
             self._inside = self.agenda.stepping = False
         self._end_steps()
         return made
+
+    @property
+    def rewinding(self) -> bool:
+        """Whether states are kept for `rewind`."""
+        return self._rewind is not None
 
     def _begin_steps(self) -> None:
         if self._inside or self.agenda.holding or not self.clock.running:

@@ -145,3 +145,25 @@ def test_a_law_sees_that_a_joint_was_released_and_joined_again():
     env.close()
     assert after[3] != 0.0 != before[3]
     assert after[6] != 0.0
+
+
+def test_it_is_measured_once_for_all_steps_of_an_action():
+    """Also where each step has to be made alone: the reward is what changed since the action before."""
+    found = []
+    for rewinds in (False, True):
+        with gymnasium.make("libgz/ReachGoal-v0") as env:
+            env.reset(seed=3)
+            if rewinds:
+                env.unwrapped.world.keep_rewind(1.0)
+            found.append([env.step(np.array([0.5, 0.2], np.float32))[1] for _ in range(5)])
+    assert found[0] == found[1]
+
+
+def test_no_steps_are_measured_too():
+    with gymnasium.make("libgz/PendulumSwingUp-v0") as env:
+        env.reset(seed=3)
+        own = env.unwrapped
+        env.step(np.array([0.5], np.float32))
+        own.outcome.reward = 7.0
+        own.world.step(0, own._law)
+        assert own.outcome.reward != 7.0

@@ -325,6 +325,10 @@ class BridgedNode:
         """End what `subscribe` began."""
         self.withdraw(channel)
 
+    def take_spent(self) -> float:
+        """Time of the processor that what has come took, since the last call [s]."""
+        return self._loop.share.take_spent()
+
     def follow_pace(self, hurried: Callable[[], bool]) -> None:
         """Let messages wait some milliseconds for others while the world runs faster than real time."""
         self._loop.hurried = hurried

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 from libgz.base.visible import one_line
 from libgz.ros.packing import Buffer
+from libgz.transport.allowance import Share
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 
@@ -21,7 +22,8 @@ __all__ = ["Connection", "Frame", "Listener", "Loop", "kept"]
 
 log = logging.getLogger("libgz.ros")
 
-READ_SIZE = 1 << 18
+READ_SIZE = 1 << 15  # bytes at once; more would be thousands of short messages
+REST = 0.005  # [s] without reading, at least, once the share of the time is spent
 SEND_AT_ONCE = 1 << 18  # bytes of frames in one call, unless the first one has more
 MOST_PARTS = 64  # in one call
 GATHERING = 0.01  # [s] for which messages of a hurried world wait for others
@@ -55,10 +57,13 @@ def _after(parts: list[Buffer], size: int) -> list[Buffer]:
 class Loop:
     """Waits for sockets in its thread. `call` and `note` may be used from any thread, all else from that one.
 
+    What comes in is read as long as that takes no more than its share of the time; the rest waits in the system.
+
     Args:
         name: of the thread.
 
     Attributes:
+        share: what may be spent on what comes in.
         hurried: whether the world runs faster than real time: messages may then wait some milliseconds for others.
     """
 
@@ -67,7 +72,11 @@ class Loop:
         self._inside, self._outside = socket.socketpair()
         for end in (self._inside, self._outside):
             end.setblocking(False)
-        self._selector.register(self._inside, selectors.EVENT_READ, None)
+        self._selector.register(self._inside, selectors.EVENT_READ, self._woken_up)
+        self._inputs = selectors.EpollSelector()  # what is read, as long as it may be
+        self._selector.register(self._inputs.fileno(), selectors.EVENT_READ, self._read_ready)
+        self._reading, self.share = True, Share()
+        self._ready: deque[Connection | Listener] = deque()  # those whose turn is next
         self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
         self._noted: deque[Connection] = deque()
         self._due = 0.0  # when what is noted is flushed [s]
@@ -127,12 +136,18 @@ class Loop:
         self._wake()
         self._thread.join(2.0)
 
-    def watch(self, one: Connection | Listener, events: int) -> None:
-        """Wait for events of a socket: reading, writing, both."""
-        try:
-            self._selector.modify(one.socket, events, one)
-        except KeyError:
-            self._selector.register(one.socket, events, one)
+    def watch(self, one: Connection | Listener) -> None:
+        """Read what comes on a socket."""
+        self._inputs.register(one.socket, selectors.EVENT_READ, one)
+
+    def watch_writing(self, connection: Connection, wanted: bool) -> None:
+        """Flush a connection when its socket can take more, or no longer."""
+        if wanted:
+            self._selector.register(
+                connection.socket, selectors.EVENT_WRITE, lambda: self._serve(connection, connection.flush)
+            )
+        else:
+            self._selector.unregister(connection.socket)
 
     def add(self, connection: Connection) -> None:
         """Serve a connection; one too many is closed."""
@@ -142,7 +157,7 @@ class Loop:
             connection.socket.close()
             return
         self.connections[connection] = None
-        self.watch(connection, selectors.EVENT_READ)
+        self.watch(connection)
 
     def bound_incomplete(self) -> None:
         """Close the connection with the longest incomplete message, if all together are too long."""
@@ -163,8 +178,9 @@ class Loop:
 
     def remove(self, one: Connection | Listener) -> None:
         """Serve a socket no longer."""
-        with contextlib.suppress(KeyError, ValueError):
-            self._selector.unregister(one.socket)
+        for selector in (self._inputs, self._selector):
+            with contextlib.suppress(KeyError, ValueError):
+                selector.unregister(one.socket)
         if isinstance(one, Connection):
             self.connections.pop(one, None)
 
@@ -172,12 +188,8 @@ class Loop:
         while not self._ended:
             found = self._selector.select(self._patience())
             self._resting = False
-            for key, events in found:
-                if key.data is None:
-                    with contextlib.suppress(OSError):
-                        self._inside.recv(4096)
-                else:
-                    self._serve(key.data, events)
+            for key, _ in found:
+                key.data()
             self._woken = False
             while self._calls:
                 function, values = self._calls.popleft()
@@ -191,14 +203,41 @@ class Loop:
             connection.flush()
             connection.close()
         self._selector.close()
+        self._inputs.close()
         self._inside.close()
         self._outside.close()
 
     def _patience(self) -> float:
-        """How long to wait for sockets [s]."""
+        """How long to wait for sockets [s]; what comes in is read again once there is time for it."""
+        until = PERIOD
+        if not self._reading:
+            until = REST + self.share.wait
+            if until == REST:
+                self._reading = True
+                self._selector.register(self._inputs.fileno(), selectors.EVENT_READ, self._read_ready)
         left = self._due + GATHERING - time.monotonic()
         self._resting = left <= 0.0
-        return left if left > 0.0 else 0.0 if self._noted else PERIOD  # asked last: `note` reads whether it rests
+        # What is noted is asked for last: `note` reads whether it rests.
+        return min(left, until) if left > 0.0 else 0.0 if self._noted else until
+
+    def _woken_up(self) -> None:
+        with contextlib.suppress(OSError):
+            self._inside.recv(4096)
+
+    def _read_ready(self) -> None:
+        """Read, in turn, what has come on sockets, as long as there is time."""
+        begin = time.thread_time()
+        self._ready = self._ready or deque(key.data for key, _ in self._inputs.select(0.0))
+        while self._ready and not self.share.wait:
+            one = self._ready.popleft()
+            if one.socket.fileno() >= 0:  # else it was closed
+                self._serve(one, one.readable)
+            now = time.thread_time()
+            self.share.spend(now - begin)
+            begin = now
+        if self.share.wait:
+            self._reading = False
+            self._selector.unregister(self._inputs.fileno())
 
     def _flush_noted(self) -> None:
         """Flush what was noted, if it is time."""
@@ -206,12 +245,9 @@ class Loop:
             for connection in self._take_noted():
                 connection.flush()
 
-    def _serve(self, one: Connection | Listener, events: int) -> None:
+    def _serve(self, one: Connection | Listener, handle: Callable[[], object]) -> None:
         try:
-            if events & selectors.EVENT_READ:
-                one.readable()
-            if events & selectors.EVENT_WRITE and isinstance(one, Connection):
-                one.flush()
+            handle()
         except (OSError, ValueError) as error:
             if isinstance(one, Connection):
                 one.close(str(error))
@@ -225,7 +261,7 @@ class Loop:
         now = time.monotonic()
         for listener in [one for one, until in self._paused.items() if now > until]:
             del self._paused[listener]
-            self.watch(listener, selectors.EVENT_READ)
+            self.watch(listener)
         for connection in [one for one in self.connections if one.deadline is not None and now > one.deadline]:
             connection.close("it said nothing")
 
@@ -249,7 +285,7 @@ class Listener:
 
     def start(self) -> None:
         """Begin to accept."""
-        self._loop.call(self._loop.watch, self, selectors.EVENT_READ)
+        self._loop.call(self._loop.watch, self)
 
     def readable(self) -> None:
         """Accept a connection."""
@@ -414,7 +450,7 @@ class Connection:
     def _watch(self, writing: bool) -> None:
         if writing != self.slow:
             self.slow = writing
-            self.loop.watch(self, selectors.EVENT_READ | (selectors.EVENT_WRITE if writing else 0))
+            self.loop.watch_writing(self, writing)
 
     def next_parts(self) -> list[Buffer]:
         """The parts of frames that wait, for one call; they wait no more."""

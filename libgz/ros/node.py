@@ -317,6 +317,10 @@ class Node:
             return self._subscribers, one.topic, "unregisterSubscriber", (self.uri,)
         return self._services, one.name, "unregisterService", (self._service_uri,)
 
+    def take_spent(self) -> float:
+        """Time of the processor that what has come took, since the last call [s]."""
+        return self._loop.share.take_spent() + self._slave.share.take_spent()
+
     def follow_pace(self, hurried: Callable[[], bool]) -> None:
         """Let messages wait some milliseconds for others while the world runs faster than real time."""
         self._loop.hurried = hurried
@@ -551,6 +555,7 @@ class Node:
             subscriber.publishers.pop(uri, None)
             return
         finally:
+            self._slave.share.spend(time.thread_time())
             self._connecting.release()
         header = {
             "callerid": self.name,

@@ -480,6 +480,7 @@ class Session(Closing):
                 publication.changed()
         before = len(deferred)
         self.allowance.begin()
+        self.allowance.charge(self.node.take_spent())
         messages, requests = (
             repeat(self._deliver_next, len(self.waiting)),
             repeat(self._handle_next, len(self.requests)),

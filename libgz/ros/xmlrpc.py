@@ -20,6 +20,7 @@ from xml.parsers import expat
 
 from libgz.base.errors import GazeboError
 from libgz.base.visible import one_line
+from libgz.transport.allowance import Share
 from libgz.transport.peers import PeerCheck
 from libgz.transport.tally import Tally
 from libgz.transport.timed_socket import TimedSocket
@@ -138,11 +139,15 @@ class Server:
     Args:
         address: where it listens.
         functions: by their names.
+
+    Attributes:
+        share: what may be spent on requests.
     """
 
     def __init__(self, address: str, functions: Mapping[str, Callable[..., Any]]) -> None:
         self._server = _HttpServer((address, 0), _Handler)
         self._server.functions = functions
+        self.share = self._server.share
         self.port: int = self._server.server_address[1]
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="ros-xmlrpc", daemon=True)
 
@@ -165,6 +170,7 @@ class _HttpServer(http.server.ThreadingHTTPServer):
     def __init__(self, *values: Any) -> None:
         self._free = threading.BoundedSemaphore(MOST_THREADS)
         self.turn = threading.Lock()  # of the request that is handled: many at a time would leave a step no Python
+        self.share, self._spent = Share(), 0.0
         self._since: dict[Any, float] = {}  # requests under way -> when they began [s]
         self._peers, self._tally = PeerCheck(), Tally(100)
         super().__init__(*values)
@@ -183,6 +189,12 @@ class _HttpServer(http.server.ThreadingHTTPServer):
             time.sleep(PAUSE)  # else the socket, which stays readable, would be asked again at once
             raise
         return TimedSocket(made.detach(), time.monotonic() + PATIENCE), address
+
+    def service_actions(self) -> None:
+        """Count what accepting took, in its thread, and accept nothing more until there is time for it."""
+        before, self._spent = self._spent, time.thread_time()
+        self.share.spend(self._spent - before)
+        time.sleep(self.share.wait)
 
     def verify_request(self, request: Any, client_address: Any) -> bool:
         """Whether the peer may connect."""
@@ -249,6 +261,16 @@ class _Handler(http.server.BaseHTTPRequestHandler):
     disable_nagle_algorithm = True
     wbufsize = -1
     server: _HttpServer
+    _spent = 0.0  # of the thread's time, that was counted [s]
+
+    def finish(self) -> None:
+        """Count what the request took."""
+        super().finish()
+        self._count()
+
+    def _count(self) -> None:
+        before, self._spent = self._spent, time.thread_time()
+        self.server.share.spend(self._spent - before)
 
     def log_message(self, *_values: object) -> None:
         """Requests are not logged."""
@@ -266,9 +288,9 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             return
         data = self.rfile.read(size)
         with self.server.turn:
-            begin = time.thread_time()
+            time.sleep(self.server.share.wait)
             answer = self._answer(data)
-            time.sleep(time.thread_time() - begin)  # so much passes otherwise
+            self._count()
         self.send_response(http.HTTPStatus.OK)
         self.send_header("Content-Type", "text/xml")
         self.send_header("Content-Length", str(len(answer)))

@@ -2,6 +2,7 @@
 
 import contextlib
 import http.client
+import itertools
 import logging
 import socket
 import struct
@@ -15,7 +16,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from descriptors import none_left
-from ros_peers import Master, Service, Talker, ask, encode, open_topic, read_block, read_exactly, wait_for, within
+from ros_peers import (
+    PATIENCE,
+    Master,
+    Service,
+    Talker,
+    ask,
+    encode,
+    open_topic,
+    read_block,
+    read_exactly,
+    wait_for,
+    within,
+)
 
 from libgz.base.errors import GazeboError
 from libgz.ros import loop as loop_module, node as node_module, xmlrpc as xmlrpc_module
@@ -156,6 +169,59 @@ def test_messages_and_requests_wait_when_they_have_had_their_time(node, monkeypa
         now[0] += 0.09
     assert counts == [2, 3, 4, 4]  # 0.1 s are allowed at once, and then as much as passes otherwise
     assert not node.pending
+
+
+class Collector(loop_module.Connection):
+    """Collects the first letters of frames."""
+
+    def __init__(self, loop, sock, found):
+        super().__init__(loop, sock, "a test")
+        self.deadline, self._found = None, found
+
+    def frame(self, body):
+        self._found.append(body[:1].decode())
+
+
+def test_what_comes_in_is_read_in_turn_and_in_its_share_of_the_time(monkeypatch):
+    now, used, found = [0.0], itertools.count(), []
+    monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    clock = SimpleNamespace(**vars(time) | {"thread_time": lambda: float(next(used))})  # each look takes a second
+    monkeypatch.setattr(loop_module, "time", clock)
+    monkeypatch.setattr(loop_module, "READ_SIZE", 1000)
+    loop = loop_module.Loop("test")
+    with contextlib.ExitStack() as stack:
+        pairs = [socket.socketpair() for _ in range(2)]
+        for ours, theirs in pairs:
+            stack.enter_context(theirs)
+            loop.add(Collector(loop, ours, found))
+        for letter, (_, theirs) in zip(b"ab", pairs, strict=True):
+            theirs.sendall(3 * (struct.pack("<I", 996) + bytes([letter]) * 996))
+        stack.callback(loop.close)
+        loop.start()
+        for number in range(1, 7):
+            wait_for(lambda: len(found) >= number, lambda: loop.call(len, ""))  # noqa: B023
+            for _ in range(2):  # what else is ready is not read now
+                looked = threading.Event()
+                loop.call(looked.set)
+                assert looked.wait(PATIENCE)
+            assert found == list("ababab"[:number])
+            now[0] += allowance.DEBT / allowance.SHARE + 1.0
+
+
+def test_what_reading_took_is_time_of_messages(node, monkeypatch):
+    now, handled = [0.0], []
+    monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(node, "allowance", allowance.Allowance())
+    subscription = node.subscribe("a", STRING.name, handled.append)
+    subscription._received(codec(STRING).pack(STRING(data="x")))
+    node.node.take_spent()
+    for share in node.node._loop.share, node.node._slave.share:
+        share.spend(0.1)
+    node.deliver()
+    assert not handled
+    now[0] += 0.2
+    node.deliver()
+    assert len(handled) == 1
 
 
 def test_few_changes_of_a_world_are_made_for_requests_in_a_step(node):
@@ -793,7 +859,7 @@ def test_a_request_that_comes_byte_by_byte_has_an_end(node, monkeypatch):
         wait_for(closed, lambda: time.sleep(0.01))
 
 
-def test_requests_are_handled_in_turn_and_as_much_time_passes_otherwise(monkeypatch):
+def test_requests_are_handled_in_turn_and_in_their_share_of_the_time(monkeypatch):
     inside, most, rests, asked = [], [], [], threading.Barrier(4)
 
     def count(number):
@@ -811,8 +877,10 @@ def test_requests_are_handled_in_turn_and_as_much_time_passes_otherwise(monkeypa
     def rest(seconds):
         rests.append((len(inside), seconds))
 
+    monkeypatch.setattr(allowance, "time", SimpleNamespace(monotonic=lambda: 0.0))
     monkeypatch.setattr(xmlrpc_module, "time", SimpleNamespace(**vars(time) | {"thread_time": used, "sleep": rest}))
     server = xmlrpc_module.Server("127.0.0.1", {"count": count})
+    server.share.spend(allowance.BURST)
     server.start()
 
     def client(number):
@@ -826,7 +894,8 @@ def test_requests_are_handled_in_turn_and_as_much_time_passes_otherwise(monkeypa
         one.join()
     server.close()
     assert most == [1] * 4
-    assert rests == [(0, pytest.approx(1.0))] * 4
+    assert len([one for one in rests if one == (0, pytest.approx(allowance.DEBT / allowance.SHARE))]) >= 4
+    assert server.share.take_spent() > 8.0  # two looks of each request, and those of the thread that accepts
 
 
 def test_an_answer_where_a_publisher_is_has_a_bound(node, master, caplog):

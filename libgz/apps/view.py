@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import ctypes
 import logging
 import os
 import sys
@@ -24,6 +25,8 @@ from libgz.transport.paths import server_directory
 __all__ = ["configure", "make_viewer", "observed_server", "open_page", "run", "running_servers"]
 
 log = logging.getLogger("libgz.view")
+
+M_MMAP_THRESHOLD, LARGE_BLOCK = -3, 1 << 18  # of malloc.h; [byte]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -159,6 +162,13 @@ def _stopped(viewer: Any, options: argparse.Namespace) -> Callable[[], bool]:
     return stopped
 
 
+def _return_large_blocks() -> None:
+    """Have malloc return large blocks to the system at once: those of messages that pages do not read leave gaps."""
+    libc = ctypes.CDLL(None)
+    if hasattr(libc, "mallopt"):  # glibc
+        libc.mallopt(M_MMAP_THRESHOLD, LARGE_BLOCK)
+
+
 def run(options: argparse.Namespace) -> int:
     """Show the world until Ctrl-C.
 
@@ -168,6 +178,7 @@ def run(options: argparse.Namespace) -> int:
     """
     from libgz.view.server import ServerControls
 
+    _return_large_blocks()
     server_id = _server_id(options)
     with Observer(server_id, options.timeout) as observer:
         controls = ServerControls(server_id, frozenset() if options.watch_only else None)

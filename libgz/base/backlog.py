@@ -16,8 +16,8 @@ class Waiting(Protocol):
     """A connection, as far as a backlog needs it."""
 
     @property
-    def size(self) -> int:
-        """Bytes that wait."""
+    def burden(self) -> float:
+        """What of all connections the one with the most has to discard something: bytes that wait."""
 
     def discard(self) -> bool:
         """Discard the oldest message that may be lost, or, if there is none, all: the connection then ends.
@@ -43,7 +43,7 @@ class Backlog:
         self._connections: set[Waiting] = set()
 
     def add(self, connection: Waiting, frame: Sized) -> None:
-        """Count a frame that a connection now has; above the limit, those with the longest queues lose messages."""
+        """Count a frame that a connection now has; above the limit, those with the largest burden lose messages."""
         self._connections.add(connection)
         queues = self._frames.get(id(frame), 0)
         self._frames[id(frame)] = queues + 1
@@ -67,6 +67,6 @@ class Backlog:
 
     def _shrink(self) -> None:
         while self.size > EASED * self._limit and self._connections:
-            longest = max(self._connections, key=lambda one: one.size)
+            longest = max(self._connections, key=lambda one: one.burden)
             if not longest.discard():
                 self._connections.discard(longest)

@@ -16,7 +16,19 @@ __all__ = ["MOST_LINES", "repeated", "running_tally"]
 MOST_LINES = 1000  # for a tally: different lines, after which the others count as one
 LONGEST_TEXT = 2000  # characters
 # Loggers of libgz; what plugins themselves log is theirs.
-PARTS = ("classic", "ode", "physics", "recording", "rendering", "ros", "sdf", "simulation", "transport", "worldfile")
+PARTS = (
+    "classic",
+    "ode",
+    "physics",
+    "recording",
+    "rendering",
+    "ros",
+    "sdf",
+    "simulation",
+    "transport",
+    "view",
+    "worldfile",
+)
 
 
 def running_tally() -> Tally | None:

@@ -11,7 +11,7 @@ import anywidget
 import traitlets
 
 from libgz.view.gate import CLIENT
-from libgz.view.protocol import LARGEST_MESSAGE, read_message
+from libgz.view.protocol import LARGEST_MESSAGE, held_size, read_message
 from libgz.view.replay import frame_page
 from libgz.view.viewer import Viewer
 
@@ -28,11 +28,11 @@ class _View:
     """A page of a widget, as a viewer has pages: it gets the next messages when it has shown the last ones.
 
     Attributes:
-        number, may_control, visible, wants, pending: as those of other pages.
+        number, may_control, visible, wants: as those of other pages.
     """
 
     def __init__(self, viewer: Viewer, may_control: bool, send: Send) -> None:
-        self.number, self.may_control, self.visible, self.pending = next(_numbers), may_control, True, 0
+        self.number, self.may_control, self.visible = next(_numbers), may_control, True
         self.wants: dict[str, list[str]] = {}
         self._viewer, self._send = viewer, send
         self._waiting: dict[str, bytes | str] = {}
@@ -48,6 +48,9 @@ class _View:
             while len(self._waiting) > MOST_WAITING:
                 self._waiting.pop(next(iter(self._waiting)))
         self._flush()
+
+    def acted(self) -> None:
+        """A message has been acted on: the notebook counts none."""
 
     def shown(self) -> None:
         """The page has shown what it was sent."""
@@ -129,7 +132,7 @@ class NotebookWidget(anywidget.AnyWidget):  # type: ignore[misc,unused-ignore]
         elif isinstance(content.get("text"), str) and len(content["text"]) <= LARGEST_MESSAGE:
             message = read_message(content["text"])
             if message is not None:
-                self._viewer.hear(view, message)
+                self._viewer.hear(view, message, held_size(content["text"]))
 
     def _close(self, name: str) -> None:
         self._viewer.leave(self._views.pop(name))

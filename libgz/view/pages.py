@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import collections
 import contextlib
 import errno
 import logging
@@ -10,7 +11,7 @@ import socket
 import threading
 import time
 import weakref
-from collections.abc import Callable, Iterable, Sized
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -19,12 +20,22 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from libgz.base.backlog import Backlog
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError
+from libgz.simulation.repeated import repeated
+from libgz.transport.tally import Tally
 from libgz.view.gate import Gate
-from libgz.view.protocol import LARGEST_MESSAGE, LARGEST_OF_WATCHERS, MOST_OF_WATCHERS, MOST_VALUES, read_message
+from libgz.view.protocol import (
+    LARGEST_MESSAGE,
+    LARGEST_OF_WATCHERS,
+    MOST_OF_WATCHERS,
+    MOST_VALUES,
+    held_size,
+    read_message,
+)
 from libgz.view.received import Received, wire_size
 
 __all__ = ["Page", "Pages"]
 
+log = logging.getLogger("libgz.view")
 # Browsers open connections in advance, and close them unused: that is no error.
 QUIET = logging.getLogger("libgz.view.port")
 QUIET.setLevel(logging.CRITICAL)
@@ -44,6 +55,7 @@ FASTEST_WATCHERS = 300.0  # of all pages without the token together
 FASTEST_CONNECTIONS, BURST_OF_CONNECTIONS = 40.0, 100.0  # that are accepted per second, and at once
 BACKLOG = 256  # connections that wait for that
 AT_ONCE = 1 << 13  # [byte] that are read of a page without the token before others have their turn: frames may be empty
+NEVER = 1 << 62  # [byte] after which aiohttp waits itself
 PATIENCE = 10.0  # [s] for a page to read a message, or a piece of a file
 PIECE = 1 << 16  # [byte] of a file that are sent at once: what is not read is held for each connection
 KEPT = 15.0  # [s] that a connection without a page stays open
@@ -79,14 +91,15 @@ class Page:
         may_control: whether its address has the token.
         loop: of the port.
         backlog: that counts what waits for it.
-        transport: of its connection.
+        received: that counts what it has sent.
+        connection: to it.
 
     Attributes:
         number, may_control: as above.
         visible: whether its user can see it.
         wants: names that it wants, by channel.
-        pending: how many of its messages have not been acted on.
-        received: bytes of them, and of those that have not come whole.
+        unacted: sizes of its messages that have not been acted on [byte].
+        received: what they take, and those that have not come whole.
         pace: at which its messages are read.
     """
 
@@ -96,23 +109,25 @@ class Page:
         may_control: bool,
         loop: asyncio.AbstractEventLoop,
         backlog: Backlog,
-        transport: asyncio.Transport,
+        received: Received,
+        connection: _Connection,
     ) -> None:
         self.number, self.may_control = number, may_control
-        self.visible, self.pending, self.received = True, 0, 0
+        self.visible, self.received, self.unacted = True, 0, collections.deque[int]()
         self.wants: dict[str, list[str]] = {}
-        self._loop, self._backlog, self._transport = loop, backlog, transport
+        self._loop, self._backlog, self._received, self._connection = loop, backlog, received, connection
         self._waiting: dict[str, bytes | str] = {}
         self._size = 0  # of them [byte]
-        self._sending: list[Sized] = []  # a message, and the copy of it that the transport has
+        self._copy: range | None = None  # as long as what the transport has of a message
+        self._since = time.monotonic()  # when the last message was sent
         self._filled = asyncio.Event()
         self._ended = False
         self.pace = Pace(FASTEST, FASTEST / 2.0) if may_control else Pace(FASTEST_WATCHER, FASTEST_WATCHER / 2.0)
 
     @property
-    def size(self) -> int:
-        """Bytes that wait for it, but for those that the system has taken."""
-        return self._size + self._transport.get_write_buffer_size()
+    def burden(self) -> float:
+        """Bytes that wait for it times how long: one that reads has little, however large its messages are."""
+        return (self._size + len(self._copy or ())) * (time.monotonic() - self._since)
 
     def post(self, key: str, message: bytes | str) -> None:
         """Send a message; one of the same key that has not been sent is dropped for it. Safe in every thread."""
@@ -130,21 +145,27 @@ class Page:
             self._backlog.add(self, message)
             if len(self._waiting) > MOST_WAITING or self._size > LARGEST_WAITING:
                 self._end()
-                self.abort()
+                self.abort("one that did not read what waited for it")
         self._filled.set()
 
     def discard(self) -> bool:
-        """Drop the state that waits, since another will follow; without one the page is closed. The lock is held."""
-        if self._drop("state"):
-            return True
-        found = bool(self._waiting or self._sending)
+        """Close the page: what waits is the newest of each key, and no page should show an older one."""
+        found = bool(self._waiting or self._copy)
         self._end()
-        self.abort()
+        self.abort("the one that read least of what waited for all pages, which was too much together")
         return found
 
-    def abort(self) -> None:
-        """Close the connection at once."""
-        self._transport.abort()
+    def acted(self) -> None:
+        """The oldest of its messages that had not been acted on has been. Safe in every thread."""
+        with contextlib.suppress(RuntimeError):  # the port was closed
+            self._loop.call_soon_threadsafe(self._acted)
+
+    def _acted(self) -> None:
+        self._received.remove(self, wire_size(self.unacted.popleft()))
+
+    def abort(self, reason: str) -> None:
+        """Close the connection at once; the log says which page that is."""
+        self._connection.abort(f"a page was closed: {reason}")
 
     def _drop(self, key: str) -> bool:
         message = self._waiting.pop(key, None)
@@ -158,14 +179,17 @@ class Page:
         self._ended = True
         for key in [*self._waiting]:
             self._drop(key)
-        self._sent()
+        self._hold(0)
         self._filled.set()
 
-    def _sent(self) -> None:
-        for one in self._sending:
-            self._backlog.remove(one)
-        self._sending.clear()
-        if not self._waiting:
+    def _hold(self, size: int) -> None:
+        """Count what the transport has of a message in place of what it had."""
+        if self._copy is not None:
+            self._backlog.remove(self._copy)
+        self._copy = range(size) if size and not self._ended else None
+        if self._copy is not None:
+            self._backlog.add(self, self._copy)
+        elif not self._waiting:
             self._backlog.forget(self)
 
     async def send_all(self, channel: web.WebSocketResponse) -> None:
@@ -176,31 +200,34 @@ class Page:
                 self._filled.clear()
                 while self._waiting:
                     await self._send_next(channel)
-        except (TimeoutError, ConnectionError, RuntimeError):
-            self.abort()
+        except TimeoutError:
+            self.abort(f"one that read nothing for {PATIENCE:.0f} s")
+        except (ConnectionError, RuntimeError):  # it has left
+            self._connection.abort("")
         finally:
             with self._backlog.lock:
                 self._end()
 
     async def _send_next(self, channel: web.WebSocketResponse) -> None:
         with self._backlog.lock:
-            message = self._waiting.pop(next(iter(self._waiting)))
-            data, kind = (
-                (message, WSMsgType.BINARY) if isinstance(message, bytes) else (message.encode(), WSMsgType.TEXT)
-            )
-            copy = memoryview(data)
-            self._size -= len(message)
-            self._sending = [message, copy]
-            self._backlog.add(self, copy)
-        if self._ended:
-            return
-        async with asyncio.timeout(PATIENCE):
-            await channel.send_frame(data, kind)
+            key = next(iter(self._waiting))
+            message = self._waiting[key]
+            self._drop(key)
+            self._since = time.monotonic()
+        if isinstance(message, bytes):
+            await channel.send_frame(message, WSMsgType.BINARY)
+        else:
+            await channel.send_frame(message.encode(), WSMsgType.TEXT)
+        del message  # the transport has a copy of what the system does not take
         with self._backlog.lock:
-            self._sent()
+            self._hold(self._connection.unsent)
+        async with asyncio.timeout(PATIENCE):
+            await self._connection.writable.wait()
+        with self._backlog.lock:
+            self._hold(0)
 
 
-OnMessage = Callable[[Page, dict[str, Any]], None]
+OnMessage = Callable[[Page, dict[str, Any], int], None]
 
 
 class Pages(Closing):
@@ -209,7 +236,8 @@ class Pages(Closing):
     Args:
         gate: what the port answers.
         port: first one that is tried.
-        on_open, on_message, on_close: called with a page, in the port's thread.
+        on_open, on_message, on_close: called with a page, in the port's thread; with a message also how many bytes it
+            takes; `Page.acted` is to be called once it has been acted on.
 
     Attributes:
         port: that was free.
@@ -244,6 +272,7 @@ class Pages(Closing):
         # By whether pages have the token: those without it cannot close one that controls.
         self._backlogs = {False: Backlog(LARGEST_UNREAD), True: Backlog(LARGEST_UNREAD)}
         self._received = {False: Received(LARGEST_OF_ALL_WATCHERS), True: Received(LARGEST_RECEIVED)}
+        self._tally = Tally()
         self._closed = False
         self._thread = threading.Thread(target=self._loop.run_forever, name="pages", daemon=True)
         self._thread.start()
@@ -312,7 +341,9 @@ class Pages(Closing):
         if kept >= MOST_CONNECTIONS + MOST_TRUSTED:
             return _Refusal()
         made = _Connection(self._server, loop=self._loop, access_log=QUIET, logger=QUIET, keepalive_timeout=KEPT)
-        made.forget, made.count, made.early = self._forget, None, 0
+        made.forget, made.note, made.count, made.early = self._forget, self._note, None, 0
+        made.writable = asyncio.Event()
+        made.writable.set()
         if kept >= MOST_CONNECTIONS:
             if len(self._spare) >= MOST_SPARE:
                 oldest = next(iter(self._spare))
@@ -323,6 +354,11 @@ class Pages(Closing):
         self._silent.add(made)
         self._loop.call_later(SILENCE, self._close_silent, made)
         return made
+
+    def _note(self, what: str) -> None:
+        """Log why a connection is closed, at growing counts."""
+        with repeated(self._tally):
+            log.warning("%s", what)
 
     def _forget(self, protocol: Any) -> None:
         self._connections.discard(protocol)
@@ -366,7 +402,7 @@ class Pages(Closing):
         most_values = MOST_VALUES if may_control else MOST_OF_WATCHERS
         # Pings are answered below: they count as messages, and so do pongs.
         channel = web.WebSocketResponse(
-            heartbeat=BEAT, max_msg_size=largest, compress=False, autoping=False, writer_limit=0
+            heartbeat=BEAT, max_msg_size=largest, compress=False, autoping=False, writer_limit=NEVER
         )
         await channel.prepare(request)
         transport = request.transport
@@ -376,8 +412,8 @@ class Pages(Closing):
             transport.max_size = AT_ONCE  # type: ignore[attr-defined]
         self._count += 1
         backlog, received = self._backlogs[may_control], self._received[may_control]
-        page = Page(self._count, may_control, self._loop, backlog, transport)
         connection: Any = request.protocol
+        page = Page(self._count, may_control, self._loop, backlog, received, connection)
         connection.count = lambda count: received.add(page, count)
         received.add(page, connection.early)
         self._pages[page.number] = page
@@ -389,17 +425,21 @@ class Pages(Closing):
                 if raw.type == WSMsgType.PING:
                     with contextlib.suppress(ConnectionError):
                         await channel.pong(raw.data)
+                        await connection.writable.wait()
                 text = raw.data if raw.type == WSMsgType.TEXT else ""  # else bytes, or an error
                 message = read_message(text, most_values)
+                size = _size_of(raw.data)
                 if message is not None:
-                    page.pending += 1
-                    self._on_message(page, message)
+                    page.unacted.append(size)
+                    self._on_message(page, message, held_size(text))
+                else:
+                    received.remove(page, wire_size(size))
                 wait = page.pace.next()
                 await asyncio.sleep(wait if may_control else max(wait, self._watchers.next()))
                 most = MOST_PENDING if len(text) < LARGEST_OF_WATCHERS else 1
-                while page.pending >= most and not self._closed:
+                del raw, text, message
+                while len(page.unacted) >= most and not self._closed:
                     await asyncio.sleep(0.02)
-                received.remove(page, wire_size(_size_of(raw.data)))
         finally:
             connection.count = None
             received.forget(page)
@@ -454,13 +494,13 @@ def _put_all(pages: list[Page], key: str, message: bytes | str) -> None:
 
 async def _sent(request: web.BaseRequest, answer: web.Response) -> web.StreamResponse:
     """Send an answer in pieces; a client that does not read it is disconnected, and holds no copy of it."""
+    connection: Any = request.protocol
     response = web.StreamResponse(status=answer.status, headers=answer.headers)
     body = answer.body if isinstance(answer.body, bytes) else b""
     response.content_length = len(body)
     if answer.keep_alive is False:
         response.force_close()
     pieces = range(0, len(body), PIECE) if request.method != "HEAD" else ()
-    transport = request.transport
     try:
         await response.prepare(request)
         for start in pieces:
@@ -469,8 +509,7 @@ async def _sent(request: web.BaseRequest, answer: web.Response) -> web.StreamRes
         async with asyncio.timeout(PATIENCE):
             await response.write_eof()
     except TimeoutError:
-        if transport is not None:
-            transport.abort()
+        connection.abort(f"a connection was closed: of a file it read nothing for {PATIENCE:.0f} s")
     return response
 
 
@@ -486,12 +525,39 @@ class _Connection(web.RequestHandler):
     Attributes:
         early: bytes that came before it was a page's.
         count: called with how many come later.
+        forget, note: called with it when it is lost, and with what the log is to say.
+        writable: set unless much is unsent.
     """
 
-    __slots__ = ("count", "early", "forget")
+    __slots__ = ("count", "early", "forget", "note", "writable")
     early: int
     count: Callable[[int], None] | None
     forget: Callable[[Any], None]
+    note: Callable[[str], None]
+    writable: asyncio.Event
+
+    @property
+    def unsent(self) -> int:
+        """Bytes that are held of what it did not take: its buffer takes an eighth more."""
+        size = self.transport.get_write_buffer_size() if self.transport is not None else 0
+        return size + size // 8
+
+    def abort(self, reason: str) -> None:
+        """Close it at once; the log has the reason, unless it is empty."""
+        if self.transport is not None and not self.transport.is_closing():
+            if reason:
+                self.note(reason)
+            self.transport.abort()
+
+    def pause_writing(self) -> None:
+        """Much is unsent."""
+        self.writable.clear()
+        super().pause_writing()
+
+    def resume_writing(self) -> None:
+        """Little is unsent."""
+        self.writable.set()
+        super().resume_writing()
 
     def data_received(self, data: bytes) -> None:
         """Count what is received."""
@@ -503,6 +569,7 @@ class _Connection(web.RequestHandler):
 
     def connection_lost(self, exc: BaseException | None) -> None:
         """Count it no longer."""
+        self.writable.set()
         self.forget(self)
         super().connection_lost(exc)
 

@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 
+from libgz.base.budget import ELEMENT
 from libgz.transport.observer import ObservedState
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "MOST_OF_WATCHERS",
     "MOST_VALUES",
     "VERBS",
+    "held_size",
     "image_message",
     "read_message",
     "scene_message",
@@ -110,13 +112,22 @@ def scene_message(scene: dict[str, Any], assets: dict[str, str]) -> bytes:
     return struct.pack("<I", SCENE) + zlib.compress(text.encode(), 1)
 
 
+def held_size(raw: str) -> int:
+    """Bytes that a message takes with what its parser makes of it."""
+    return len(raw) + ELEMENT * _values(raw)
+
+
+def _values(raw: str) -> int:
+    return raw.count(",") + raw.count("[") + raw.count("{")
+
+
 def read_message(raw: str, most: int = MOST_VALUES) -> dict[str, Any] | None:
     """A message of a page; None for one that no page of ours sends.
 
     Args:
         most: values that it may have. One that has more is not parsed: it would take much memory, and others wait.
     """
-    if raw.count(",") + raw.count("[") + raw.count("{") > most:
+    if _values(raw) > most:
         return None
     try:
         message = json.loads(raw, parse_constant=_refuse)

@@ -6,6 +6,7 @@ from typing import Protocol
 
 __all__ = ["Received", "Sender", "wire_size"]
 
+TOO_MUCH = "the one with the most of what pages have sent, which was too much together"
 FRAME = 1 << 10  # [byte] that the frames of a large message have on average, at least
 
 
@@ -14,7 +15,7 @@ class Sender(Protocol):
 
     received: int  # bytes that have not been acted on
 
-    def abort(self) -> None:
+    def abort(self, reason: str) -> None:
         """Close it at once."""
 
 
@@ -41,7 +42,7 @@ class Received:
         while self.size > self._limit:
             largest = max(self._pages, key=lambda one: one.received)
             self.forget(largest)
-            largest.abort()
+            largest.abort(TOO_MUCH)
 
     def remove(self, page: Sender, count: int) -> None:
         """Bytes of a page, or all that it has if these are fewer, have been acted on."""

@@ -17,7 +17,9 @@ from typing import Any
 from libgz.base.closing import Closing
 from libgz.base.errors import GazeboError, InterfaceError, ParameterError, ServerGoneError
 from libgz.base.numbers import whole_number
+from libgz.simulation.repeated import MOST_LINES, repeated
 from libgz.transport.observer import ObservedState
+from libgz.transport.tally import Tally
 from libgz.view.assets import Assets
 from libgz.view.channels import Channels
 from libgz.view.controllers import Controllers
@@ -42,8 +44,8 @@ MOST_AT_ONCE = 20  # pages that only watch and get a state at the same time
 ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
 MOST_REQUESTS, MOST_OF_WATCHERS = 50, 10  # of all pages that have not been answered, when another one comes
+LARGEST_REQUESTS = 128 << 20  # [byte] of all requests that have not been answered, with what a parser made of them
 MOST_HELD, LONGEST_NAME = 16, 1000  # models that a page holds; characters of a name
-MOST_MESHES = 2  # the same, when a file of a user comes
 FASTEST = 10.0  # [m/s], [rad/s] of a driven robot
 READS = frozenset({"describe", "catalogue", "attributes", "history", "diff"})  # requests of pages that only watch, too
 # What pages offer because of it.
@@ -100,7 +102,7 @@ class Viewer(Closing):
         self._actions: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
         self._watchers: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()  # what only watching pages send
         self._asking = ThreadPoolExecutor(1, "viewer")
-        self._requests = 0  # of pages that have not been answered
+        self._requests, self._requested = 0, 0  # of pages that have not been answered, and bytes of them
         self._requests_lock = threading.Lock()
         self._controller: Page | None = None  # the page that controlled in the last frame
         self._held: dict[str, None] = {}  # what it holds
@@ -117,7 +119,8 @@ class Viewer(Closing):
         self._next_log = self._next_try = 0.0
         self._status = ""
         self._due = self._shown = 0.0
-        self._turn = 0  # of the pages that only watch
+        self._behind: dict[Page, bool] = {}  # whether they lack the present state; first who got one longest ago
+        self._tally = Tally(MOST_LINES)
         self._gone = False
         self._ended = threading.Event()
         self.assets = Assets(source)
@@ -221,14 +224,15 @@ class Viewer(Closing):
 
     def _attempt(self, action: Callable[[], object]) -> None:
         """Call an action. The viewer survives what it raises: pages close at any moment, and send what they like."""
-        try:
-            action()
-        except GazeboError as error:
-            self._report(str(error))
-        except Exception:
-            self.failures += 1
-            if self.failures & (self.failures - 1) == 0:  # 1, 2, 4, 8 ...: not each of thirty a second
-                log.exception("the viewer continues after an error (%d so far)", self.failures)
+        with repeated(self._tally):
+            try:
+                action()
+            except GazeboError as error:
+                self._report(str(error))
+            except Exception:
+                self.failures += 1
+                if self.failures & (self.failures - 1) == 0:  # 1, 2, 4, 8 ...: not each of thirty a second
+                    log.exception("the viewer continues after an error (%d so far)", self.failures)
 
     def _report(self, text: str) -> None:
         log.warning("%s", text)
@@ -257,22 +261,24 @@ class Viewer(Closing):
             return
         if changed:
             self._state_message = state_message(state)
-            self._pages.post(self._in_turn(), "state", self._state_message)
+        self._pages.post(self._in_turn(changed), "state", self._state_message)
         if "seek" in self._can and now >= self._next_log and "status" not in self.channels.pending:
             self._next_log = now + LOG_PERIOD
             self._ask("status", self._learn_log)
         self._show_status("", "")
         self.channels.show(now, state.sim_time, self.controls, self._can, self.scene)
 
-    def _in_turn(self) -> list[Page]:
-        """The pages that get the present state: of many that only watch, others each time."""
+    def _in_turn(self, changed: bool) -> list[Page]:
+        """The pages that get the present state: of many that only watch, those first that have waited for longest."""
         seen = [page for page in self._pages if page.visible]
-        watching = [page for page in seen if not page.may_control]
-        if len(watching) <= MOST_AT_ONCE:
-            return seen
-        self._turn = (self._turn + MOST_AT_ONCE) % len(watching)
-        chosen = (watching[self._turn :] + watching)[:MOST_AT_ONCE]
-        return [*(page for page in seen if page.may_control), *chosen]
+        behind = {page: changed or lacks for page, lacks in self._behind.items() if page in seen}
+        behind |= {page: changed for page in seen if page not in behind}
+        lacking = [page for page, lacks in behind.items() if lacks]
+        watching = [page for page in lacking if not page.may_control]
+        chosen = [*(page for page in lacking if page.may_control), *watching[:MOST_AT_ONCE]]
+        others = {page: lacks for page, lacks in behind.items() if page not in chosen}
+        self._behind = others | dict.fromkeys(chosen, False)
+        return chosen
 
     def _show_scene(self, state: ObservedState) -> ObservedState:
         """Show the scene that belongs to the present state, which is returned."""
@@ -303,9 +309,9 @@ class Viewer(Closing):
         self._pages.join(page)
         self.do(lambda: self._welcome(page))
 
-    def hear(self, page: Any, message: dict[str, Any]) -> None:
-        """Do what a page wants, between two frames; safe in every thread."""
-        self._queue(page).put(lambda: self._obey(page, message))
+    def hear(self, page: Any, message: dict[str, Any], size: int) -> None:
+        """Do what a page wants by a message that takes so many bytes, between two frames; safe in every thread."""
+        self._queue(page).put(lambda: self._obey(page, message, size))
 
     def leave(self, page: Any) -> None:
         """A page that was opened by `open` is closed; safe in every thread."""
@@ -414,9 +420,9 @@ class Viewer(Closing):
             return None
         return str(self.controls.ask("portrait", model=model)["text"])
 
-    def _obey(self, page: Page, message: dict[str, Any]) -> None:
+    def _obey(self, page: Page, message: dict[str, Any], size: int) -> None:
         """A message of a page."""
-        page.pending -= 1
+        page.acted()
         if "want" in message:
             channel = message["want"]
             if channel in CHANNELS:
@@ -431,11 +437,11 @@ class Viewer(Closing):
         elif "ask" in message:
             number = message.get("number")
             if isinstance(number, int):
-                self._answer(page, number, message)
+                self._answer(page, number, message, size)
         elif page is self.controllers.page:
             self._steer(page, message)
 
-    def _answer(self, page: Page, number: int, message: dict[str, Any]) -> None:
+    def _answer(self, page: Page, number: int, message: dict[str, Any], size: int) -> None:
         """Answer a request of a page."""
 
         def reply(**result: Any) -> None:
@@ -462,21 +468,20 @@ class Viewer(Closing):
                 raise GazeboError(f"there is no request {verb[:50]!r} here")
             if any(ord(letter) < 33 for letter in argument) or len(argument) > 200 or not argument:
                 raise GazeboError(f"the argument of {verb} is not one word")
-            self._pass_on(page, verb, argument, content, reply)
+            self._pass_on(page, verb, argument, content, size, reply)
         except GazeboError as error:
             reply(error=str(error)[:1000])
 
     def _pass_on(
-        self, page: Page, verb: str, argument: str, content: dict[str, Any], reply: Callable[..., None]
+        self, page: Page, verb: str, argument: str, content: dict[str, Any], size: int, reply: Callable[..., None]
     ) -> None:
         """Send a request of a page to the server."""
         controls = self.controls
         most = MOST_REQUESTS if page is self.controllers.page else MOST_OF_WATCHERS
-        most = MOST_MESHES if verb == "mesh" else most
         with self._requests_lock:
-            if controls is None or self._requests >= most:
+            if controls is None or self._requests >= most or self._requested + size > LARGEST_REQUESTS:
                 raise GazeboError("the server has not answered the requests before; try again later")
-            self._requests += 1
+            self._requests, self._requested = self._requests + 1, self._requested + size
         if verb == "write":
             content = {}  # pages name no files
         if verb == "hold":
@@ -496,11 +501,12 @@ class Viewer(Closing):
                 reply(error=str(error)[:1000])
             except Exception:
                 self.failures += 1
-                log.exception("the viewer continues after an error of request %s", verb)
+                with repeated(self._tally):
+                    log.exception("the viewer continues after an error of request %s", verb)
                 reply(error=f"request {verb} failed; the viewer's log says why")
             finally:
                 with self._requests_lock:
-                    self._requests -= 1
+                    self._requests, self._requested = self._requests - 1, self._requested - size
 
         self._submit(work)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from libgz.simulation.repeated import PARTS
 
-OTHERS = {"gazebo", "gym", "lsp", "player", "plugin", "sweep", "view"}  # plugins, and what handles no client of a world
+OTHERS = {"gazebo", "gym", "lsp", "player", "plugin", "sweep"}  # plugins, and what handles no client of a world
 
 
 def test_all_loggers_that_a_message_can_reach_are_counted():

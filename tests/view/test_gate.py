@@ -604,24 +604,48 @@ def lazy_page(viewer, path="/"):
     return one
 
 
-def test_all_pages_that_do_not_read_have_one_bound_and_close_none_that_reads(monkeypatch, controls):
+def test_all_pages_that_do_not_read_have_one_bound_and_close_none_that_reads(monkeypatch, controls, caplog):
     monkeypatch.setattr(pages, "LARGEST_UNREAD", 8 << 20)
     with running(Wide(), controls, rate=200.0) as viewer, Socket(viewer.url) as master, Socket(viewer.watch_url) as one:
         with contextlib.ExitStack() as kept:
             for _ in range(16):
                 kept.enter_context(lazy_page(viewer))
 
-            def lazy():
+            def closed():
                 one.until("state")
                 master.until("state")
-                return len(viewer._pages) - 2
+                assert viewer._pages._backlogs[False].size <= 8 << 20
+                return [line for line in map(logging.LogRecord.getMessage, caplog.records) if "was closed" in line]
 
-            wait_for(lambda: lazy() > 3)
-            wait_for(lambda: lazy() <= 3)  # each has a message of 1 MiB and its copy
-            assert viewer._pages._backlogs[False].size <= 8 << 20
+            wait_for(closed)
             assert {page.number for page in viewer._pages} >= {1, 2}
-        wait_for(lambda: lazy() == 0)
+        wait_for(lambda: len(viewer._pages) == 2)
     assert [backlog.size for backlog in viewer._pages._backlogs.values()] == [0, 0]
+    [line] = [record.getMessage() for record in caplog.records]  # the others are counted
+    assert "the one that read least of what waited for all pages" in line
+
+
+def test_what_a_page_does_not_read_is_held_once(viewer):
+    with lazy_page(viewer):
+        wait_for(lambda: len(viewer._pages) == 1)
+        [page] = viewer._pages
+        message = bytes(16 << 20)
+        page.post("image a", message)
+        wait_for(lambda: page._connection.unsent > 1 << 20)
+        wait_for(lambda: sys.getrefcount(message) == 2)  # this function's, and the argument
+        assert page._connection.unsent <= viewer._pages._backlogs[False].size < 17 << 20
+
+
+def test_pages_get_the_last_state_before_the_world_was_paused():
+    with Viewer(Nothing(), port=18960) as viewer:
+        crowd = [Watching(-number) for number in range(1, 51)]
+        for page in crowd:
+            viewer.show_to(page)
+        for _ in range(3):
+            viewer.frame()
+        assert {page.states for page in crowd} == {1}
+        viewer.frame()
+        assert {page.states for page in crowd} == {1}
 
 
 @pytest.mark.parametrize("trusted", [False, True])
@@ -641,3 +665,34 @@ def test_messages_that_do_not_come_whole_have_one_bound(monkeypatch, controls, t
             for _ in range(5):
                 assert page.ask("describe", name="x" * 100_000)[1] is None
         wait_for(lambda: len(viewer._pages) == 1 and received.size < 4096)  # the request for its socket is left
+
+
+class Waiting(Counting):
+    """Controls that answer a description only when they may."""
+
+    def __init__(self):
+        super().__init__()
+        self.may = threading.Event()
+
+    def ask(self, verb, argument="-", **content):
+        self.may.wait(60.0)
+        return super().ask(verb, argument, **content)
+
+
+def test_the_texts_of_open_requests_have_one_bound(monkeypatch):
+    monkeypatch.setattr("libgz.view.viewer.LARGEST_REQUESTS", 5_500_000)
+    controls = Waiting()
+    with running(Nothing(), controls) as viewer, Socket(viewer.url) as page:
+        try:
+            for number, text in enumerate(
+                ("x" * (2 << 20), [0] * 20000, "x" * (1 << 20)), 1
+            ):  # values take more than their text
+                message = {"ask": "describe", "number": number, "content": {"names": text}}
+                page.send(message)
+            refused = page.until(lambda message: "answer" in message)
+            assert refused == {"answer": 3, "error": "the server has not answered the requests before; try again later"}
+        finally:
+            controls.may.set()
+        answered = [page.until(lambda message: "answer" in message)["answer"] for _ in range(2)]
+        assert answered == [1, 2]
+        assert page.ask("describe", name="x" * (4 << 20)) == (None, None)

@@ -323,6 +323,11 @@ class Connection:
             socket_.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     @property
+    def burden(self) -> float:
+        """What of all connections the one with the most has to discard something: bytes that wait."""
+        return self.size
+
+    @property
     def waits(self) -> bool:
         """Whether there is something to send."""
         return bool(self._queue) and self.open

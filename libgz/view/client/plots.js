@@ -277,19 +277,20 @@ class Plot {
    */
   sample(time) {
     const { sampler } = this.workplace;
-    for (const curve of this.curves) {
-      const value = sampler.read(curve.key);
-      setText(curve.figure, short(Number(value.toFixed(4))));
-      if (!this.paused && time > (this.times.at(-1) ?? -Infinity)) curve.values.push(value);
-    }
-    if (this.paused) return;
-    const last = this.times.at(-1) ?? -Infinity;
-    if (time < last) {
+    if (!this.paused && time < (this.times.at(-1) ?? -Infinity)) {
       // A reset, or back in time: what is after that has not happened.
       const kept = this.times.findIndex((one) => one >= time);
       this.times.length = kept;
       for (const curve of this.curves) curve.values.length = kept;
-    } else if (time > last) this.times.push(time);
+    }
+    const later = !this.paused && time > (this.times.at(-1) ?? -Infinity);
+    if (later) this.times.push(time);
+    for (const curve of this.curves) {
+      const value = sampler.read(curve.key);
+      setText(curve.figure, short(Number(value.toFixed(4))));
+      if (later) curve.values.push(value);
+    }
+    if (this.paused) return;
     if (this.times.length > MOST_POINTS) {
       this.times.splice(0, MOST_POINTS / 10);
       for (const curve of this.curves) curve.values.splice(0, MOST_POINTS / 10);

@@ -91,15 +91,15 @@ class FakeGraph:
                 owner, _, part = name.split(".")
                 name = f"{owner}_{part.removesuffix('Service')}"
                 kind = "srv" if part.endswith("Service") else "msg"
-            row = {**about, "number": number}
-            if about["verb"] == "subscribe":
-                self.taken[about["name"]] = row
-            if about["verb"] != "subscribe" or about["name"] not in self.declared:
-                self.declared[about["name"]] = row
             if package in self.refused:
                 self.send(REFUSED, number, f"ModuleNotFoundError: No module named '{package}'".encode())
             else:
                 self.send(DECLARED, number, json.dumps(fields(f"{package}/{name}", kind)).encode())
+            row = {**about, "number": number}  # noted last, so that what a test says comes after the answer
+            if about["verb"] == "subscribe":
+                self.taken[about["name"]] = row
+            if about["verb"] != "subscribe" or about["name"] not in self.declared:
+                self.declared[about["name"]] = row
         elif sort == DROP:
             self.declared = {key: one for key, one in self.declared.items() if one["number"] != number}
         elif sort == MESSAGE:

@@ -23,6 +23,7 @@ MOST_NESTED = 16  # types in types
 MOST_ITEMS = 100_000  # texts, times and messages in the lists of one message: each takes microseconds to read
 MOST_READ = 1 << 20  # messages in one message, numbers and texts of theirs, and lists, each of numbers counted as one
 MOST_VALUES = 1 << 16  # of a type whose fields a ROS 2 describes, a sequence counted as one item
+MOST_FIELDS = 10_000  # that a ROS 2 describes, of a type and those in it
 
 # Fields of types, by the types' names, where they differ from those of ROS 1: name, and its attribute in a message.
 Schema = Mapping[str, Sequence[tuple[Field, str | None]]]
@@ -338,8 +339,10 @@ def read_schema(
         kind: a type of ours that has no name of its own in the table: the request or response of a service.
 
     Raises:
-        FormatError: a name or a type is none, or a field that we fill has another type than ours.
+        FormatError: a name or a type is none, a field that we fill has another type than ours, or they are too many.
     """
+    if sum(len(fields) + 1 for fields in types.values()) > MOST_FIELDS:
+        raise FormatError(f"there are more than {MOST_FIELDS} fields")
     found: dict[str, list[tuple[Field, str | None]]] = {}
     for name, fields in types.items():
         try:

@@ -127,6 +127,8 @@ def _untrusted_text(options: argparse.Namespace) -> str:
 def text_without_plugins(file: SdfFile) -> str:
     """The text of a file without its plugins, nor those of what it includes: a server would load them.
 
+    What was not found to include is left out, too: the server may find it, with its plugins.
+
     Raises:
         WorldFileError: the file has errors.
     """
@@ -134,6 +136,8 @@ def text_without_plugins(file: SdfFile) -> str:
         name = plugin.Get(str, "filename")
         say(f"warning : {plugin.where}: plugin {name!r} is left out: files are untrusted", file=sys.stderr)
         plugin.RemoveFromParent()
+    for include in list(file.root.find("include")):
+        include.RemoveFromParent()
     return _whole_text(file)
 
 

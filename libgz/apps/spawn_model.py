@@ -90,8 +90,10 @@ def _text(options: argparse.Namespace, client: RosClient) -> str:
         if not isinstance(value, str) or not value:
             raise ParameterError(f"Error: parameter {client.names.resolve(options.param)} is empty or no text")
         text = value
+    elif options.stdin:
+        text = read_text("/dev/stdin", "Error: the model")
     else:
-        text = sys.stdin.read() if options.stdin else INCLUDE.format(options.database)
+        text = INCLUDE.format(options.database)
     text = text.replace("package://", "model://") if options.package_to_model else text
     return text if trusted() else text_without_plugins(SdfFile.from_string(text, "the model"))
 

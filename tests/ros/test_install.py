@@ -339,11 +339,12 @@ def test_spawn_model_inserts_a_model(master, start, tmp_path, source):
 
 @pytest.mark.parametrize("kind", ["urdf", "sdf"])
 def test_spawn_model_sends_no_plugins_of_strangers(monkeypatch, tmp_path, kind):
-    """The server may trust its clients."""
+    """The server may trust its clients, and find what they do not."""
     plugin = "<plugin name='p' filename='libp.so'/>"
+    include = "<include><uri>model://of_the_server</uri></include>"
     texts = {
         "urdf": URDF.replace("</robot>", f"<gazebo>{plugin}</gazebo></robot>"),
-        "sdf": f"<sdf version='1.6'><model name='m'>{plugin}<link name='l'/></model></sdf>",
+        "sdf": f"<sdf version='1.6'><model name='m'>{plugin}{include}<link name='l'/></model>{include}</sdf>",
     }
     (tmp_path / "file").write_text(texts[kind])
     monkeypatch.setenv("LIBGZ_UNTRUSTED", "1")
@@ -353,11 +354,21 @@ def test_spawn_model_sends_no_plugins_of_strangers(monkeypatch, tmp_path, kind):
     assert call.args[0] == "/gazebo/spawn_sdf_model"
     assert "<link " in call.kwargs["model_xml"]
     assert "libp.so" not in call.kwargs["model_xml"]
+    assert "of_the_server" not in call.kwargs["model_xml"]
 
 
 def test_spawn_model_reads_no_endless_file(master, capsys):
     assert spawn_model(["-urdf", "-file", "/dev/zero", "-model", "x"]) == 1
     assert "is larger than 64 MiB" in capsys.readouterr().err
+    program = (
+        "import resource, sys; from libgz.apps.spawn_model import main; "
+        "resource.setrlimit(resource.RLIMIT_DATA, (1 << 30, 1 << 30)); sys.exit(main(sys.argv[1:]))"
+    )
+    with Path("/dev/zero").open() as zero:
+        words = [sys.executable, "-c", program, "-urdf", "-stdin", "-model", "x"]
+        done = subprocess.run(words, stdin=zero, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "is larger than 64 MiB" in done.stderr
 
 
 def test_spawn_model_says_what_is_wrong(master, capsys):

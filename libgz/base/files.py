@@ -27,7 +27,7 @@ __all__ = [
     "read_file",
     "read_limited",
     "read_text",
-    "write_backup",
+    "save_file",
     "write_whole",
     "xml_attribute",
     "xml_parser",
@@ -195,19 +195,28 @@ def new_file(name: str, flags: int) -> int:
     return os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
 
 
-def write_backup(target: Path, data: bytes) -> None:
-    """Keep what a file had as `NAME.bak` beside it, in place of what has that name: a link there is not followed.
+def save_file(target: Path, data: bytes, before: bytes | None = None) -> None:
+    """Replace a file in one step, as a running server does: a pipe or device, for which it could wait, is refused.
+
+    Args:
+        target: the file; for a link, what it names.
+        data: what it then has.
+        before: kept as `NAME.bak` beside it, in place of what has that name: a link there is not followed.
 
     Raises:
-        OSError: it cannot be written, or is a folder. `filename` is that of the backup.
+        OSError: it cannot be written, or is a folder. `filename` is that of the file or of the backup.
     """
-    name = Path(f"{target}.bak")
-    try:
-        if name.is_symlink():  # whose target may be write-protected
-            name.unlink()
-        _replace(name, data)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(name)) from None
+    if target.exists() and not target.is_file():
+        raise OSError(errno.EINVAL, "it is no plain file", str(target))
+    if before is not None:
+        name = Path(f"{target}.bak")
+        try:
+            if name.is_symlink():  # whose target may be write-protected
+                name.unlink()
+            _replace(name, before)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(name)) from None
+    write_whole(target, data)
 
 
 def _replace(target: Path, data: bytes) -> None:

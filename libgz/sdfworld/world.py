@@ -22,7 +22,7 @@ from libgz.base.errors import (
     advise,
     nearest,
 )
-from libgz.base.files import check_size, is_file, read_limited, write_backup, write_whole
+from libgz.base.files import check_size, is_file, read_limited, save_file
 from libgz.base.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
@@ -516,8 +516,7 @@ class SdfWorld(Era):
                 raise WorldFileError(f"{name} belongs to libgz and is not written to; run a copy of it")
             if before != text:
                 check_size(text, name)
-                write_backup(Path(name), before)
-                write_whole(Path(name), text)
+                save_file(Path(name), text, before)
         except (GazeboError, OSError) as error:
             log.error("%s", error)
             return -1

@@ -14,7 +14,7 @@ from lxml import etree
 
 from libgz.base.entities import Entities, check_attributes, encoded
 from libgz.base.errors import Diagnostics, ParameterError, Place, WorldFileError
-from libgz.base.files import check_size, expand, is_file, read_limited, write_backup, write_whole, xml_parser
+from libgz.base.files import check_size, expand, is_file, read_limited, save_file, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.spelling import DEFAULT_STEP, OLD_MODELS, OLD_ORIGIN_HEIGHT, OLD_TAGS
@@ -269,12 +269,12 @@ class WorldFile:
             raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
         log.info("saving: %s", target)
         try:
-            if backup and is_file(Path(target)):
-                before = Path(target).read_bytes()
-                if before == source:
-                    return 0
-                write_backup(Path(target), before)
-            write_whole(Path(target), source)
+            if not backup:
+                write_whole(Path(target), source)
+                return 0
+            before = Path(target).read_bytes() if is_file(Path(target)) else None
+            if before != source:
+                save_file(Path(target), source, before)
         except OSError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error.strerror}") from None
         return 0

@@ -361,6 +361,24 @@ def test_what_has_the_name_of_the_backup_is_replaced(tmp_path, text, kind):
     assert path.read_text() != text
 
 
+@pytest.mark.parametrize("text", ONE_MODEL.values(), ids=ONE_MODEL)
+def test_a_pipe_in_place_of_the_file_is_not_written_to(tmp_path, text, caplog):
+    """A server would wait until it is read."""
+    path = tmp_path / "a.world"
+    path.write_text(text)
+    with libgz.World.from_file(path) as world:
+        path.unlink()
+        os.mkfifo(path)
+        reading = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        try:
+            world.models[0].SetPose(GzPose(GzVector(3.0, 0.0, 0.5)))
+            assert world.Save(whole=True) == -1
+            assert os.read(reading, 100) == b""
+        finally:
+            os.close(reading)
+    assert "ERROR" in caplog.text
+
+
 def test_old_files_count_children_from_old_origins():
     body = """<model:Pioneer2AT><id>r</id><xyz>0 0 0.195</xyz>
     <model:SickLMS200><id>l</id><xyz>0.15 0 0.20</xyz><updatePeriod>0.1</updatePeriod></model:SickLMS200>

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from libgz.base.errors import NotFoundError, ParameterError, WorldFileError, nearest
+from libgz.base.files import save_file
 from libgz.base.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
@@ -556,7 +557,7 @@ def save_world(world: World, path: Path) -> None:
         WorldFileError: the file cannot be written, or the world was not made from SDF.
     """
     try:
-        path.write_text(world_text(world, path.parent))
+        save_file(path, world_text(world, path.parent).encode())
     except OSError as error:
         raise WorldFileError(f"{path}: cannot be written: {error.strerror}") from None
 

@@ -13,6 +13,7 @@ import os
 import struct
 import threading
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -274,12 +275,19 @@ def _check_depth(children: list[list[int]]) -> None:
     """
     if len(children) > MOST_NODES or sum(map(len, children)) > MOST_NODES:
         raise ValueError(f"it has more than {MOST_NODES} nodes and geometries")
-    level = {child for some in children for child in some}
-    for _ in range(MOST_DEPTH):
-        level = {child for node in level for child in children[node]}
-        if not level:
-            return
-    raise ValueError(f"its nodes are nested more than {MOST_DEPTH} deep, or contain themselves")
+    if any(not 0 <= child < len(children) for some in children for child in some):
+        raise ValueError("a node has a child that is not there")
+    parents = Counter(itertools.chain.from_iterable(children))  # of each node, as far as they were not looked at
+    level, looked = [node for node in range(len(children)) if not parents[node]], 0
+    for _ in range(MOST_DEPTH + 1):
+        looked += len(level)
+        below, level = [child for node in level for child in children[node]], []
+        for child in below:
+            parents[child] -= 1
+            if not parents[child]:
+                level.append(child)
+    if looked < len(children):
+        raise ValueError(f"its nodes are nested more than {MOST_DEPTH} deep, or contain themselves")
 
 
 def _check_size(scene: Any) -> None:

@@ -394,6 +394,11 @@ class TestGltf:
         with pytest.raises(GazeboError, match="nested more than 1000 deep, or contain themselves"):
             read(file("a.gltf", gltf(nodes=nodes)))
 
+    @pytest.mark.parametrize("child", [-1, 2])
+    def test_its_nodes_have_children_that_are_there(self, file, read, child):
+        with pytest.raises(GazeboError, match="a node has a child that is not there"):
+            read(file("a.gltf", gltf(nodes=[{"children": [child]}, {"mesh": 0}])))
+
     def test_matrices_count_for_their_numbers(self, file, read):
         wide = {"componentType": 5126, "count": 100_000_000, "type": "MAT4"}
         with pytest.raises(GazeboError, match="it declares 400000003 vertices and indices"):
@@ -411,3 +416,16 @@ class TestGltf:
         wrong = {"bufferView": 0, "byteOffset": 12, "componentType": 5125, "count": 3, "type": "SCALAR"}
         with pytest.raises(GazeboError, match="a triangle names a vertex that does not exist"):
             read(file("a.gltf", gltf(accessors=[json.loads(gltf())["accessors"][0], wrong])))
+
+
+def test_nodes_of_gltf_are_looked_at_some_times_each():
+    """However deep they are."""
+    looked = []
+
+    class Row(list):
+        def __iter__(self):
+            looked.append(1)
+            return super().__iter__()
+
+    mesh_files._check_depth([Row([number]) for number in range(1, 900)] + [Row()])
+    assert len(looked) < 5 * 900

@@ -303,7 +303,7 @@ MORE = {
     ),
     ("libgz/physics/mesh_files.py", "it has more than {} nodes and geometries"): bounded_gltf("MOST_NODES"),
     ("libgz/physics/mesh_files.py", "its nodes are nested more than {} deep, or contain themselves"): bounded_gltf(
-        "MOST_DEPTH", 0
+        "MOST_DEPTH", -1
     ),
     ("libgz/physics/mesh_files.py", "mesh {} has more than {} parts"): too_many_parts,
     ("libgz/physics/mesh_files.py", "it has more than {} triangles, or three vertices for each of so many"): (

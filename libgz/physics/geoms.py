@@ -20,7 +20,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
-from libgz.physics.meshes import Mesh, grid_triangles, vertex_normals
+from libgz.physics.meshes import Mesh, grid_triangles, grid_vertices, vertex_normals
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
 
@@ -368,11 +368,6 @@ class GridGeom(TriMeshGeom):
         if reach > WIDE:
             body.engine.extend_range()
 
-    def _make_vertices(self) -> NDArray[np.float64]:
-        vertices = np.empty((*self._z.shape, 3))
-        vertices[..., 0], vertices[..., 1], vertices[..., 2] = self._x, self._y[:, None], self._z
-        return vertices.reshape(-1, 3)
-
     def _make_texture_coordinates(self) -> NDArray[np.float64] | None:
         """The ground shows the whole image once."""
         if self.image is None:
@@ -382,12 +377,9 @@ class GridGeom(TriMeshGeom):
         coordinates[..., 0], coordinates[..., 1] = np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows)[:, None]
         return coordinates.reshape(-1, 2)
 
-    def _make_normals(self) -> NDArray[np.float64]:
-        return vertex_normals(self.vertices, self.triangles)
-
-    vertices = _Made(_make_vertices)
+    vertices = _Made(lambda self: grid_vertices(self._x, self._y, self._z))
     triangles = _Made(lambda self: grid_triangles(*self._z.shape))
-    normals = _Made(_make_normals)
+    normals = _Made(lambda self: vertex_normals(self.vertices, self.triangles))
     texture_coordinates = _Made(_make_texture_coordinates)
 
     @exclusive

@@ -15,6 +15,7 @@ __all__ = [
     "corner_normals",
     "grid_strip",
     "grid_triangles",
+    "grid_vertices",
     "triangle_normals",
     "units",
     "vertex_normals",
@@ -44,6 +45,13 @@ def grid_triangles(rows: int, columns: int) -> NDArray[np.uint32]:
     for k, offset in enumerate((1, columns + 1, 0, columns + 1, columns), start=1):
         np.add(found[..., 0], np.uint32(offset), out=found[..., k])
     return found.reshape(-1, 3)
+
+
+def grid_vertices(x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vertices of a grid [m], shape (n, 3), row by row, from the x of its columns, the y of its rows, and each z."""
+    vertices = np.empty((*z.shape, 3))
+    vertices[..., 0], vertices[..., 1], vertices[..., 2] = x, y[:, None], z
+    return vertices.reshape(-1, 3)
 
 
 def grid_strip(rows: int, columns: int) -> NDArray[np.int64]:

@@ -21,7 +21,7 @@ from libgz.physics.check import positive
 from libgz.physics.geoms import GridGeom
 from libgz.physics.image_files import open_image
 from libgz.physics.mesh_parts import MeshPart
-from libgz.physics.meshes import grid_triangles
+from libgz.physics.meshes import grid_triangles, grid_vertices
 from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
@@ -46,9 +46,7 @@ def terrain_mesh(path: Path, shape: Element) -> MeshPart:
         GazeboError: the image cannot be read, or is no height map; the size is not positive.
     """
     x, y, z = _grid(shape, _heights(path, shape))
-    vertices = np.empty((len(y), len(x), 3))
-    vertices[..., 0], vertices[..., 1], vertices[..., 2] = x, y[:, None], z
-    return MeshPart("heightmap", vertices.reshape(-1, 3), grid_triangles(len(y), len(x)))
+    return MeshPart("heightmap", grid_vertices(x, y, z), grid_triangles(len(y), len(x)))
 
 
 def terrain_visual(path: Path, shape: Element, body: Body, note: Note) -> GridGeom:

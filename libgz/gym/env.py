@@ -379,11 +379,10 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             ParameterError: the action has another shape, or is not finite.
             gymnasium.error.ResetNeeded: `reset` was not called.
         """
-        world, law, measured = self.world, self._law, False
-        for count in self._act(self._clipped(action)):
-            measured = law is not None and count == self._count
-            world.step(count, law if measured else None)
-        seen = self._observe(measured)
+        world, law = self.world, None
+        for count, law in self._act(self._clipped(action)):
+            world.step(count, law)
+        seen = self._observe(measured=law is not None)
         cut, now = self._end(action, seen), self.outcome
         return seen, now.reward, now.ended != 0.0, cut, self._information()
 
@@ -398,12 +397,10 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
             The observation, whether the episode is truncated, and the info; all else is in `outcome`, and where
             `measures`, so is the observation.
         """
-        world, law = self.world, self._law
-        measured = False
-        for count in self._act(self._clipped(action) if values is None else values):
-            measured = law is not None and count == self._count
-            yield from world.step_beside(count, law if measured else None)
-        seen = None if measured else self._observe()
+        world, law = self.world, None
+        for count, law in self._act(self._clipped(action) if values is None else values):
+            yield from world.step_beside(count, law)
+        seen = None if law is not None else self._observe()
         return seen, self._end(action, seen), self._information()
 
     @property
@@ -411,8 +408,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         """Whether `measure` computes `outcome`."""
         return self._law is not None
 
-    def _act(self, values: Sequence[Any]) -> Iterator[int]:
-        """Write an action; gives the numbers of steps that are then to be made."""
+    def _act(self, values: Sequence[Any]) -> Iterator[tuple[int, LawCall | None]]:
+        """Write an action; gives numbers of steps that are then to be made, and the law that ends them, if any."""
         if not self._started:
             self._check_open()
             raise gymnasium.error.ResetNeeded("call reset() before the first step()")
@@ -423,21 +420,21 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if self._lasting:
             for write, value in zip(self._writers, values, strict=True):
                 write(value)
-            yield self._count
+            yield self._count, self._law
         elif self._write_held(values):
             engine = self.world.engine
             engine.hold(self._efforts)
             try:
-                yield self._count
+                yield self._count, self._law
             finally:
                 engine.hold(None)
             for joint, record in self._held:
                 joint.was_held(record.effort, self._count)
         else:
-            for _ in range(self._count):
+            for left in range(self._count, 0, -1):
                 for write, value in zip(self._writers, values, strict=True):
                     write(value)
-                yield 1
+                yield 1, self._law if left == 1 else None
 
     def _end(self, action: Any, seen: Any) -> bool:
         """Count a step that is over, and set `outcome` where no law has; whether the episode is truncated."""
